@@ -1,24 +1,28 @@
 """Steady running of a machine on an elastic shaft: its periodic cycle, and the results."""
 
 import math
+from functools import partial
 from typing import NamedTuple
 
 import numba
 import numpy as np
 from numba import types
 
-from engine.compiling.running import prepare, spread
+from engine.compiling.running import prepare, spread, sum_of_rows
 from engine.elements.elastic_drives.elastic_cycle import (
     CLOSES,
     COLUMNS,
     GAUSS,
+    MOST_ITERATIONS,
+    NOT_FOUND,
+    STAGES,
     STATE,
     TURNS_BACK,
     UNKNOWNS,
     CyclesToClose,
-    CycleSums,
-    close_cycles,
+    improve_cycles,
 )
+from engine.stepping.system import PrintedSystem
 from engine.words.verdicts import Verdict
 
 # Points of a step, its ends with the Gauss points, and the fractions at which curves through them are sampled.
@@ -26,31 +30,44 @@ _KNOTS = np.array([0.0, *GAUSS.nodes, 1.0])
 _SHARES = np.linspace(0.0, 1.0, 33)
 
 
+class CycleSums(NamedTuple):
+    """Results for cycles, (variants,): period [s], works [J], integral of the shaft torque over time [N·m·s]."""
+
+    period: np.ndarray
+    motor_work: np.ndarray
+    load_work: np.ndarray
+    damping_work: np.ndarray
+    impulse: np.ndarray
+
+
 class DrivenMachine(NamedTuple):
-    """A machine without its driver, as seen by its drive, at the Gauss points of every step of its cycle.
+    """A machine, its shaft and its motors over a cycle of the machine.
 
     Attributes
     ----------
     steps : ndarray (variants, steps)
         [rad].
-    places : ndarray (variants, steps, STAGES, KNOWN + laws)
-        Inertia [kg·m²], coefficients of the torques in ω⁰, ω¹, ω² and in power laws.
-    node_inertia : ndarray (variants, steps + 1)
-        At the ends of steps [kg·m²].
-    drives : ndarray (rows, variants)
-        Characteristics of the motors, as in `engine.laws.motor_characteristics`.
-    exponents : ndarray (variants, laws)
-        Of the power laws.
-    bent : int
-        Number of bends of the characteristics.
+    places : ndarray (steps · STAGES, variants)
+        Crank angles at the Gauss points of every step [rad].
+    inertia : ndarray (variants, steps, points)
+        Of the machine, at the ends and Gauss points of every step [kg·m²].
+    system : PrintedSystem
+        Elastic torque, speed at the motor end and energy of the machine over the crank angle, with the integrals of
+        `CycleSums` and the Jacobian of the rates.
+    numbers : ndarray (numbers, variants)
+        Of the system.
     """
 
     steps: np.ndarray
     places: np.ndarray
-    node_inertia: np.ndarray
-    drives: np.ndarray
-    exponents: np.ndarray
-    bent: int
+    inertia: np.ndarray
+    system: PrintedSystem
+    numbers: np.ndarray
+
+    def at(self, states: np.ndarray, rows: list[int], who: np.ndarray) -> np.ndarray:
+        """Rows of the system at states (variants, steps, STAGES, STATE) of some variants, (rows, points, variants)."""
+        motion = np.moveaxis(states.reshape(who.size, -1, STATE), 0, 1)
+        return self.system.at(self.numbers[:, who], self.places[:, who], np.moveaxis(motion, 2, 0), rows)
 
 
 class ElasticCycle(NamedTuple):
@@ -94,32 +111,49 @@ def elastic_cycle(machine: DrivenMachine, given: np.ndarray, guess: np.ndarray) 
     guess : ndarray (variants, steps, STAGES, STATE)
         Initial guess of the motion.
     """
-    variants, count = machine.steps.shape
-    states, nodes = guess.copy(), np.empty((variants, count + 1, STATE))
-    monodromy, sums = np.empty((variants, STATE, STATE)), CycleSums(*np.empty((len(CycleSums._fields), variants)))
-    parts = [given, machine.drives, machine.exponents, machine.steps, machine.places, states, nodes, monodromy]
-    batch = CyclesToClose(*(np.require(part, requirements="C") for part in parts), sums, machine.bent)
-
-    def arguments() -> tuple:
-        memory = np.empty((count, UNKNOWNS, COLUMNS)), np.empty((count, UNKNOWNS)), np.empty((2, UNKNOWNS, UNKNOWNS))
-        return batch, *memory
-
-    prepare(close_cycles, [types.intp, types.intp, *(numba.typeof(a) for a in arguments())])
-    spread(close_cycles, variants, arguments)
+    (variants, count), system = machine.steps.shape, machine.system
+    batch = CyclesToClose(
+        np.ascontiguousarray(given[:, 0]),
+        machine.steps,
+        guess.copy(),
+        np.zeros((variants, count, UNKNOWNS)),
+        np.zeros((variants, count + 1, STATE)),
+        np.empty((variants, STATE, STATE)),
+        np.full(variants, NOT_FOUND),
+        np.zeros(variants, bool),
+    )
+    jacobian = [system.shown[f"slope {i}"] for i in range(STATE * STATE)]
+    pending = np.arange(variants)
+    for _ in range(MOST_ITERATIONS):
+        found = np.moveaxis(machine.at(batch.states[pending], [*range(STATE), *jacobian], pending), 0, 2)
+        found = np.ascontiguousarray(np.moveaxis(found, 1, 0)).reshape(pending.size, count, STAGES, -1)
+        arguments = partial(_arguments, batch, pending, found)
+        prepare(improve_cycles, [types.intp, types.intp, *(numba.typeof(a) for a in arguments())])
+        spread(improve_cycles, pending.size, arguments)
+        pending = pending[batch.ended[pending] != CLOSES]
+        if not pending.size:
+            break
+    states, nodes, monodromy, ended = batch.states, batch.nodes, batch.monodromy, batch.ended
+    rows = [system.names[name] for name in CycleSums._fields]
+    weights = (machine.steps[:, :, None] * GAUSS.weights).reshape(variants, -1).T
+    sums = CycleSums(*(sum_of_rows(weights * row) for row in machine.at(states, rows, np.arange(variants))))
     points = np.concatenate([nodes[:, :-1, None], states, nodes[:, 1:, None]], axis=2)
     elastic, motor_speed, energy = np.moveaxis(points, 3, 0)
-    inertia = machine.node_inertia
-    inertia = np.concatenate([inertia[:, :-1, None], machine.places[..., 0], inertia[:, 1:, None]], axis=2)
     stiffness, damping = given[:, 0, None, None], given[:, 1, None, None]
     with np.errstate(all="ignore"):
-        speed = np.sqrt(2.0 * energy / inertia)
+        speed = np.sqrt(2.0 * energy / machine.inertia)
         moment = elastic + damping * (motor_speed - speed)
-    verdict = np.where(sums.ended == TURNS_BACK, Verdict.TURNS_BACK, Verdict.NOT_FINITE)
-    sound = (sums.ended == CLOSES) & np.isfinite(monodromy).all(axis=(1, 2)) & np.isfinite(moment).all(axis=(1, 2))
+    verdict = np.where(ended == TURNS_BACK, Verdict.TURNS_BACK, Verdict.NOT_FINITE)
+    sound = (ended == CLOSES) & np.isfinite(monodromy).all(axis=(1, 2)) & np.isfinite(moment).all(axis=(1, 2))
     multipliers = np.full((variants, STATE), np.nan)
     multipliers[sound] = -np.sort(-np.abs(np.linalg.eigvals(monodromy[sound])), axis=1)
     verdict = np.where(sound, Verdict.OK, verdict).astype(np.uint8)
     return ElasticCycle(moment, elastic / stiffness, motor_speed, speed, multipliers, sums, verdict)
+
+
+def _arguments(batch: CyclesToClose, pending: np.ndarray, found: np.ndarray) -> tuple:
+    """Arguments of `improve_cycles` for one thread, with its scratch."""
+    return batch, pending, found, np.empty((found.shape[1], UNKNOWNS, COLUMNS)), np.empty((2, UNKNOWNS, UNKNOWNS))
 
 
 def least_and_greatest(curve: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -165,7 +199,7 @@ def drive_results(
     """
     (least, greatest), (slow, fast) = least_and_greatest(cycle.moment), least_and_greatest(cycle.motor_speed)
     (slowest, fastest), (near, far) = least_and_greatest(cycle.machine_speed), least_and_greatest(cycle.twist)
-    _, period, motors, loads, damped, impulse = cycle.sums
+    period, motors, loads, damped, impulse = cycle.sums
     with np.errstate(all="ignore"):
         return np.stack(
             [
