@@ -115,15 +115,11 @@ def graph(typed: bool = False) -> dict[str, set[str]]:
     return {m: {n for n in imports_in(tree_of(m), m, typed) if n in FILES and n != m} for m in FILES}
 
 
-# Loads of regimes and the moments that they are made of name each other's types; motion will be built anew.
-TYPED_CIRCLES = {"engine.motion.moments.dynamics": {"engine.motion.loads"}}
-
-
 @pytest.mark.parametrize("package", PACKAGES)
 def test_imports__run_one_way(package):
     """Every module can be put below all that import it, be it inside functions or for its types alone."""
     left = {
-        m: {n for n in needs if n.startswith(package)} - TYPED_CIRCLES.get(m, set())
+        m: {n for n in needs if n.startswith(package)}
         for m, needs in graph(typed=True).items()
         if m.startswith(package)
     }

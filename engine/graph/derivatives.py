@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 
 from engine.graph.nodes import LawResult, Node, Operation, Sum, reached
+from engine.laws.senses import sense
 
 # Derivatives of each law by some of its operands, by operand index; each builds a node from the law's operands.
 Slopes = Mapping[Callable, Mapping[int, Callable[..., Node]]]
@@ -53,7 +54,8 @@ def _rule(node: Node, d: Mapping[Node, Node], slopes: Slopes) -> Node:
         case "sqrt":
             return d[a] * (1.0 / node) * 0.5
         case "abs":
-            return d[a] * (node / a)
+            # At rest the derivative is 0, the middle of its range.
+            return d[a] * graph.apply(sense, a)
     return -d[a]
 
 

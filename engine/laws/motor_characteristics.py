@@ -10,15 +10,12 @@ and S. D. Umans, Electric Machinery (equivalent circuit, DC motors).
 import numpy as np
 from numpy.typing import ArrayLike
 
-from engine.compiling.decorators import routine, scalar
+from engine.compiling.decorators import scalar
 from engine.compiling.instructions import chosen
 from engine.units.display import quantity_text
 
 # Relative difference below which two nameplate values count as equal.
 NAMEPLATE_TOLERANCE = 1e-12
-# Rows of a drive: the sum of the straight characteristics, then each bend, then the constants of induction motors.
-LEVEL, FALL, BENDS = range(3)
-PER_BEND, PER_MOTOR = 2, 5
 
 
 @scalar
@@ -98,36 +95,6 @@ def induction_motor_curvature(
     bend = slip * denominator + rise * (slip + slip + damping * breakdown_slip)
     per_slip = breakdown_slip / denominator / denominator / denominator
     return -2.0 * factor * per_slip * bend / synchronous_speed / synchronous_speed
-
-
-@routine
-def motors_at(drives: np.ndarray, k: int, rows: tuple[int, int], speed: float) -> tuple[float, float]:
-    """Torque of all motors of a variant at a speed, and its derivative ∂M/∂ω.
-
-    Parameters
-    ----------
-    drives : ndarray (2 + 2 bends + 5 induction motors, variants)
-        Torque at standstill and slope of the summed straight characteristics; change of slope and speed of each bend;
-        breakdown torque, breakdown slip, rotor ratio, synchronous speed and speed ratio to the crank of each induction
-        motor.
-    k : int
-        Index of the variant.
-    rows : tuple of two ints
-        Number of rows before the induction motors, and in total.
-    speed : float
-        Speed of the crank [rad/s].
-    """
-    moment, slope = drives[LEVEL, k] + drives[FALL, k] * speed, drives[FALL, k]
-    for row in range(BENDS, rows[0], PER_BEND):
-        bend, over = drives[row, k], speed - drives[row + 1, k]
-        moment += bend * bend_of(over)
-        slope += bend * bend_slope(over)
-    for row in range(rows[0], rows[1], PER_MOTOR):
-        most, slip, rotor, synchronous = drives[row, k], drives[row + 1, k], drives[row + 2, k], drives[row + 3, k]
-        ratio = drives[row + 4, k]
-        moment += ratio * induction_motor(most, slip, rotor, synchronous, ratio * speed)
-        slope += (ratio * ratio) * induction_motor_slope(most, slip, rotor, synchronous, ratio * speed)
-    return moment, slope
 
 
 def dc_motor_from_nameplate(power: ArrayLike, rated_speed: ArrayLike, no_load_speed: ArrayLike) -> np.ndarray:

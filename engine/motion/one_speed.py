@@ -140,7 +140,8 @@ def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tup
     """
     graph = mechanics.graph
     energy = graph.given("kinetic energy", Stage.STATE)
-    inverse = 2.0 / inertia_with_flywheel(mechanics)[0]
+    inertia, _ = inertia_with_flywheel(mechanics)
+    inverse = 2.0 / inertia
     speed = graph.function("sqrt", energy * inverse)
     loads, clock, sizes = sizes_of(mechanics, speed)
     moments = moments_of(mechanics, loads, sizes, speed, works)
@@ -158,10 +159,22 @@ def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tup
     )
     gathered = {"time": pace} | {name: node for name, node in known.items() if name in asked}
     responses = tuple(derivative(node, energy, SLOPES) for node in gathered.values())
-    rates = (total,)
-    return System(
-        "angle", (energy,), {}, rates, gathered, speed, size, steepness, slope, (steepness,), responses, guards, clock
-    ), sizes
+    system = System(
+        "angle",
+        (energy,),
+        {},
+        (total,),
+        gathered,
+        speed,
+        size,
+        steepness,
+        slope,
+        (steepness,),
+        responses,
+        guards,
+        clock,
+    )
+    return system._replace(shown=shown_of(inertia, slope / inertia, moments)), sizes
 
 
 def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str], rubs: bool = False) -> tuple[System, Sizes]:
@@ -189,9 +202,13 @@ def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str], rubs: b
     steepness = derivative(smooth, speed, SLOPES)
     rates = (sizes.facing * speed, epsilon)
     states, zero = (turned, speed), graph.zero
-    return System(
-        "time", states, unknown, rates, gathered, speed, zero, steepness, epsilon, (), (), guards, clock
-    ), sizes
+    system = System("time", states, unknown, rates, gathered, speed, zero, steepness, epsilon, (), (), guards, clock)
+    return system._replace(shown=shown_of(inertia, epsilon, moments)), sizes
+
+
+def shown_of(inertia: Node, epsilon: Node, moments: StateMoments) -> dict[str, Node]:
+    """Nodes that are evaluated at single instants, too: inertia, acceleration, and torques by kind of work."""
+    return {"inertia": inertia, "acceleration": epsilon, "motors": moments.motors, **moments.channels}
 
 
 def friction_of(mechanics: Mechanics, loads: Loads, sizes: Sizes, speed: Node, epsilon: Node) -> Node:

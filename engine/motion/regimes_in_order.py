@@ -23,9 +23,7 @@ from engine.motion.coupled.coupled_run import FARTHEST_TURN, LOOKS, CoupledEnds,
 from engine.motion.coupled.coupled_steady import CoupledSteady, one_cycle, settled_at_two_speeds
 from engine.motion.coupled.two_sides import TwoSides, coupling_of
 from engine.motion.loads import PairLoads
-from engine.motion.moments.at_speed import greatest_moment
 from engine.motion.moments.dynamics import Dynamics, Reduction, Variants
-from engine.motion.moments.equation_of_motion import FRICTION_MOMENT
 from engine.motion.moments.grid import NODES
 from engine.motion.one_speed import CHANNELS
 from engine.motion.quantities import (
@@ -236,12 +234,12 @@ class Schedule:
         works |= any(one.field in ("motors_power", *POWERS, EFFICIENCY_NOW) for one in fields)
         sets = dict.fromkeys(frozenset(self.regimes[name].off) for name in self.needed)
         self.reduction = Reduction(mechanics)
-        friction = PairLoads(mechanics, [FRICTION_MOMENT]) if has_friction(scene) else None
+        rubs = has_friction(scene)
         gathered = {"motors"} if works or summaries & {"motor_work", "motor_power"} else set()
         gathered |= {"fading"} if self.steady & set(self.needed) else set()
         gathered |= {"squares"} if "motor_moment_rms" in summaries else set()
-        self.dynamics = {off: Dynamics(self.reduction, off, works, friction, frozenset(gathered)) for off in sets}
-        self.sides = {off: TwoSides(self.reduction, off, works, friction) for off in sets} if scene.couplings else {}
+        self.dynamics = {off: Dynamics(self.reduction, off, works, rubs, frozenset(gathered)) for off in sets}
+        self.sides = {off: TwoSides(self.reduction, off, works, rubs) for off in sets} if scene.couplings else {}
         self._refuse_equal_steps()
 
     @property
@@ -688,7 +686,7 @@ class Schedule:
         found = {"time": state.time, "angle": state.turned, "final_speed": state.omega}
         found |= {"speed_min": low, "speed_max": high, "implicit_steps": outcome.steep}
         if f"{name}.motor_moment_peak" in self.asked:
-            found["motor_moment_peak"] = greatest_moment(variants.drive, low, high)
+            found["motor_moment_peak"] = dynamics.greatest_moment(variants.numbers, low, high)
         change = outcome.ended - outcome.started
         return found | _work_values(dynamics, state.works, state.squares, state.time, change, energy)
 
@@ -710,7 +708,7 @@ class Schedule:
         grid = dynamics.grid(sided, zero, dynamics.cycle, self.steps // 2 if half else self.steps) if looked else None
         nodes = None if grid is None else variants.direction * grid.places[NODES]
         off: Steady | None = None
-        if dynamics.friction is not None:
+        if dynamics.rubs:
             steady = settled_motion(dynamics, variants, self.tolerance, half, nodes)
         else:
             # Without nodes the second call is identical.
@@ -736,7 +734,7 @@ class Schedule:
             off = frozenset(self.regimes[name].off)
             cycle = answers_of(cycle_of(dynamics, variants, grid, steady, self.loads, off), asked, dynamics.cycle)
         verdict = np.where(standing.verdict != Verdict.OK, standing.verdict, np.maximum(verdict, steady.verdict))
-        begin = np.sqrt(2.0 * steady.energy / dynamics.rows(variants, zero[None]).inertia[0])
+        begin = np.sqrt(2.0 * steady.energy / dynamics.inertia(variants, zero))
         held = CoupledStanding(begin, np.full(variants.count, np.inf)) if self.sides else None
         return found, missed, cycle, Standing(zero, begin, zero, verdict.astype(np.uint8), held)
 
@@ -747,7 +745,7 @@ class Schedule:
         found |= {"period": period, "mean_speed": dynamics.cycle / period, "multiplier": steady.multiplier}
         found |= {"return_residual": steady.residual, "energy": steady.energy, "implicit_steps": steady.steep}
         if f"{name}.motor_moment_peak" in self.asked:
-            found["motor_moment_peak"] = greatest_moment(variants.drive, low, high)
+            found["motor_moment_peak"] = dynamics.greatest_moment(variants.numbers, low, high)
         change = steady.ended - steady.energy
         found |= _work_values(dynamics, steady.works, steady.squares, period, change, steady.energy)
         return found | self._slips(name, variants, dynamics.cycle / period)
@@ -819,7 +817,7 @@ def _greatest(rows: np.ndarray) -> np.ndarray:
 
 def _greatest_energy(dynamics: Dynamics, variants: Variants, angle: np.ndarray, outcome: RunOutcome) -> np.ndarray:
     """Approximate peak kinetic energy of a run: at its ends, or at its maximum speed."""
-    inertia = dynamics.rows(variants, angle[None]).inertia[0]
+    inertia = dynamics.inertia(variants, angle)
     fastest = np.maximum(np.abs(outcome.fastest), np.abs(outcome.slowest))
     return np.maximum(0.5 * inertia * fastest**2, np.maximum(outcome.started, outcome.ended))
 

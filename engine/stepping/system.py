@@ -1,7 +1,7 @@
 """A motion as a system of rates: states, accumulated integrals and guards, as nodes; printed and integrated."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -13,6 +13,7 @@ from engine.compiling.tiles import TileFunction
 from engine.compiling.widths import LANES
 from engine.graph.functions import Functions, functions_in_motion, places_of
 from engine.graph.nodes import Given, Graph, Node
+from engine.stepping.at_states import GivenStates, evaluate_states
 from engine.stepping.closed_cycle import OUTCOME, CycleBatch, CycleRoom, find_cycles, new_cycle_room
 from engine.stepping.methods import EIGHT, METHODS
 from engine.stepping.walk import (
@@ -22,6 +23,7 @@ from engine.stepping.walk import (
     RESPONSES,
     ROOT,
     STEEPEST,
+    STEEPNESS,
     Room,
     WalkBatch,
     WalkTask,
@@ -75,6 +77,8 @@ class System(NamedTuple):
         Whether speeds may be negative; else each side faces the way it goes.
     scales : tuple of Node
         What errors of the states are measured by along time; without them, the states themselves.
+    shown : dict of str to Node
+        Further nodes that `PrintedSystem.at` evaluates.
     """
 
     along: str
@@ -93,6 +97,7 @@ class System(NamedTuple):
     held: Mapping[Given, Node] = MappingProxyType({})
     signed: bool = False
     scales: tuple[Node, ...] = ()
+    shown: Mapping[str, Node] = MappingProxyType({})
 
 
 class Walks(NamedTuple):
@@ -161,6 +166,8 @@ class PrintedSystem:
     ----------
     names : dict of str to int
         Rows of the integrals, by name; the rows of the states precede them.
+    shown : dict of str to int
+        Rows of the shown nodes, of the steepness and of the slopes among the results of `at`, behind those of `names`.
     """
 
     def __init__(self, system: System, graph: Graph, first: Node, last: Node) -> None:
@@ -168,12 +175,18 @@ class PrintedSystem:
         self.rates = [*system.rates, *system.gathered.values()]
         guards = (guard.value for guard in system.guards)
         before = system.speed, system.size, system.steepness, system.slope
-        self.watched = [*before, *system.responses, *system.slopes, *system.scales, *system.held.values(), *guards]
+        behind = *system.scales, *system.shown.values(), *system.held.values(), *guards
+        self.watched = [*before, *system.responses, *system.slopes, *behind]
         self.last = (*system.states, *system.unknown.values())
         title = f"Motion along {system.along}."
         self.functions: Functions = functions_in_motion(graph, title, first, last, self.rates, self.watched, self.last)
         self._rated = len(places_of(self.rates))
         self.names = {name: len(system.states) + i for i, name in enumerate(system.gathered)}
+        slope = len(self.rates) + RESPONSES + len(system.responses)
+        first_shown = slope + len(system.slopes) + len(system.scales)
+        self.shown = {name: first_shown + i for i, name in enumerate(system.shown)}
+        self.shown |= {"steepness": len(self.rates) + STEEPNESS}
+        self.shown |= {f"slope {i}": slope + i for i in range(len(system.slopes))}
 
     def task(
         self, cycle: float, method: int = EIGHT, extremes: bool = False, longer: float = 1.0, root: float = ROOT
@@ -239,6 +252,40 @@ class PrintedSystem:
         self._go(walk, states.shape[1], batch, task, room)
         return Walks(states, carried_errors, batch.ending, *batch.found, batch.recorded, batch.numbers)
 
+    def at(
+        self,
+        numbers: np.ndarray,
+        places: np.ndarray,
+        states: Sequence[np.ndarray],
+        wanted: Sequence[int],
+        clock: np.ndarray | float = 0.0,
+    ) -> np.ndarray:
+        """Evaluate the system at states of many variants.
+
+        Parameters
+        ----------
+        numbers : ndarray (numbers, variants)
+        places : ndarray (…, variants)
+            Positions of the input [rad].
+        states : sequence of ndarray (…, variants)
+        wanted : sequence of int
+            Rows of the results, from `names` and `shown`; the first ones are the rates of the states.
+        clock : ndarray (…, variants), optional
+            Time [s].
+
+        Returns
+        -------
+        ndarray (wanted, …, variants)
+            NaN where an implicit rate has no solution.
+        """
+        found, task = np.empty((len(wanted), places.size)), self.task(np.inf)
+        rows = (np.array(np.broadcast_to(row, places.shape), float).ravel() for row in (places, clock))
+        flat = np.array([np.broadcast_to(state, places.shape) for state in states]).reshape(len(states), places.size)
+        numbers = np.require(numbers, requirements="CW")
+        batch = GivenStates(self.functions.memory, numbers, *rows, flat, np.array(wanted, int), found)
+        self._go(evaluate_states, places.size, batch, task, lambda: new_room(task, len(numbers), 1, 0, False))
+        return found.reshape(len(wanted), *places.shape)
+
     def close(
         self,
         task: WalkTask,
@@ -284,7 +331,7 @@ class PrintedSystem:
         self,
         driver: Callable,
         count: int,
-        batch: WalkBatch | CycleBatch,
+        batch: WalkBatch | CycleBatch | GivenStates,
         task: WalkTask,
         room: Callable[[], Room | CycleRoom],
     ) -> None:

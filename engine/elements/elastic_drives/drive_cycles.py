@@ -1,22 +1,28 @@
 """Steady running of a machine on an elastic shaft: its periodic cycle, and the results."""
 
 import math
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.running import spread, sum_of_rows
 from engine.cycle.panels.chebyshev import PLACES
 from engine.cycle.panels.sampled import tops
 from engine.elements.elastic_drives.elastic_cycle import (
     CLOSES,
+    COLUMNS,
     GAUSS,
+    MOST_ITERATIONS,
+    NOT_FOUND,
+    STAGES,
     STATE,
     TURNS_BACK,
     UNKNOWNS,
-    CycleMotion,
-    DrivenMachine,
-    close_cycles,
+    CyclesToClose,
+    improve_cycles,
 )
+from engine.stepping.system import PrintedSystem
 from engine.words.verdicts import Verdict
 
 # Values at the positions of a panel of the polynomial through a step's points: its ends and the Gauss points.
@@ -27,23 +33,43 @@ _THROUGH = (0.5 * (PLACES + 1.0))[:, None] ** _POWERS @ np.linalg.inv(
 
 
 class CycleSums(NamedTuple):
-    """Integrals over cycles, (variants,).
-
-    Attributes
-    ----------
-    period : ndarray
-        [s].
-    motor_work, load_work, damping_work : ndarray
-        [J].
-    impulse : ndarray
-        Integral of the shaft torque over time [N·m·s].
-    """
+    """Results for cycles, (variants,): period [s], works [J], integral of the shaft torque over time [N·m·s]."""
 
     period: np.ndarray
     motor_work: np.ndarray
     load_work: np.ndarray
     damping_work: np.ndarray
     impulse: np.ndarray
+
+
+class DrivenMachine(NamedTuple):
+    """A machine, its shaft and its motors over a cycle of the machine.
+
+    Attributes
+    ----------
+    steps : ndarray (variants, steps)
+        [rad].
+    places : ndarray (steps · STAGES, variants)
+        Crank angles at the Gauss points of every step [rad].
+    inertia : ndarray (variants, steps, points)
+        Of the machine, at the ends and Gauss points of every step [kg·m²].
+    system : PrintedSystem
+        Elastic torque, speed at the motor end and energy of the machine over the crank angle, with the integrals of
+        `CycleSums` and the Jacobian of the rates.
+    numbers : ndarray (numbers, variants)
+        Of the system.
+    """
+
+    steps: np.ndarray
+    places: np.ndarray
+    inertia: np.ndarray
+    system: PrintedSystem
+    numbers: np.ndarray
+
+    def at(self, states: np.ndarray, rows: list[int], who: np.ndarray) -> np.ndarray:
+        """Rows of the system at states (variants, steps, STAGES, STATE) of some variants, (rows, points, variants)."""
+        motion = np.moveaxis(states.reshape(who.size, -1, STATE), 0, 1)
+        return self.system.at(self.numbers[:, who], self.places[:, who], np.moveaxis(motion, 2, 0), rows)
 
 
 class ElasticCycle(NamedTuple):
@@ -87,35 +113,47 @@ def elastic_cycle(machine: DrivenMachine, given: np.ndarray, guess: np.ndarray) 
     guess : ndarray (variants, steps, STAGES, STATE)
         Initial guess of the motion.
     """
-    variants, count = machine.steps.shape
-    machine = DrivenMachine(*map(np.ascontiguousarray, machine[:-1]), machine.bent)
-    empty = map(
-        np.empty, ((variants, count, UNKNOWNS), (variants, count + 1, STATE), (variants, STATE, STATE), variants)
+    (variants, count), system = machine.steps.shape, machine.system
+    batch = CyclesToClose(
+        np.ascontiguousarray(given[:, 0]),
+        machine.steps,
+        guess.copy(),
+        np.zeros((variants, count, UNKNOWNS)),
+        np.zeros((variants, count + 1, STATE)),
+        np.empty((variants, STATE, STATE)),
+        np.full(variants, NOT_FOUND),
+        np.zeros(variants, bool),
     )
-    motion = CycleMotion(guess.copy(), *empty)
-    close_cycles(variants, np.ascontiguousarray(given), machine, motion)
-    nodes, monodromy = motion.nodes, motion.monodromy
-    points = np.concatenate([nodes[:, :-1, None], motion.states, nodes[:, 1:, None]], axis=2)
+    jacobian = [system.shown[f"slope {i}"] for i in range(STATE * STATE)]
+    pending = np.arange(variants)
+    for _ in range(MOST_ITERATIONS):
+        found = np.moveaxis(machine.at(batch.states[pending], [*range(STATE), *jacobian], pending), 0, 2)
+        found = np.ascontiguousarray(np.moveaxis(found, 1, 0)).reshape(pending.size, count, STAGES, -1)
+        spread(improve_cycles, pending.size, partial(_arguments, batch, pending, found))
+        pending = pending[batch.ended[pending] != CLOSES]
+        if not pending.size:
+            break
+    states, nodes, monodromy, ended = batch.states, batch.nodes, batch.monodromy, batch.ended
+    rows = [system.names[name] for name in CycleSums._fields]
+    weights = (machine.steps[:, :, None] * GAUSS.weights).reshape(variants, -1).T
+    sums = CycleSums(*(sum_of_rows(weights * row) for row in machine.at(states, rows, np.arange(variants))))
+    points = np.concatenate([nodes[:, :-1, None], states, nodes[:, 1:, None]], axis=2)
     elastic, motor_speed, energy = np.moveaxis(points, 3, 0)
-    inertia = machine.node_inertia
-    inertia = np.concatenate([inertia[:, :-1, None], machine.places[..., 0], inertia[:, 1:, None]], axis=2)
-    stiffness, damping, first = given.T[..., None, None]
+    stiffness, damping = given[:, 0, None, None], given[:, 1, None, None]
     with np.errstate(all="ignore"):
-        speed = np.sqrt(2.0 * energy / inertia)
-        slip = motor_speed - speed
-        moment = elastic + damping * slip
-        # The equations of motion give the torques of motors and loads, at the Gauss points.
-        w, w1, torque = (row[..., 1:-1] for row in (speed, motor_speed, moment))
-        _, rise, gain = np.moveaxis(motion.slopes.reshape(motion.states.shape), 3, 0)
-        time = machine.steps[..., None] * GAUSS.weights / w
-        powers = (first * w * rise + torque) * w1, (gain - torque) * w, damping * slip[..., 1:-1] ** 2
-        sums = CycleSums(*((time * row).sum(axis=(1, 2)) for row in (1.0, *powers, torque)))
-    verdict = np.where(motion.ended == TURNS_BACK, Verdict.TURNS_BACK, Verdict.NOT_FINITE)
-    sound = (motion.ended == CLOSES) & np.isfinite(monodromy).all(axis=(1, 2)) & np.isfinite(moment).all(axis=(1, 2))
+        speed = np.sqrt(2.0 * energy / machine.inertia)
+        moment = elastic + damping * (motor_speed - speed)
+    verdict = np.where(ended == TURNS_BACK, Verdict.TURNS_BACK, Verdict.NOT_FINITE)
+    sound = (ended == CLOSES) & np.isfinite(monodromy).all(axis=(1, 2)) & np.isfinite(moment).all(axis=(1, 2))
     multipliers = np.full((variants, STATE), np.nan)
     multipliers[sound] = -np.sort(-np.abs(np.linalg.eigvals(monodromy[sound])), axis=1)
     verdict = np.where(sound, Verdict.OK, verdict).astype(np.uint8)
     return ElasticCycle(moment, elastic / stiffness, motor_speed, speed, multipliers, sums, verdict)
+
+
+def _arguments(batch: CyclesToClose, pending: np.ndarray, found: np.ndarray) -> tuple:
+    """Arguments of `improve_cycles` for one thread, with its scratch."""
+    return batch, pending, found, np.empty((found.shape[1], UNKNOWNS, COLUMNS)), np.empty((2, UNKNOWNS, UNKNOWNS))
 
 
 def least_and_greatest(curve: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -8,21 +8,25 @@ import numpy as np
 
 from engine.compiling.running import mean_of_rows
 from engine.elements.elastic_drives.drive_cycles import (
+    DrivenMachine,
     ElasticCycle,
     drive_results,
     elastic_cycle,
     least_and_greatest,
     steps_needed,
 )
-from engine.elements.elastic_drives.elastic_cycle import GAUSS, KNOWN, STAGES, STATE, DrivenMachine
+from engine.elements.elastic_drives.elastic_cycle import GAUSS, STAGES, STATE
 from engine.elements.elastic_drives.elastic_shaft import drive_shaft
 from engine.elements.elastic_drives.machine_drive import RESULTS, RUN_RESULTS, VERDICT_KEY, MachineDrive, machine_keys
+from engine.machine.drives.drive_over_angle import drive_over_angle
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.coupled.coupled_run import FINE, Precision
 from engine.motion.coupled.elastic_run import FINEST, ElasticHistory, ElasticRun, run_on_shaft, steps_on_shaft
 from engine.motion.coupled.two_sides import OnElasticShaft
 from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.moments.grid import GAP
+from engine.motion.one_speed import MachineSystem
 from engine.motion.regimes_in_order import TOLERANCE, Schedule
 from engine.motion.runs.watching import Observer
 from engine.motion.settled.steady import steady_motion
@@ -63,6 +67,8 @@ class ElasticDrives:
         runs = {name: drive.run for name, drive in self.drives.items() if drive.run is not None}
         self.runs = {name: OnElasticShaft(reduction, frozenset(run.off)) for name, run in runs.items()}
         self.nodes = reduction.nodes
+        motors, loads = frozenset(reduction.loads.motors), frozenset(load.action for load in reduction.loads.terms)
+        self._over_angle = MachineSystem(*drive_over_angle(mechanics, motors, loads), mechanics)
 
     def numbers(self, numbers: Numbers, sound: np.ndarray) -> dict[str, np.ndarray]:
         """Results of the drives, as numbers of the elements by their paths.
@@ -95,7 +101,7 @@ class ElasticDrives:
         ready, steps, verdict = self._ready(name, variants)
         for count in np.unique(steps):
             same = np.flatnonzero(steps == count)
-            together = max(1, TOGETHER // (count * STAGES * (KNOWN + 2 * STATE)))
+            together = max(1, TOGETHER // (count * STAGES * (3 * STATE + STATE**2)))
             for some in np.array_split(same, -(-same.size // together)):
                 part, who = ready.some(some), ready.which[some]
                 (fine, cycle), (coarse, _) = (_settled(part, int(n)) for n in (count, count // 2))
@@ -199,7 +205,7 @@ class ElasticDrives:
         n = {key: np.broadcast_to(value, own.shape) for key, value in given.items()}
         shaft = drive_shaft(drive, n | {"motor_inertia": own, "load_inertia": _mean_inertia(dynamics, bare)})
         given = np.stack([shaft.stiffness, shaft.damping, own], axis=1)[who]
-        ready = Ready(dynamics, rigid.some(who), bare.some(who), given, shaft.frequency[who], who)
+        ready = Ready(dynamics, self._over_angle, rigid.some(who), bare.some(who), given, shaft.frequency[who], who)
         steps = steps_needed(ready.frequency, dynamics.cycle / steady.period[who], dynamics.cycle)
         return ready, steps, verdict.astype(np.uint8)
 
@@ -337,6 +343,8 @@ class Ready(NamedTuple):
     Attributes
     ----------
     dynamics : Dynamics
+    system : MachineSystem
+        Of the drive over the crank angle.
     rigid, bare : Variants
     given : ndarray (variants, 3)
         As for `elastic_cycle`.
@@ -347,6 +355,7 @@ class Ready(NamedTuple):
     """
 
     dynamics: Dynamics
+    system: MachineSystem
     rigid: Variants
     bare: Variants
     given: np.ndarray
@@ -356,7 +365,7 @@ class Ready(NamedTuple):
     def some(self, chosen: np.ndarray) -> "Ready":
         """A subset, by index."""
         rest = (part[chosen] for part in (self.given, self.frequency, self.which))
-        return Ready(self.dynamics, self.rigid.some(chosen), self.bare.some(chosen), *rest)
+        return Ready(self.dynamics, self.system, self.rigid.some(chosen), self.bare.some(chosen), *rest)
 
 
 class RigidCycle(NamedTuple):
@@ -369,7 +378,7 @@ class RigidCycle(NamedTuple):
 def _mean_inertia(dynamics: Dynamics, variants: Variants) -> np.ndarray:
     """Mean inertia over the crank angle, (variants,)."""
     places = np.arange(LOOKED_AT)[:, None] * (dynamics.cycle / LOOKED_AT) + np.zeros(variants.count)
-    return mean_of_rows(dynamics.rows(variants, places).inertia)
+    return mean_of_rows(dynamics.inertia(variants, places))
 
 
 def _settled(ready: Ready, count: int) -> tuple[np.ndarray, ElasticCycle]:
@@ -391,24 +400,24 @@ def _machine_over_cycle(ready: Ready, count: int) -> tuple[DrivenMachine, np.nda
     turned = np.concatenate([np.zeros((1, variants)), np.cumsum(steps, axis=0)])
     within = turned[:-1, None] + steps[:, None] * np.array([0.0, *GAUSS.nodes])[:, None]
     every = np.concatenate([within.reshape(-1, variants), turned[-1:]])
-    rows = dynamics.rows(bare, bare.direction * every)
-    whole = rows.inertia + own
+    inertia = dynamics.inertia(bare, bare.direction * every)
     energy = steady_motion(dynamics, ready.rigid, TOLERANCE, every)[0].record[0]
-    omega = np.sqrt(2.0 * energy / whole)
-    moments = dynamics.moments(ready.rigid, rows, omega)
-    epsilon = (moments.total - 0.5 * omega**2 * rows.inertia_phi) / whole
+    omega, zero = np.sqrt(2.0 * energy / (inertia + own)), np.zeros(variants)
+    whole = EquationOfMotion(dynamics, ready.rigid, zero).along(every, omega, np.zeros_like(omega), zero + 1.0)
 
     def points(values: np.ndarray) -> np.ndarray:
         """Values at the points of every step, including its ends: (variants, steps, points)."""
         begins = values[:-1].reshape(-1, STAGES + 1, variants)
         return np.moveaxis(np.concatenate([begins, values[STAGES + 1 :: STAGES + 1, None]], axis=1), 2, 0)
 
-    rigid = RigidCycle(points(moments.motors - own * epsilon), points(omega))
-    columns = (rows.inertia, *rows.loads.sum(axis=0), *rows.powers)
-    places = np.stack([points(column)[..., 1:-1] for column in columns], axis=3)
-    moment, speed = rigid.moment[..., 1:-1], rigid.speed[..., 1:-1]
-    guess = np.stack([moment, speed, 0.5 * places[..., 0] * speed**2], axis=3)
-    drive = ready.rigid.drive
-    nodes = rows.inertia[:: STAGES + 1].T
-    machine = DrivenMachine(steps.T, places, nodes, drive.rows, drive.exponents.T, drive.bent)
+    rigid = RigidCycle(points(whole.motors - own * whole.epsilon), points(omega))
+    moment, speed, inertia = rigid.moment[..., 1:-1], rigid.speed[..., 1:-1], points(inertia)
+    guess = np.stack([moment, speed, 0.5 * inertia[..., 1:-1] * speed**2], axis=3)
+    sizes, way = ready.system.sizes, bare.direction
+    given = dict(zip((sizes.stiffness, sizes.damping, sizes.motor_inertia), ready.given.T, strict=True))
+    for side in (sizes.machine, sizes.motors):
+        given |= dynamics.sized(side, bare.numbers, way) | {side.wheel: bare.flywheel, side.way: way, side.facing: 1.0}
+    numbers = ready.system.tabulation.parameters(bare.numbers, way, bare.ends, given)
+    places = (way * every[:-1]).reshape(-1, STAGES + 1, variants)[:, 1:].reshape(-1, variants)
+    machine = DrivenMachine(np.ascontiguousarray(steps.T), places, inertia, ready.system, numbers)
     return machine, guess, rigid

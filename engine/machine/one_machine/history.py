@@ -201,7 +201,7 @@ def _one_cycle(dynamics: Dynamics, variants: Variants, steps: int, tolerance: fl
     places = grid.places[NODES]
     steady = settled_motion(dynamics, variants, tolerance, False, variants.direction * places)
     energy, time, moment = steady.record
-    omega = np.sqrt(2.0 * energy / dynamics.rows(variants, places).inertia)
+    omega = np.sqrt(2.0 * energy / dynamics.inertia(variants, places))
     piece = Piece(time, variants.direction * places, omega, np.ones(1), grid.steps, moment)
     return piece, Standing(zero, omega[0], zero, steady.verdict)
 

@@ -7,11 +7,9 @@ import numpy as np
 
 from engine.compiling.running import of_all
 from engine.motion.coupled.coupled_run import CoupledEnds, CoupledRuns, Precision
-from engine.motion.coupled.two_sides import CoupledSides, TwoSides, coupling_numbers
+from engine.motion.coupled.two_sides import TOGETHER, CoupledSides, Joined, TwoSides, coupling_pull
 from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, SHAFT_TURNED, TURNED
-from engine.motion.moments.at_speed import greatest_moment
 from engine.motion.moments.dynamics import Dynamics, Variants
-from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.runs.watching import Observer
 from engine.words.verdicts import Verdict
 
@@ -85,17 +83,17 @@ def run_coupled(
 ) -> CoupledOutcome:
     """Run to the end; parameters are those of `CoupledRuns`."""
     runs = CoupledRuns(sides, speeds, clock, engaged, ends, precision, observers)
-    started, begun = _energy(sides, runs.state, np.zeros_like(clock), clock)
+    started, begun = _energy(sides, runs.state)
     runs.go_to_end()
     state, ratio = runs.state, sides.coupling.ratio
-    ended, after = _energy(sides, state, runs.time, clock)
+    ended, after = _energy(sides, state)
     heat, slipped, squares = (state[sides.two.system.names[name]] for name in ("heat", "slipped", "squares"))
     with np.errstate(all="ignore"):
         slip = np.where(state[SHAFT_TURNED] == 0.0, 0.0, slipped / np.abs(state[SHAFT_TURNED]))
         mean = state[SHAFT_TURNED] / runs.time
-    drives = (form.variants.drive for form in (sides.crank, sides.shaft.form))
+    forms = zip((sides.crank, sides.shaft.form), runs.lows, runs.highs, strict=True)
     # Motors are on only one of the two sides.
-    peaks = [greatest_moment(d, low, high) for d, low, high in zip(drives, runs.lows, runs.highs, strict=True)]
+    peaks = [form.dynamics.greatest_moment(form.variants.numbers, low, high) for form, low, high in forms]
     values = {
         "speed_min": runs.lows[0],
         "speed_max": runs.highs[0],
@@ -127,13 +125,10 @@ def run_coupled(
     )
 
 
-def _energy(
-    sides: CoupledSides, state: np.ndarray, time: np.ndarray, clock: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def _energy(sides: CoupledSides, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Kinetic energy of both sides together, and that of the shaft [J]."""
-    rows, _ = sides.crank.at(state[TURNED], state[CRANK_SPEED], clock + time, np.ones_like(time))
     shaft = 0.5 * sides.shaft.inertia * state[SHAFT_SPEED] ** 2
-    return 0.5 * rows.inertia[0] * state[CRANK_SPEED] ** 2 + shaft, shaft
+    return 0.5 * sides.crank.inertia(state[TURNED]) * state[CRANK_SPEED] ** 2 + shaft, shaft
 
 
 def held_moment(
@@ -152,16 +147,14 @@ def held_moment(
     energy : ndarray (places, variants)
         Kinetic energy there [J].
     """
-    zero, forward, way = np.zeros(variants.count), np.ones(variants.count), variants.direction
-    coupling, shaft = coupling_numbers(two.scene, variants.numbers, variants.count), two.of(variants, zero).shaft
-    omega = np.sqrt(2.0 * energy / dynamics.rows(variants, places).inertia)
-    whole = EquationOfMotion(dynamics, variants, zero)
-    rows, moments = whole.along(way * places, omega, np.zeros_like(omega), forward)
-    change = (moments.total - 0.5 * omega**2 * rows.inertia_phi) / rows.inertia
-    own = shaft.moments(omega, forward).total
+    zero, forward = np.zeros(variants.count), np.ones(variants.count)
+    sides, omega = two.of(variants, zero), np.sqrt(2.0 * energy / dynamics.inertia(variants, places))
+    joined = Joined(np.full(variants.count, TOGETHER), forward, forward, zero, zero, forward)
+    moving = np.array([variants.direction * places, omega, np.zeros_like(omega), omega])
+    moment, coupling = coupling_pull(sides, joined, moving, np.zeros_like(omega)).moment, sides.coupling
     steps = np.diff(places, axis=0)
     even = np.isclose(steps[1:], steps[:-1], rtol=EVEN, atol=0.0)
-    peak = _greatest_between(np.abs(own - shaft.inertia * change), even)
+    peak = _greatest_between(np.abs(moment), even)
     return peak / coupling.ratio, coupling.capacity[-1] / coupling.ratio
 
 

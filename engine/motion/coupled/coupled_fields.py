@@ -156,27 +156,27 @@ class CoupledFields(RunFields):
         way, facing = own.direction, faced_ways(joined)[0]
         with np.errstate(all="ignore"):
             pull = coupling_pull(sides, joined, moving, time)
-            on_crank, on_shaft = pull.on_crank, pull.on_shaft
+            on_crank, on_shaft = pull.crank, pull.shaft
             loads, motors = on_crank.loads + on_shaft.loads, on_crank.motors + on_shaft.motors
-            rows = motion_rows(own, omega, pull.crank, motors, loads)
+            rows = motion_rows(own, omega, on_crank.epsilon, motors, loads)
             power = on_crank.motors * omega + on_shaft.motors * shaft_omega
             powers = on_crank.loads * omega + on_shaft.loads * shaft_omega
             heat = pull.moment * (omega - shaft_omega)
             if self.dynamics.works:
                 rows |= power_rows(power, powers, heat)
         # The crank is driven by its own motors and the coupling.
-        rows["input_moment"] = (on_crank.motors + pull.moment - own.flywheel * pull.crank) * way
-        energy = pull.rows.inertia * omega**2 + sides.shaft.inertia * shaft_omega**2
+        rows["input_moment"] = (on_crank.motors + pull.moment - own.flywheel * on_crank.epsilon) * way
+        energy = on_crank.inertia * omega**2 + sides.shaft.inertia * shaft_omega**2
         rows |= {"kinetic_energy": 0.5 * energy, INSTANT: time, ANGLE: moving[TURNED]}
         rows |= {"shaft_speed": sides.coupling.ratio * shaft_omega, "coupling_moment": way * pull.moment}
         rows |= {key: way * row for key, row in zip(self.dynamics.channels, loads, strict=True)}
         sources = zip(("motors", *self.dynamics.channels, "coupling"), (power, *powers, heat), strict=True)
         rows |= {f"{source} power": row for source, row in sources}
         clock = time + self.clock[who]
-        found = self.on_pairs(who, facing, self.start[who] + way * moving[TURNED], omega, pull.crank, clock)
+        found = self.on_pairs(who, facing, self.start[who] + way * moving[TURNED], omega, on_crank.epsilon, clock)
         for name in WITH_FLYWHEEL:
             if name in found:
                 # Like a flywheel, the shaft's inertia loads the frame.
                 ratio = own.numbers[f"shafts.{sides.two.coupling.shaft}.ratio"]
-                found[name] = found[name] - sides.shaft.inertia / ratio * way * pull.shaft
+                found[name] = found[name] - sides.shaft.inertia / ratio * way * on_shaft.epsilon
         return rows | found

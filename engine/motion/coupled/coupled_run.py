@@ -24,7 +24,6 @@ from engine.motion.coupled.two_sides import (
 )
 from engine.motion.coupled.two_speeds import CRANK_SPEED, GRIP, SHAFT_SPEED, SHAFT_TURNED, TURNED
 from engine.motion.moments.breaks import JUMP
-from engine.motion.moments.equation_of_motion import UNIFORM
 from engine.motion.moments.grid import edges_of
 from engine.motion.runs.watching import Observer, side_by_side
 from engine.stepping.methods import EIGHT, NINE
@@ -244,7 +243,7 @@ class CoupledRuns:
         off = np.where(standing, np.where(forth > 0.0, 1.0, np.where(back < 0.0, -1.0, 0.0)), ways[0])
         capacity = _grip(sides, joined.engaged + time)
         trial = joined._replace(mode=np.full(slip.size, TOGETHER), crank_way=off, shaft_way=off)
-        needed = coupling_pull(sides, trial, moving[:, None], time[None]).moment[0]
+        needed = coupling_pull(sides, trial, moving, time).moment
         # Where both stand, either side may be held by its own resistance.
         alone = np.where(shaft_forth > capacity, 1, np.where(-shaft_back > capacity, -1, 0))
         crank_forth, crank_back = forth - shaft_forth, back - shaft_back
@@ -261,11 +260,9 @@ class CoupledRuns:
         forth = np.ones(time.size)
         found = []
         for way in (forth, -forth):
-            turned, w1, _, w2 = moving
             # These torques only decide about sides at rest.
-            rows, of_crank = sides.crank.at(turned, w1, joined.clock + time, way, UNIFORM)
-            crank = of_crank.total[0] - 0.5 * w1 * w1 * rows.inertia_phi[0]
-            found.append((crank, sides.shaft.moments(w2[None], way).total[0]))
+            pull = coupling_pull(sides, joined._replace(crank_way=way, shaft_way=way), moving, time, moves=False)
+            found.append((pull.crank.total, pull.shaft.total))
         (a, b), (c, d) = found
         return a + b, c + d, a, b, c, d
 
@@ -280,7 +277,7 @@ class CoupledRuns:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Direction of each side: of its motion, or of its start from rest."""
         both_forth, both_back, forth, shaft_forth, back, shaft_back = self._free(sides, joined, moving, time)
-        moment = coupling_pull(sides, joined._replace(mode=mode), moving[:, None], time[None]).moment[0]
+        moment = coupling_pull(sides, joined._replace(mode=mode), moving, time).moment
         holds = mode == TOGETHER
 
         def off(low: np.ndarray, high: np.ndarray) -> np.ndarray:
@@ -323,26 +320,25 @@ class CoupledRuns:
 
     def _first_pace(self, sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> np.ndarray:
         """Length of the first trial step [s]."""
-        found = coupling_pull(sides, joined, moving[:, None], time[None])
+        found = coupling_pull(sides, joined, moving, time)
+        crank, shaft = found.crank.epsilon, found.shaft.epsilon
         speed = np.maximum(np.abs(moving[CRANK_SPEED]), np.abs(moving[SHAFT_SPEED]))
-        change = np.maximum(np.abs(found.crank[0]), np.abs(found.shaft[0]))
-        fading = np.abs(found.on_crank.slope - moving[CRANK_SPEED] * found.rows.inertia_phi)[0] / found.rows.inertia[0]
-        fading += np.abs(found.on_shaft.slope[0]) / sides.shaft.inertia
+        change = np.maximum(np.abs(crank), np.abs(shaft))
         # A hundredth of the time per radian; less where torques pull the speeds together.
-        first = 0.01 / np.maximum(np.maximum(speed, np.sqrt(change)), fading)
+        first = 0.01 / np.fmax(np.maximum(speed, np.sqrt(change)), np.abs(found.steepness))
         if not sides.is_elastic:
             return first
         # Within a backlash, a quarter of the time it takes to cross it, at most.
-        gap, rise = sides.coupling.backlash, np.abs(found.shaft[0] - found.crank[0])
+        gap, rise = sides.coupling.backlash, np.abs(shaft - crank)
         crossing = gap / (np.abs(moving[SHAFT_SPEED] - moving[CRANK_SPEED]) + np.sqrt(gap * rise))
         return np.where(joined.touch == 0.0, np.minimum(first, 0.25 * crossing), first)
 
     @staticmethod
     def _growing(sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> np.ndarray:
         """Sign of the rate of an elastic shaft's torque, or of its twist if out of contact."""
-        found = coupling_pull(sides, joined, moving[:, None], time[None])
+        found = coupling_pull(sides, joined, moving, time)
         slip = moving[SHAFT_SPEED] - moving[CRANK_SPEED]
-        change = found.shaft[0] - found.crank[0]
+        change = found.shaft.epsilon - found.crank.epsilon
         rate = touch_turns(tuple(sides.coupling), joined.touch, slip, change)
         return np.sign(np.where(rate == 0.0, change, rate))
 
@@ -362,14 +358,12 @@ class CoupledRuns:
         limits = {sizes.crank.above: np.where(faced[0] > 0.0, self.above[who], -self.below[who])}
         limits |= {sizes.crank.below: np.where(faced[0] > 0.0, self.below[who], -self.above[who])}
         joining = sizes.joining
-        limits |= {joining.holds: holds, joining.sense: np.where(slips, joined.mode, 0), joining.moves: crank_moves}
-        limits |= {joining.shaft_moves: shaft_moves, joining.engaged: joined.clock - joined.engaged}
-        limits |= {joining.touch: joined.touch, joining.growing: self.growing[who]}
+        limits |= sides.joining(joined) | {joining.growing: self.growing[who]}
         if stands.any():
             _, _, *ways = self._free(sides, joined, state[: SHAFT_SPEED + 1], time)
             limits |= {joining.resists: ways[0] - ways[2], joining.shaft_resists: ways[1] - ways[3]}
         limits |= {node: np.where(some, 0.0, np.inf) for node, some in zip(joining.never, counts, strict=True)}
-        numbers = system.limited(self.sides.numbers(self.joined)[:, who], limits)
+        numbers = system.limited(sides.numbers(joined), limits)
         edges = np.concatenate(edges_of(own.direction, own.breaks, self.cycle, sides.crank.start))
         new = np.isinf(self.pace[who])
         if new.any():
@@ -408,7 +402,7 @@ class CoupledRuns:
         self.steep[who] |= why == Why.STEEP
         self.once_steep[who[why == Why.STEEP]] = 1.0
         # Friction without an equilibrium makes the reactions infinite.
-        rubs = self.sides.crank.dynamics.friction is not None
+        rubs = self.sides.crank.dynamics.rubs
         self.verdict[lost], self.done[lost] = Verdict.JAMS if rubs else Verdict.NOT_FINITE, True
         self.done[who[ended]] = True
         self._after(who, why, goal)
@@ -480,8 +474,7 @@ class CoupledRuns:
         if locked.size:
             # The speeds differ by rounding: take their mean, weighted by inertia.
             sides, moving = self.sides.some(locked), self.state[:, locked]
-            crank = sides.crank.at(moving[TURNED], moving[CRANK_SPEED], self.time[locked], np.ones(locked.size))
-            crank, shaft = crank[0].inertia[0], sides.shaft.inertia
+            crank, shaft = sides.crank.inertia(moving[TURNED]), sides.shaft.inertia
             both = (crank * moving[CRANK_SPEED] + shaft * moving[SHAFT_SPEED]) / (crank + shaft)
             # A standing crank stays at rest.
             both = np.where(self.joined.crank_way[locked] == 0.0, 0.0, both)
@@ -493,8 +486,8 @@ class CoupledRuns:
         torn = met(BREAKS_LOOSE)
         if torn.size:
             moving = self.state[: SHAFT_SPEED + 1, torn]
-            found = coupling_pull(self.sides.some(torn), self.joined.some(torn), moving[:, None], self.time[torn][None])
-            self.joined.mode[torn] = np.where(found.moment[0] > 0.0, FORWARDS, BACKWARDS)
+            found = coupling_pull(self.sides.some(torn), self.joined.some(torn), moving, self.time[torn])
+            self.joined.mode[torn] = np.where(found.moment > 0.0, FORWARDS, BACKWARDS)
             self.lock_time[torn] = self.lock_speed[torn] = np.nan
         self.stops[rest] += 1.0
         turns = np.isin(who, met(TURNS))

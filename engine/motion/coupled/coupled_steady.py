@@ -13,10 +13,8 @@ import numpy as np
 from engine.compiling.running import mean_of_rows
 from engine.motion.coupled.coupled_answers import CoupledOutcome, run_coupled
 from engine.motion.coupled.coupled_run import CoupledEnds, Precision
-from engine.motion.coupled.two_sides import CoupledSides
-from engine.motion.moments.equation_of_motion import UNIFORM
+from engine.motion.coupled.two_sides import FLUID, CoupledSides, Joined, Pull, coupling_pull
 from engine.motion.runs.watching import Observer
-from engine.motion.settled.steady import no_load_speed
 from engine.words.verdicts import Verdict
 
 # Relative tolerance of the speeds after a cycle; the tolerance accepted where step errors stall the convergence.
@@ -133,16 +131,21 @@ def _newton(slopes: np.ndarray, off: np.ndarray) -> tuple[np.ndarray, np.ndarray
 def _in_balance(sides: CoupledSides) -> tuple[np.ndarray, np.ndarray]:
     """Verdicts, and the highest speeds of both sides, (2, variants), at which the mean torques balance."""
     crank, shaft, count = sides.crank, sides.shaft.form, sides.count
-    (own, on_crank), (_, on_shaft) = tops = [no_load_speed(side.variants) for side in (crank, shaft)]
+    (own, on_crank), (_, on_shaft) = tops = [side.dynamics.no_load_speed(side.variants) for side in (crank, shaft)]
     top = HIGHEST * np.where(on_crank | on_shaft, np.fmax(*(top * driven for top, driven in tops)), own)
     speeds = top * np.linspace(1.0, 1.0 / SPEEDS, SPEEDS)[:, None]
     turned = np.broadcast_to(np.linspace(0.0, crank.dynamics.cycle, PLACES, endpoint=False)[:, None], (PLACES, count))
-    zero = np.zeros_like(turned)
-    of_shaft = sides.shaft.moments(speeds, np.ones(count)).total
+    zero, one = np.zeros(count), np.ones(count)
+    joined = Joined(np.full(count, FLUID), one, one, zero, zero, one)
     left, others = np.empty((SPEEDS, count)), np.empty((SPEEDS, count))
+
+    def at(turned: np.ndarray, speed: np.ndarray, other: np.ndarray) -> Pull:
+        moving = np.array(np.broadcast_arrays(turned, speed, 0.0, other))
+        return coupling_pull(sides, joined, moving, np.zeros_like(moving[0]), moves=False)
+
+    of_shaft = at(zero, speeds, speeds).shaft.total
     for k, speed in enumerate(speeds):
-        of_crank = crank.along(turned, np.broadcast_to(speed, turned.shape), zero, np.ones(count), UNIFORM)[1]
-        mean = mean_of_rows(of_crank.total)
+        mean = mean_of_rows(at(turned, speed, speed).crank.total)
         passed = sides.coupling.fluid_moment(np.broadcast_to(speed, speeds.shape), speeds)
         others[k] = _highest_balance(speeds, of_shaft - passed)
         left[k] = mean + sides.coupling.fluid_moment(speed, others[k])

@@ -5,24 +5,21 @@ it. Locked sides then turn at the same speed.
 """
 
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import PPoly
 
 from engine.elements.elastic_drives.shaft_touch import touching_moment
+from engine.graph.nodes import Given
 from engine.laws.loads import fluid_coupling_moment, slip_of
 from engine.laws.tables import make_table
 from engine.motion.coupled.two_speeds import at_two_speeds
-from engine.motion.moments.at_speed import Moments
-from engine.motion.moments.dynamics import Dynamics, Reduction, Rows, Variants
-from engine.motion.moments.equation_of_motion import Attached, EquationOfMotion
+from engine.motion.moments.dynamics import Dynamics, Reduction, Variants
+from engine.motion.moments.equation_of_motion import EquationOfMotion, MotionAt
 from engine.motion.one_speed import MachineSystem
 from engine.parts.couplings import Coupling, FluidCoupling, FrictionClutch
 from engine.scene.scene import Numbers, Scene
-
-if TYPE_CHECKING:
-    from engine.motion.loads import PairLoads
 
 
 def coupling_of(scene: Scene) -> tuple[str, Coupling] | None:
@@ -146,11 +143,6 @@ class ShaftSide(NamedTuple):
     form: EquationOfMotion
     inertia: np.ndarray
 
-    def moments(self, omega: np.ndarray, facing: np.ndarray) -> Moments:
-        """Torques at speeds (instants, variants); `facing` ±1 is the direction that resistances oppose."""
-        still = np.zeros_like(omega)
-        return self.form.along(still, omega, still, facing)[1]
-
 
 # Joining of the sides: locked, slipping forwards (the shaft is faster) or backwards, disconnected, or by a fluid.
 TOGETHER, FORWARDS, BACKWARDS, APART, FLUID = 0, 1, -1, 2, 3
@@ -196,6 +188,8 @@ class CoupledSides(NamedTuple):
     open : bool
         Whether the coupling is open and transmits nothing.
     two : TwoSides or OnElasticShaft
+    whole : tuple of (CoupledSides, ndarray of int), optional
+        The sides of which these are some, and their indices.
     """
 
     crank: EquationOfMotion
@@ -203,6 +197,7 @@ class CoupledSides(NamedTuple):
     coupling: CouplingNumbers | ElasticNumbers
     open: bool
     two: "TwoSides | OnElasticShaft"
+    whole: "tuple[CoupledSides, np.ndarray] | None" = None
 
     @property
     def count(self) -> int:
@@ -222,7 +217,8 @@ class CoupledSides(NamedTuple):
     def some(self, who: np.ndarray) -> "CoupledSides":
         """A subset of the variants, by index."""
         shaft = ShaftSide(self.shaft.form.some(who), self.shaft.inertia[who])
-        return self._replace(crank=self.crank.some(who), shaft=shaft, coupling=self.coupling.some(who))
+        crank, coupling = self.crank.some(who), self.coupling.some(who)
+        return self._replace(crank=crank, shaft=shaft, coupling=coupling, whole=(self, who))
 
     def numbers(self, joined: Joined) -> np.ndarray:
         """Numbers of the motion at two speeds, (numbers, variants), without those of the joining and of the ends."""
@@ -235,8 +231,23 @@ class CoupledSides(NamedTuple):
                     found[:, those] = self._facing(way, other)[:, those]
         return found
 
+    def joining(self, joined: Joined) -> dict[Given, np.ndarray]:
+        """Numbers of the joining of the sides."""
+        given, slips = self.two.system.sizes.joining, np.abs(joined.mode) == FORWARDS
+        return {
+            given.holds: joined.mode == TOGETHER,
+            given.sense: np.where(slips, joined.mode, 0),
+            given.moves: joined.crank_way != 0.0,
+            given.shaft_moves: joined.shaft_way != 0.0,
+            given.engaged: joined.clock - joined.engaged,
+            given.touch: joined.touch,
+        }
+
     def _facing(self, way: float, other: float) -> np.ndarray:
         """The same for variants whose crank and shaft have the directions given, +1 or −1."""
+        if self.whole is not None:
+            whole, who = self.whole
+            return whole._facing(way, other)[:, who]
         key, kept = ("two speeds", way, other), self.crank.variants.kept
         if key not in kept:
             system, variants = self.two.system, self.crank.variants
@@ -270,54 +281,50 @@ class Pull(NamedTuple):
     ----------
     moment : ndarray
         Torque of the coupling on the crank [N·m]; for locked sides the torque required.
-    crank, shaft : ndarray
-        Accelerations [rad/s²].
-    rows : Rows
-        Of the crank.
-    on_crank, on_shaft : Moments
+    steepness : ndarray
+        Largest rate at which torques change the speeds [1/s].
+    crank, shaft : MotionAt
+        Both with the inertia of the crank.
     """
 
     moment: np.ndarray
-    crank: np.ndarray
-    shaft: np.ndarray
-    rows: Rows
-    on_crank: Moments
-    on_shaft: Moments
+    steepness: np.ndarray
+    crank: MotionAt
+    shaft: MotionAt
 
 
-def coupling_pull(sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> Pull:
+def coupling_pull(
+    sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray, moves: bool = True
+) -> Pull:
     """Torques and accelerations of both sides.
 
     Parameters
     ----------
     sides : CoupledSides
     joined : Joined
-    moving : ndarray (4, instants, variants)
+    moving : ndarray (4, …, variants)
         Angle and speed of the crank, and of the shaft.
-    time : ndarray (instants, variants)
+    time : ndarray (…, variants)
         From the start of the run [s].
+    moves : bool
+        Whether the torques accelerate the sides.
     """
-    turned, w1, _, w2 = moving
-    faced, holds = faced_ways(joined), joined.mode == TOGETHER
-    of_shaft, own = sides.shaft.moments(w2, faced[1]), sides.shaft.inertia
-    shaft = of_shaft.total
-    if sides.is_elastic:
-        moment = sides.coupling.moment(joined.touch, moving[2], w2 - w1)
-    elif sides.is_fluid:
-        moment = sides.coupling.fluid_moment(w1, w2)
-    elif sides.open:
-        moment = np.zeros_like(w1)
-    else:
-        moment = joined.mode * sides.coupling.capacity_at(joined.engaged + time)
-    added = np.where(joined.crank_way == 0.0, np.inf, np.where(holds, own, 0.0))
-    attached = Attached(np.where(holds, shaft, moment), added)
-    rows, of_crank = sides.crank.along(turned, w1, joined.clock + time, faced[0], attached)
-    inertia, crank = rows.inertia, of_crank.total - 0.5 * w1 * w1 * rows.inertia_phi
-    together = (crank + shaft) / (inertia + own)
-    moment = np.where(holds, shaft - own * together, moment)
-    first = np.where(holds, together, (crank + moment) / inertia) * (joined.crank_way != 0.0)
-    second = np.where(holds, together, (shaft - moment) / own) * (joined.shaft_way != 0.0)
-    return Pull(moment, first, second, rows, of_crank, of_shaft)
+    system, (turned, w1, other, w2), faced = sides.two.system, moving, faced_ways(joined)
+    held = {} if moves else dict.fromkeys((system.sizes.joining.moves, system.sizes.joining.shaft_moves), 0.0)
+    numbers = system.limited(sides.numbers(joined), sides.joining(joined) | held)
+    places = sides.crank.start + sides.crank.variants.direction * turned
+    names = ["inertia", "acceleration", "motors", *sides.two.crank.channels]
+    wanted = [system.shown[f"{side} {name}"] for side in ("crank", "shaft") for name in names]
+    wanted += [system.shown["coupling"], system.shown["steepness"]]
+    states = turned, faced[0] * w1, other, faced[1] * w2
+    *found, moment, steepness = system.at(numbers, places, states, wanted, joined.clock + time)
+    crank, shaft = (
+        MotionAt(inertia, way * epsilon, way * motors, way * np.array(loads))
+        for way, (inertia, epsilon, motors, *loads) in zip(
+            faced, (found[: len(names)], found[len(names) :]), strict=True
+        )
+    )
+    return Pull(moment, steepness, crank, shaft)
 
 
 class OnElasticShaft:
@@ -376,8 +383,8 @@ class TwoSides:
         Inactive actions, and the coupling if it is open.
     works : bool
         Whether the works of useful and harmful loads, … are integrated separately.
-    friction : PairLoads, optional
-        For the torque equivalent to friction in the pairs, if they have any.
+    rubs : bool
+        Whether there is friction in the pairs.
 
     Attributes
     ----------
@@ -386,16 +393,14 @@ class TwoSides:
         Whether the coupling is a fluid coupling that is not open.
     """
 
-    def __init__(
-        self, reduction: Reduction, off: frozenset[str], works: bool, friction: "PairLoads | None" = None
-    ) -> None:
+    def __init__(self, reduction: Reduction, off: frozenset[str], works: bool, rubs: bool = False) -> None:
         self.scene = reduction.mechanics.scene
         self.name, self.coupling = coupling_of(self.scene)
         self.open = self.name in off
         self.is_fluid = isinstance(self.coupling, FluidCoupling) and not self.open
         on_shaft = {name for name, moment in self.scene.moments.items() if moment.on == self.coupling.shaft}
         elsewhere = {load.action for load in reduction.loads.terms} | set(reduction.loads.motors)
-        self.crank = Dynamics(reduction, off | on_shaft, works, friction)
+        self.crank = Dynamics(reduction, off | on_shaft, works, rubs)
         self.shaft = Dynamics(reduction, off | (elsewhere - on_shaft), works)
         self._on_shaft, self._elsewhere = frozenset(on_shaft), frozenset(elsewhere - on_shaft)
 
@@ -406,7 +411,7 @@ class TwoSides:
         knots = 0
         if isinstance(coupling, FrictionClutch):
             knots = len(coupling.over_time) if coupling.over_time is not None else 1 + (coupling.engagement is not None)
-        acting, rubs = (self._on_shaft, self._elsewhere), self.crank.friction is not None
+        acting, rubs = (self._on_shaft, self._elsewhere), self.crank.rubs
         return MachineSystem(*at_two_speeds(mechanics, coupling, knots, *acting, self.crank.works, rubs), mechanics)
 
     def without_shaft(self, numbers: Numbers, count: int) -> Numbers:

@@ -19,7 +19,7 @@ from engine.graph.nodes import Given, Node, Stage
 from engine.laws.kinematics.closure import greater
 from engine.laws.tables import in_memory, make_table, table_segment
 from engine.mechanism.mechanics import Mechanics
-from engine.motion.one_speed import SLOPES, Sizes, friction_of, inertia_with_flywheel, moments_of, sizes_of
+from engine.motion.one_speed import SLOPES, Sizes, friction_of, inertia_with_flywheel, moments_of, shown_of, sizes_of
 from engine.parts.couplings import Coupling, FluidCoupling
 from engine.stepping.system import Guard, System
 
@@ -237,7 +237,10 @@ def at_two_speeds(
     system = System(
         "time", states, unknown, rates, gathered, speed, none, steepness, rises[0], solved, (), tuple(guards), clock
     )
-    return system, TwoSizes(crank, shaft, joining)
+    shown = {"coupling": moment}
+    for side, epsilon, moments in (("crank", rises[0], of_crank), ("shaft", rises[1], of_shaft)):
+        shown |= {f"{side} {name}": node for name, node in shown_of(inertia, epsilon, moments).items()}
+    return system._replace(shown=shown), TwoSizes(crank, shaft, joining)
 
 
 def _held_back(joining: Joining, capacity: Node, moment: Node, m1: Node, m2: Node) -> Node:

@@ -1,14 +1,13 @@
 """A machine's equation of motion, prepared: I(φ) and M(φ, ω) of many variants, with a choice of actions."""
 
-from collections.abc import Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from engine.cycle.regula_falsi import regula_falsi
 from engine.graph.functions import functions_at
-from engine.graph.nodes import Given, Node, reached, value_of
+from engine.graph.nodes import Given, reached, value_of
 from engine.laws.senses import sense
 from engine.mechanism.acting import Grip, Load
 from engine.mechanism.actions.brakes import braking_moment
@@ -16,25 +15,23 @@ from engine.mechanism.actions.motors import motor_ratio
 from engine.mechanism.friction import relative_motion, rolling_rate
 from engine.mechanism.loads import Loads
 from engine.mechanism.mechanics import Mechanics
-from engine.motion.moments.at_speed import Drive, Moments, moments_at
 from engine.motion.moments.breaks import Breaks, instants_of
 from engine.motion.moments.grid import Grid, make_grid
 from engine.motion.moments.landmarks import Landmarks
-from engine.motion.moments.tabulation import Ends, Sums, Tabulation
-from engine.motion.one_speed import AT_REST, CHANNELS, POLYNOMIAL_ORDERS, MachineSystem, Sizes, along_angle, along_time
+from engine.motion.moments.tabulation import Ends, Tabulation
+from engine.motion.one_speed import CHANNELS, MachineSystem, Sizes, along_angle, along_time
 from engine.parts.actions import Brake
-from engine.parts.motor_constants import motor_curve
+from engine.parts.motor_constants import MotorCurve, motor_curve
 from engine.scene.load_formulas import load_formulas
 from engine.scene.pairs import contact_pairs, lossy_meshes, pairs
 from engine.scene.scene import Numbers
-
-if TYPE_CHECKING:
-    from engine.motion.loads import PairLoads
 
 # Crank angles at which the inertia of a machine without a constant part is sampled.
 LOOKED_AT = 720
 # Relative to its maximum, an inertia below this is rounding: the square of a speed that vanishes.
 NO_INERTIA = 1e-18
+# Samples between two speeds for the peak torque of several motors together.
+SPEEDS_BETWEEN = 33
 # Friction in pairs as an action, which jumps where a pair reverses; no action can have this name.
 IN_PAIRS = "friction in pairs"
 # Derivative of the inertia as an action, which jumps with the acceleration of a cam's follower.
@@ -56,14 +53,10 @@ class Variants(NamedTuple):
     ends : mapping of Found to ndarray (variants,)
     breaks : Breaks
         Breaks of all actions.
-    drive : Drive or None
-        The acting motors, from `Dynamics.driven`.
     instants : ndarray (instants, variants) or None
         Times of jumps or kinks of the acting torques over time [s], from `Dynamics.driven`.
     kept : dict
         Results of steady running and runs, reused by the second evaluation.
-    rubbing : ndarray (2, numbers, variants) or None
-        Numbers for friction in pairs, forwards and backwards, from `Dynamics.driven`.
     """
 
     numbers: Numbers
@@ -72,10 +65,8 @@ class Variants(NamedTuple):
     parameters: np.ndarray
     ends: Ends
     breaks: Breaks
-    drive: Drive | None = None
     instants: np.ndarray | None = None
     kept: dict | None = None
-    rubbing: np.ndarray | None = None
 
     @property
     def count(self) -> int:
@@ -86,7 +77,6 @@ class Variants(NamedTuple):
         """Variants with given indices, in any order, possibly repeated."""
         if np.array_equal(chosen, np.arange(self.count)):
             return self
-        drive = self.drive
         return Variants(
             self.numbers.of_variants(chosen),
             self.direction[chosen],
@@ -94,28 +84,13 @@ class Variants(NamedTuple):
             np.ascontiguousarray(self.parameters[:, chosen]),
             {node: end[chosen] for node, end in self.ends.items()},
             self.breaks.some(chosen),
-            None if drive is None else drive.some(chosen),
             None if self.instants is None else self.instants[:, chosen],
             {},
-            None if self.rubbing is None else self.rubbing[..., chosen],
         )
 
 
-class Acting(NamedTuple):
-    """Key of a row of torques: an action of the scene, or its part with one order and role."""
-
-    action: str
-    order: float | str
-    role: str | None
-
-    @classmethod
-    def of(cls, load: Load) -> "Acting":
-        """The key of a load."""
-        return cls(load.action, load.order, load.role)
-
-
 class Reduction:
-    """Rows of a machine in motion, independent of the acting actions: I, dI/dφ, and the torque of each action by order.
+    """What a machine in motion has, whatever acts: its inertia, breaks of the torques, and ends of strokes.
 
     Parameters
     ----------
@@ -127,10 +102,8 @@ class Reduction:
     time, speed : Given
         Arguments of loads over time and of loads by formula.
     loads : Loads
-    keys : list of Acting
-        Key of each row of torques.
     nodes : list of Node
-        I, dI/dφ and a torque for each key.
+        I, dI/dφ and the torque of each action at unit speed.
     tabulation : Tabulation
         Tabulation of the nodes.
     landmarks : Landmarks
@@ -142,18 +115,17 @@ class Reduction:
         graph, reduced = mechanics.graph, mechanics.reduced
         self.mechanics, self.time, self.speed = mechanics, graph.given("time"), graph.given("speed")
         self.loads = Loads(mechanics.scene, mechanics.kinematics, self.time, self.speed)
-        moments: dict[Acting, Node] = {}
-        for key in dict.fromkeys(Acting.of(load) for load in self.loads.terms):
-            own = [(t.coefficient, t.basis) for t in self.loads.terms if Acting.of(t) == key]
-            moments[key] = graph.combination(own)
-        self.keys = [key for key, moment in moments.items() if moment is not graph.zero]
-        self.nodes = [reduced.inertia, reduced.slope, *(moments[key] for key in self.keys)]
+        working = {load.action: [] for load in self.loads.terms if load.basis is not graph.zero}
+        for load in self.loads.terms:
+            working.get(load.action, []).append((load.coefficient, load.basis))
+        moments = {action: graph.combination(terms) for action, terms in working.items()}
+        self.nodes = [reduced.inertia, reduced.slope, *moments.values()]
         terms = [*self.loads.terms, *_reversals(mechanics), *_jerks(mechanics)]
         watched = [load.characteristic for load in terms]
         title = "A machine in motion."
         functions = functions_at(graph, title, mechanics.first, mechanics.last, self.nodes, watched)
         self.tabulation = Tabulation(functions)
-        judged = [(key.action, row) for row, key in enumerate(self.keys, 2)]
+        judged = {action: functions.curves[moment] for action, moment in moments.items()}
         self.has_cycle = mechanics.has_cycle
         turns = mechanics.scene.input.revolutions if self.has_cycle else 1
         self.landmarks = Landmarks(self.tabulation, terms, judged, turns)
@@ -168,11 +140,6 @@ class Reduction:
         ends = [np.broadcast_to(end.compute(numbers), (count,)) for end in (self.mechanics.first, self.mechanics.last)]
         return np.minimum(*ends).astype(float), np.maximum(*ends).astype(float)
 
-    def depends_on_time(self, key: "Acting") -> bool:
-        """Whether the torque of a key depends on time."""
-        own = [t.basis for t in self.loads.terms if Acting.of(t) == key]
-        return self.time in reached(own)
-
     def variants(self, numbers: Numbers, direction: np.ndarray, flywheel: np.ndarray) -> "Variants":
         """Prepare a set of variants.
 
@@ -186,7 +153,7 @@ class Reduction:
         """
         ends, breaks = self.landmarks(numbers, direction)
         parameters = self.tabulation.parameters(numbers, direction, ends)
-        return Variants(numbers, direction, flywheel, parameters, ends, breaks, None, None, {})
+        return Variants(numbers, direction, flywheel, parameters, ends, breaks, None, {})
 
     def without_inertia(self, variants: "Variants") -> np.ndarray:
         """Which variants have zero reduced inertia at some crank angle, (variants,) of bool."""
@@ -199,30 +166,22 @@ class Reduction:
 
     def _vanishes(self, variants: "Variants") -> np.ndarray:
         """Whether the minimum inertia over the cycle is zero within rounding."""
-        target = np.full(len(self.keys) + 2, -1)
-        target[:2] = 0, 1
-        sums = Sums(target, 2, np.zeros(target.size, bool), variants.direction)
         low, high = self.range_of(variants.numbers, variants.count)
         step = (high - low) / LOOKED_AT
         places = low + step * np.arange(LOOKED_AT + (not self.has_cycle))[:, None]
-        inertia, _ = self.curves(variants, places, {}, sums)
+        inertia = self.inertia_curves(variants.parameters, places)[0]
         around = low + step * inertia.argmin(axis=0)
         before, after = around - step, around + step
         if not self.has_cycle:
             before, after = np.maximum(before, low), np.minimum(after, high)
-        bottom = regula_falsi(lambda q: self.curves(variants, q[None], {}, sums)[1, 0], before, after)
-        least = np.fmin(self.curves(variants, bottom[None], {}, sums)[0, 0], inertia.min(axis=0))
+        bottom = regula_falsi(lambda q: self.inertia_curves(variants.parameters, q[None])[1, 0], before, after)
+        least = np.fmin(self.inertia_curves(variants.parameters, bottom[None])[0, 0], inertia.min(axis=0))
         # A removed inertia counts as a negative flywheel.
         return least + variants.flywheel <= NO_INERTIA * inertia.max(axis=0)
 
-    def curves(
-        self, variants: "Variants", places: np.ndarray, given: Mapping[Given, np.ndarray], sums: Sums
-    ) -> np.ndarray:
-        """Sums of the rows at crank angles, and at times and speeds if given, (sums, places, variants)."""
-        # Default: no loads over time; loads that depend on the speed are NaN.
-        unknown = {self.time: np.zeros_like(places), self.speed: np.full_like(places, np.nan)}
-        given = {node: given.get(node, unknown[node]) for node in self.tabulation.given}
-        return self.tabulation(variants.parameters, places, given, sums)
+    def inertia_curves(self, parameters: np.ndarray, places: np.ndarray) -> np.ndarray:
+        """I without flywheels and dI/dφ of variants with these numbers at crank angles, (2, …, variants)."""
+        return self.tabulation(parameters, places)[[self.tabulation.functions.curves[node] for node in self.nodes[:2]]]
 
 
 def _reversals(mechanics: Mechanics) -> list[Load]:
@@ -262,8 +221,8 @@ class Dynamics:
         Actions, including motors, that do not act.
     works : bool
         Whether the works of useful and harmful loads, … are separate.
-    friction : PairLoads, optional
-        The torque equivalent to friction in the pairs, if there is any.
+    rubs : bool
+        Whether the friction in the pairs acts, too.
     gathered : frozenset of str
         Other integrals of runs, of "motors", "squares" and "fading".
     """
@@ -273,56 +232,32 @@ class Dynamics:
         reduction: Reduction,
         off: frozenset[str] = frozenset(),
         works: bool = False,
-        friction: "PairLoads | None" = None,
+        rubs: bool = False,
         gathered: frozenset[str] = frozenset(),
     ) -> None:
         scene, loads = reduction.mechanics.scene, reduction.loads
-        self.works, self.reduction, self.friction, self.off = works, reduction, friction, off
+        self.works, self.reduction, self.rubs, self.off = works, reduction, rubs, off
         self.channels = CHANNELS if works else ("all",)
         self._gathered = gathered | frozenset(CHANNELS if works else ())
         self.motors = tuple(name for name in loads.motors if name not in off)
-        # For each acting row: its index in the reduction, its channel and its order.
-        acting = [(i, key) for i, key in enumerate(reduction.keys) if key.action not in off]
-        self.active = frozenset(load.action for load in loads.terms if load.action not in off)
-        self.active |= {IN_PAIRS} if friction is not None else set()
+        acting = [load for load in loads.terms if load.action not in off]
+        self.active = frozenset(load.action for load in acting)
+        self.active |= {IN_PAIRS} if rubs else set()
         self.active |= {OF_INERTIA} if scene.cams else set()
-        self.timed = any(reduction.depends_on_time(key) for _, key in acting)
+        working = [load for load in acting if load.basis is not load.basis.graph.zero]
+        self.timed = reduction.time in reached([load.basis for load in working])
         # Whether a torque may change at any time.
         formulas = load_formulas(scene)
         self.changing = any(formulas[name].depends_on_time for name in self.active if name in formulas)
         self.brakes = tuple(name for name in self.active if isinstance(scene.moments.get(name), Brake))
-        self.polynomial, self.laws = [], []
-        for i, key in acting:
-            place = (i, self._channel(key.role), key.order)
-            (self.polynomial if key.order in POLYNOMIAL_ORDERS else self.laws).append(place)
         # Whether all torques vanish with the speed: then nothing stops the machine nor starts it.
-        self.fades = not self.motors and not self.laws and all(order > 0 for _, _, order in self.polynomial)
-        self.fades &= friction is None
-        # Sums of rows: I, dI/dφ, then orders 0, 1 and 2 of each channel, then power laws.
-        self.target = np.full(len(reduction.keys) + 2, -1)
-        self.target[:2] = 0, 1
-        for i, channel, order in self.polynomial:
-            self.target[i + 2] = 2 + 3 * channel + order
-        for k, (i, _, _) in enumerate(self.laws):
-            self.target[i + 2] = 2 + 3 * len(self.channels) + k
-        self._turned = np.arange(self.target.size) > 0
-        self.channel_of_laws = np.array([channel for _, channel, _ in self.laws], np.int64)
+        self.fades = not (self.motors or rubs) and all(load.order in (1, 2) for load in working)
         self.cycle = reduction.cycle
 
-    def _channel(self, role: str | None) -> int:
-        if not self.works:
-            return 0
-        return CHANNELS.index(role if role in CHANNELS else "other")
-
     def driven(self, variants: Variants) -> Variants:
-        """The variants with the acting motors, breaks and instants."""
-        drive = self._drive(variants.numbers, variants.count)
+        """The variants with the breaks and instants of the acting loads."""
         instants = instants_of(self.reduction.mechanics.scene, self.active, variants.numbers, variants.count)
-        breaks, rubbing = variants.breaks.of(self.active), None
-        if self.friction is not None:
-            ways = [variants._replace(direction=way * variants.direction) for way in (1.0, -1.0)]
-            rubbing = np.stack([self.friction.parameters(each, self.off) for each in ways])
-        return variants._replace(breaks=breaks, drive=drive, instants=instants, kept={}, rubbing=rubbing)
+        return variants._replace(breaks=variants.breaks.of(self.active), instants=instants, kept={})
 
     @cached_property
     def by_angle(self) -> MachineSystem:
@@ -333,8 +268,8 @@ class Dynamics:
     @cached_property
     def by_time(self) -> MachineSystem:
         """The equation of motion over time, with its functions printed."""
-        mechanics, rubs = self.reduction.mechanics, self.friction is not None
-        return MachineSystem(*along_time(mechanics, self.works, self._gathered, rubs), mechanics)
+        mechanics = self.reduction.mechanics
+        return MachineSystem(*along_time(mechanics, self.works, self._gathered, self.rubs), mechanics)
 
     def moving(self, system: MachineSystem, variants: Variants, brisk: float, facing: float = 1.0) -> np.ndarray:
         """Numbers of a motion for one of the systems, (numbers, variants), without the final speeds.
@@ -372,7 +307,7 @@ class Dynamics:
     @property
     def in_time(self) -> bool:
         """Whether only the time form applies: friction in pairs, torques over time, an input of limited range."""
-        return self.timed or self.friction is not None or not self.reduction.has_cycle
+        return self.timed or self.rubs or not self.reduction.has_cycle
 
     def locked(self, variants: Variants) -> np.ndarray:
         """Which variants have an acting brake that is self-locking, (variants,) of bool."""
@@ -381,81 +316,43 @@ class Dynamics:
             found |= np.isinf(braking_moment(scene.moments[name], f"moments.{name}", variants.numbers))
         return found
 
-    def _drive(self, numbers: Numbers, count: int) -> Drive:
-        scene, line, bends, kloss, idle = self.reduction.mechanics.scene, np.zeros((2, count)), [], [], []
+    def drives(self, numbers: Numbers) -> list[tuple[MotorCurve, float | np.ndarray]]:
+        """Characteristic of each acting motor, and the magnitude of its speed over that of the input."""
+        scene = self.reduction.mechanics.scene
+        motors = [(name, scene.moments[name]) for name in self.motors]
+        return [
+            (motor_curve(motor, f"moments.{name}", numbers), np.abs(motor_ratio(scene, motor, numbers)))
+            for name, motor in motors
+        ]
 
-        def of_all(*values: float | np.ndarray) -> list[np.ndarray]:
-            return [np.broadcast_to(value, count) for value in values]
+    def no_load_speed(self, variants: Variants) -> tuple[np.ndarray, np.ndarray]:
+        """Speed above which no motor drives, and whether there is a motor; without one, the scene's own speed."""
+        top = np.zeros(variants.count)
+        for curve, ratio in self.drives(variants.numbers):
+            top = np.maximum(top, curve.no_load_speed / ratio)
+        return np.where(top > 0.0, top, np.abs(variants.numbers["input.speed"])), top > 0.0
 
-        for name in self.motors:
-            motor = scene.moments[name]
-            curve, ratio = motor_curve(motor, f"moments.{name}", numbers), np.abs(motor_ratio(scene, motor, numbers))
-            line[0] += ratio * curve.level
-            line[1] += ratio * ratio * curve.slope
-            for bend, at in curve.bends:
-                bends += of_all(ratio * ratio * bend, at / ratio)
-            kloss += [] if curve.kloss is None else of_all(*curve.kloss, ratio)
-            idle += of_all(curve.no_load_speed / ratio)
-        exponents = [np.broadcast_to(numbers[n] if isinstance(n, str) else n, count) for _, _, n in self.laws]
-        laws, speeds = (np.array(rows).reshape(len(rows), count) for rows in (exponents, idle))
-        return Drive(np.array([*line, *bends, *kloss]), laws, speeds, len(bends) // 2)
+    def greatest_moment(self, numbers: Numbers, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+        """Peak torque of the motors, by magnitude, between two speeds of each variant [rad/s]."""
+        drives, speeds = self.drives(numbers), [low, high]
+        # A linear characteristic alone has its peak at one of the ends, one with bends there or at a bend; motor and
+        # generator torque of an induction motor peak at the breakdown slip.
+        if len(drives) > 1:
+            speeds += [low + share * (high - low) for share in np.linspace(0.0, 1.0, SPEEDS_BETWEEN)[1:-1]]
+        for curve, ratio in drives:
+            speeds += [at / ratio for _, at in curve.bends]
+            if curve.kloss is not None:
+                _, slip, _, synchronous = curve.kloss
+                speeds += [synchronous / ratio * (1.0 + way * slip) for way in (-1.0, 1.0)]
+        at = np.array([np.clip(speed, low, high) for speed in speeds])
+        return np.abs(sum((ratio * curve.moment(ratio * at) for curve, ratio in drives), np.zeros(at.shape))).max(
+            axis=0
+        )
 
     def grid(self, variants: Variants, start: np.ndarray, length: float | np.ndarray, steps: int) -> Grid:
         """Grid from a start angle, with a node at every break."""
         return make_grid(start, length, variants.direction, steps, self.cycle, variants.breaks)
 
-    def rows(
-        self,
-        variants: Variants,
-        places: np.ndarray,
-        clock: np.ndarray | None = None,
-        omega: np.ndarray | None = None,
-    ) -> "Rows":
-        """Terms that depend on the crank angle, at given angles; torques may also depend on time and speed.
-
-        Parameters
-        ----------
-        variants : Variants
-        places : ndarray (places, variants)
-            Crank angles [rad].
-        clock, omega : ndarray (places, variants), optional
-            Time [s], and speed [rad/s].
-        """
-        given = {} if clock is None else {self.reduction.time: clock}
-        given |= {} if omega is None else {self.reduction.speed: np.abs(omega) + AT_REST}
-        channels = len(self.channels)
-        sums = Sums(self.target, 2 + 3 * channels + len(self.laws), self._turned, variants.direction)
-        out = self.reduction.curves(variants, places, given, sums)
-        loads, powers = out[2 : 2 + 3 * channels].reshape(channels, 3, *places.shape), out[2 + 3 * channels :]
-        return Rows(out[0] + variants.flywheel, out[1], loads, powers)
-
-    def moments(self, variants: Variants, rows: "Rows", omega: np.ndarray) -> Moments:
-        """Torques at given speeds, in the direction of motion.
-
-        Parameters
-        ----------
-        variants : Variants
-        rows : Rows
-        omega : ndarray (places, variants)
-            Speed, positive in the direction of motion [rad/s].
-        """
-        return moments_at(variants.drive, self.channel_of_laws, rows.loads, rows.powers, omega)
-
-
-class Rows(NamedTuple):
-    """Terms that depend on the crank angle, (places, variants).
-
-    Attributes
-    ----------
-    inertia, inertia_phi : ndarray (places, variants)
-        Reduced inertia with the flywheel [kg·m²], and its derivative in the direction of motion.
-    loads : ndarray (channels, 3, places, variants)
-        Coefficients of ω⁰, ω¹ and ω² in the reduced torque, for each kind of work; otherwise one channel for all.
-    powers : ndarray (laws, places, variants)
-        Coefficients of the power laws in the reduced torque.
-    """
-
-    inertia: np.ndarray
-    inertia_phi: np.ndarray
-    loads: np.ndarray
-    powers: np.ndarray
+    def inertia(self, variants: Variants, places: np.ndarray, who: np.ndarray | slice = slice(None)) -> np.ndarray:
+        """Reduced inertia with the flywheel at crank angles (…, variants) of all variants, or of some [kg·m²]."""
+        return self.reduction.inertia_curves(variants.parameters[:, who], places)[0] + variants.flywheel[who]

@@ -1,41 +1,50 @@
-"""The equation of motion at instants, I·ε + ½ω²·dI/dφ = M(φ, ω, t) + M_f, of many variants.
+"""The equation of motion at instants, I·ε + ½ω²·dI/dφ = M(φ, ω, t), of many variants.
 
-The torque M_f equivalent to friction in pairs follows from the reactions, and these from ω² and ε; the secant method
-finds ε and M_f together. Angles are turned in the scene's direction of motion; ω may be negative.
+It is that of the systems that are integrated, at given states. Angles are turned in the scene's direction of motion; ω
+may be negative.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from engine.motion.moments.at_speed import Moments
 from engine.motion.moments.breaks import beside
-from engine.motion.moments.dynamics import Dynamics, Rows, Variants
-from engine.motion.one_speed import CHANNELS
-from engine.stepping.walk import MOST_SECANTS, NEARLY_FOUND, SOLVED_TO
+from engine.motion.moments.dynamics import Dynamics, Variants
 
-# The field of the loads on pairs for friction.
-FRICTION_MOMENT = "friction_moment"
 # Limits of a first step in time: relative to a time constant, to the maximum angle, and to the breakdown slip.
 STIFFEST, FINER = 1.0, 2.0
 
 
-class Attached(NamedTuple):
-    """Inertia behind a coupling that turns with the crank, and torque on it, reduced to the crank.
+class MotionAt(NamedTuple):
+    """A motion at some instants, in the scene's direction of motion, each (instants, variants).
 
     Attributes
     ----------
-    moment : ndarray
-        In the direction of motion [N·m].
     inertia : ndarray
-        [kg·m²]; infinite for a crank at rest or at constant speed.
+        Reduced inertia with the flywheel [kg·m²].
+    epsilon : ndarray
+        Acceleration [rad/s²]; NaN if friction leaves no equilibrium.
+    motors : ndarray
+        Torque of the motors [N·m].
+    loads : ndarray (channels, instants, variants)
+        Torque of each channel of loads, with friction in the pairs among the harmful ones [N·m].
     """
 
-    moment: np.ndarray | float
-    inertia: np.ndarray | float
+    inertia: np.ndarray
+    epsilon: np.ndarray
+    motors: np.ndarray
+    loads: np.ndarray
 
+    @property
+    def total(self) -> np.ndarray:
+        """The reduced torque [N·m]."""
+        return self.motors + self.loads.sum(axis=0)
 
-ALONE, UNIFORM = Attached(0.0, 0.0), Attached(0.0, np.inf)
+    def known_better(self, total: np.ndarray) -> "MotionAt":
+        """The same with a total torque that is known more accurately than from the speed, where it isn't NaN."""
+        known = np.isfinite(total)
+        epsilon = np.where(known, self.epsilon + (total - self.total) / self.inertia, self.epsilon)
+        return self._replace(epsilon=epsilon, motors=np.where(known, total - self.loads.sum(axis=0), self.motors))
 
 
 class EquationOfMotion:
@@ -48,107 +57,80 @@ class EquationOfMotion:
     variants : Variants
     start : ndarray (variants,)
         Crank angle at which the angle turned is 0 [rad].
+    who : ndarray of int, optional
+        Indices of the variants that arrays are of; by default, all.
     """
 
-    def __init__(self, dynamics: Dynamics, variants: Variants, start: np.ndarray) -> None:
+    def __init__(
+        self, dynamics: Dynamics, variants: Variants, start: np.ndarray, who: np.ndarray | None = None
+    ) -> None:
         self.dynamics, self.variants, self.start = dynamics, variants, start
-        self._mirrored: Variants | None = None
+        self.who = np.arange(variants.count) if who is None else who
 
     def some(self, who: np.ndarray) -> "EquationOfMotion":
         """The equation of a subset of the variants, by index."""
         return EquationOfMotion(self.dynamics, self.variants.some(who), self.start[who])
 
-    def at(
-        self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray, attached: Attached = ALONE
-    ) -> tuple[Rows, Moments]:
-        """Rows and torques at one instant, (1, variants), as from `along`."""
-        return self.along(turned[None], omega[None], time[None], facing, attached)
+    def inertia(self, turned: np.ndarray) -> np.ndarray:
+        """Reduced inertia with the flywheel at angles turned, (…, variants) [kg·m²]."""
+        places = self.start[self.who] + self.variants.direction[self.who] * turned
+        return self.dynamics.inertia(self.variants, places, self.who)
 
-    def along(
-        self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray, attached: Attached = ALONE
-    ) -> tuple[Rows, Moments]:
-        """Rows and torques at instants, (instants, variants); the torque of friction is included in harmful loads.
+    def along(self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray) -> MotionAt:
+        """The motion at instants, (instants, variants) or (variants,).
 
-        `facing`, +1 or −1, is the direction of motion that resistances oppose. Friction depends on the acceleration,
-        and so on the inertia attached to the crank.
+        `facing`, +1 or −1, is the direction of motion that resistances oppose.
         """
-        places = self.start + self.variants.direction * turned
-        rows = self.dynamics.rows(self.variants, places, time, omega)
-        if (facing < 0.0).any():
-            forward, backwards = facing > 0.0, self._backwards(places, time, omega)
-            rows = Rows(*(np.where(forward, a, b) for a, b in zip(rows, backwards, strict=True)))
-        moments = self.dynamics.moments(self.variants, rows, omega)
-        if self.dynamics.friction is not None:
-            channel = CHANNELS.index("harmful") if self.dynamics.works else 0
-            moments.loads[channel] += self._friction(places, omega, time, facing, rows, moments.total, attached)
-        return rows, moments
+        dynamics, channels = self.dynamics, self.dynamics.channels
+        found = np.empty((3 + len(channels), *turned.shape))
+        over_angle = (facing > 0.0) & (not dynamics.in_time)
+        for in_time, chosen in ((False, over_angle), (True, ~over_angle)):
+            some = np.flatnonzero(chosen)
+            if some.size:
+                rows = (row[..., some] for row in (turned, omega, time, facing))
+                names = ("inertia", "acceleration", "motors", *channels)
+                equation = EquationOfMotion(dynamics, self.variants, self.start, self.who[some])
+                found[..., some] = equation.evaluated(names, in_time, *rows)
+        inertia, epsilon, motors, *loads = found
+        return MotionAt(inertia, epsilon, motors, np.array(loads))
 
-    def _backwards(self, places: np.ndarray, time: np.ndarray, omega: np.ndarray) -> Rows:
-        """Rows of machines that move backwards: resistances are reversed, odd orders of ω are not."""
-        rows = self.dynamics.rows(self._mirror(), places, time, omega)
-        # Computed for the opposite direction, in which ω > 0; converted back, torques, dI/dφ and each odd power of ω
-        # change sign.
-        signs = np.array([-1.0, 1.0, -1.0])[None, :, None, None]
-        return Rows(rows.inertia, -rows.inertia_phi, signs * rows.loads, -rows.powers)
-
-    def _mirror(self) -> Variants:
-        """The variants with the opposite direction."""
-        if self._mirrored is None:
-            own = self.variants
-            parameters = self.dynamics.reduction.tabulation.parameters(own.numbers, -own.direction, own.ends)
-            self._mirrored = own._replace(direction=-own.direction, parameters=parameters)
-        return self._mirrored
-
-    def _friction(
+    def evaluated(
         self,
-        places: np.ndarray,
+        names: tuple[str, ...],
+        in_time: bool,
+        turned: np.ndarray,
         omega: np.ndarray,
         time: np.ndarray,
         facing: np.ndarray,
-        rows: Rows,
-        moment: np.ndarray,
-        attached: Attached,
     ) -> np.ndarray:
-        """Torque of friction, in the direction of motion, at the resulting ε; `moment` is the sum of all others."""
-        own, loads, way = self.variants, self.dynamics.friction, self.variants.direction
-        parameters = np.require(np.where(facing > 0.0, *own.rubbing), requirements="CW")
-
-        def rubbed(epsilon: np.ndarray) -> np.ndarray:
-            return way * loads(own, parameters, places, np.abs(omega), way * epsilon, time)[FRICTION_MOMENT]
-
-        with np.errstate(all="ignore"):
-            inertia = rows.inertia + attached.inertia
-            free = (moment + attached.moment - 0.5 * omega * omega * rows.inertia_phi) / inertia
-            before, found = free, rubbed(free)
-            # Residual of I ε = I ε_free + M_f, divided by I.
-            left_before = found / inertia
-            here = free + left_before
-            for _ in range(MOST_SECANTS):
-                found = rubbed(here)
-                left = free + found / inertia - here
-                pending = np.abs(left) > SOLVED_TO * (np.abs(free) + np.abs(found / inertia))
-                if not pending.any():
-                    break
-                secant = here - left * (here - before) / (left - left_before)
-                before, left_before = here, left
-                here = np.where(pending & np.isfinite(secant), secant, here)
-            nearly = np.abs(left) <= NEARLY_FOUND * (np.abs(free) + np.abs(found / inertia))
-        return np.where(nearly, found, np.nan)
+        """Shown nodes of the system over time, or for forward motion of that over the angle, (names, …, variants)."""
+        dynamics, variants, who = self.dynamics, self.variants, self.who
+        system = dynamics.by_time if in_time else dynamics.by_angle
+        forward = facing > 0.0
+        ways = [way for way, faced in ((1.0, forward), (-1.0, ~forward)) if faced.any() or way > 0.0]
+        numbers = [dynamics.moving(system, variants, np.inf, way)[:, who] for way in ways]
+        numbers = np.where(forward, numbers[0], numbers[-1])
+        places = self.start[who] + variants.direction[who] * turned
+        speed = facing * omega
+        states = (turned, speed) if in_time else (0.5 * dynamics.inertia(variants, places, who) * speed**2,)
+        found = system.at(numbers, places, states, [system.shown[name] for name in names], time)
+        for row, name in zip(found, names, strict=True):
+            if name in ("acceleration", "motors", *dynamics.channels):
+                row *= facing
+        return found
 
     def beside(self, turned: np.ndarray) -> np.ndarray:
         """Offset at which torques are evaluated from angles turned, (…, variants) [rad]: 0 except at a break."""
-        own = self.variants
-        return beside(own.direction * (own.breaks.angles - self.start), turned, self.dynamics.cycle)
+        own, who = self.variants, self.who
+        breaks = own.direction[who] * (own.breaks.angles[:, who] - self.start[who])
+        return beside(breaks, turned, self.dynamics.cycle)
 
     def acceleration(
         self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """ε [rad/s²], and the decay rate of ω [1/s]."""
-        rows, moments = self.at(turned, omega, time, facing)
-        inertia, slope = rows.inertia[0], rows.inertia_phi[0]
-        with np.errstate(all="ignore"):
-            epsilon = (moments.total[0] - 0.5 * omega * omega * slope) / inertia
-            return epsilon, np.abs(moments.slope[0] - omega * slope) / inertia
+        """ε [rad/s²], and the decay rate of ω [1/s], (variants,)."""
+        epsilon, steepness = self.evaluated(("acceleration", "steepness"), True, turned, omega, time, facing)
+        return epsilon, np.abs(steepness)
 
     def sets_off(self, turned: np.ndarray, time: np.ndarray) -> np.ndarray:
         """Direction in which machines at rest start: +1, −1, or 0 if resistances hold them."""
@@ -173,7 +155,9 @@ class EquationOfMotion:
             # Near an equilibrium ε is small, but may not be so slightly ahead.
             pace = np.fmax(speed + np.sqrt(change), np.sqrt(np.abs(ahead - epsilon) / spacing))
             h = np.fmin(spacing / pace, np.fmin(share, STIFFEST) / rate)
-            for _, slip, _, synchronous, ratio in self.variants.drive.kloss:
-                near = np.abs(synchronous / ratio - omega) + slip * synchronous / ratio
-                h = np.fmin(h, FINER * spacing * near / change)
+            for curve, ratio in self.dynamics.drives(self.variants.numbers.of_variants(self.who)):
+                if curve.kloss is not None:
+                    _, slip, _, synchronous = curve.kloss
+                    near = np.abs(synchronous / ratio - omega) + slip * synchronous / ratio
+                    h = np.fmin(h, FINER * spacing * near / change)
         return h

@@ -37,23 +37,21 @@ class Landmarks:
     tabulation : Tabulation
         With every switching curve of the machine among its events.
     loads : sequence of Load
-    moments : sequence of (str, int)
-        Actions, and the curve of the tabulation with a torque of each.
+    moments : dict of str to int
+        Curve of the tabulation with the torque of each action.
     turns : int
         Crank revolutions in a cycle.
     """
 
-    def __init__(
-        self, tabulation: Tabulation, loads: Sequence[Load], moments: Sequence[tuple[str, int]], turns: int
-    ) -> None:
-        self.tabulation, self.moments = tabulation, tuple(moments)
+    def __init__(self, tabulation: Tabulation, loads: Sequence[Load], moments: dict[str, int], turns: int) -> None:
+        self.tabulation, self.moments = tabulation, moments
         functions = tabulation.functions
         graph = next(iter(functions.rows)).graph
         self.watches = watches_of(graph.crossings, loads)
         self.actions = tuple(sorted(frozenset().union(*(watch.actions for watch in self.watches))))
         # Actions that depend on time or do no work cannot be tested by their torques.
         self._unjudged = {load.action for load in loads if any(isinstance(n, Given) for n in reached([load.basis]))}
-        self._unjudged |= set(self.actions) - {action for action, _ in moments}
+        self._unjudged |= set(self.actions) - moments.keys()
         self._found = [node for node in functions.rows if isinstance(node, Found)]
         self._task = self._asked(turns)
 
@@ -130,9 +128,8 @@ class Landmarks:
         for i, name in enumerate(self.actions):
             owned = np.array([name in self.watches[w].actions for w in which])
             moves = np.full(angles.shape, name in self._unjudged)
-            for action, row in self.moments:
-                if action == name:
-                    moves |= (rows[row] != 0.0).any(axis=0)
+            if name in self.moments:
+                moves |= (rows[self.moments[name]] != 0.0).any(axis=0)
             acting[i] = owned[:, None] & moves & np.isfinite(angles)
         return acting
 

@@ -1,8 +1,7 @@
 """Rows of many variants, each at its own crank angles.
 
 Motion needs a machine's rows at nodes where torques jump, and at another angle for every variant at every instant.
-So a printed function of the machine's graph is called position by position, with a different position in each lane, and
-its rows are summed as requested.
+So a printed function of the machine's graph is called with a different position, and maybe variant, in each lane.
 """
 
 from collections.abc import Callable, Mapping
@@ -10,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import gather, hand_out, in_lanes
+from engine.compiling.blocks import hand_out, in_lanes
 from engine.compiling.decorators import driver
 from engine.compiling.printed import load_printed
 from engine.compiling.running import spread
@@ -24,27 +23,6 @@ from engine.scene.scene import Numbers
 
 # Ends of strokes, and the crank angles there, each (variants,).
 Ends = Mapping[Found, np.ndarray]
-
-
-class Sums(NamedTuple):
-    """How rows are summed.
-
-    Attributes
-    ----------
-    target : ndarray (rows,) of int
-        Sum of each row; −1 for none.
-    count : int
-        Number of sums.
-    turned : ndarray (rows,) of bool
-        Rows converted to the direction of motion.
-    direction : ndarray (variants,)
-        +1 or −1.
-    """
-
-    target: np.ndarray
-    count: int
-    turned: np.ndarray
-    direction: np.ndarray
 
 
 class Tabulation:
@@ -109,13 +87,9 @@ class Tabulation:
         return made
 
     def __call__(
-        self,
-        parameters: np.ndarray,
-        q: np.ndarray,
-        given: Mapping[Given, np.ndarray] | None = None,
-        sums: Sums | None = None,
+        self, parameters: np.ndarray, q: np.ndarray, given: Mapping[Given, np.ndarray] | None = None
     ) -> np.ndarray:
-        """The curves at given crank angles, or sums of them.
+        """The curves at given crank angles.
 
         Parameters
         ----------
@@ -124,14 +98,12 @@ class Tabulation:
             Crank angles [rad].
         given : mapping of Given to ndarray (nodes, variants), optional
             Numbers supplied at each position; the others are those of `parameters`.
-        sums : Sums, optional
-            How to sum the curves; default: separate curves.
 
         Returns
         -------
-        ndarray (curves or sums, nodes, variants)
+        ndarray (curves, nodes, variants)
         """
-        return self._filled("curves_at", len(self.functions.curves), parameters, q, given, sums)
+        return self._filled("curves_at", len(self.functions.curves), parameters, q, given)
 
     def function(self, name: str) -> TileFunction:
         """One of the printed functions, compiled."""
@@ -146,58 +118,37 @@ class Tabulation:
         parameters: np.ndarray,
         q: np.ndarray,
         given: Mapping[Given, np.ndarray] | None = None,
-        sums: Sums | None = None,
     ) -> np.ndarray:
-        variants = q.shape[1]
-        if sums is None:
-            sums = Sums(np.arange(rows), rows, np.zeros(rows, bool), np.ones(variants))
-        out = np.empty((sums.count, *q.shape))
-        if not variants or not rows:
+        out, given = np.empty((rows, *q.shape)), given or {}
+        if not out.size:
             return out
-        given = given or {}
         given_rows = np.array([self.functions.rows[node] for node in given], np.int64)
-        every = np.array([np.broadcast_to(values, q.shape) for values in given.values()]).reshape(-1, *q.shape)
-        at = np.require(q, requirements="CW")
-        batch = FilledPlaces(
-            parameters,
-            self.functions.memory,
-            at,
-            every,
-            given_rows,
-            rows,
-            sums.target,
-            sums.turned,
-            sums.direction,
-            out,
-        )
-        count = len(parameters) + rows + sums.count + _ALSO
+        every = np.array([np.broadcast_to(values, q.shape) for values in given.values()]).reshape(-1, q.size)
+        numbers, flat = np.require(parameters, requirements="CW"), out.reshape(rows, q.size)
+        batch = FilledPlaces(numbers, self.functions.memory, np.array(q).ravel(), every, given_rows, flat)
 
         def arguments() -> tuple:
-            return self.function(function), batch, lane_rows(count)
+            return self.function(function), batch, lane_rows(len(parameters) + rows + _ALSO)
 
-        spread(fill_places, -(-variants // LANES), arguments)
+        spread(fill_places, -(-q.size // LANES), arguments)
         return out
 
 
 class FilledPlaces(NamedTuple):
-    """Output of a call at a number of positions, and its input.
+    """Output of a call at a number of points, and its input; point i belongs to variant i modulo their number.
 
     Attributes
     ----------
     parameters : ndarray (numbers, variants)
     memory : ndarray
         All tables.
-    q : ndarray (places, variants)
+    q : ndarray (points,)
         Crank angles [rad].
-    given : ndarray (given, places, variants)
+    given : ndarray (given, points)
         Numbers that replace parameters.
     given_rows : ndarray (given,) of int
         Rows of these.
-    rows : int
-        Number of curves of the printed function.
-    target, turned, direction
-        As in `Sums`.
-    out : ndarray (sums, places, variants)
+    out : ndarray (curves, points)
     """
 
     parameters: np.ndarray
@@ -205,45 +156,29 @@ class FilledPlaces(NamedTuple):
     q: np.ndarray
     given: np.ndarray
     given_rows: np.ndarray
-    rows: int
-    target: np.ndarray
-    turned: np.ndarray
-    direction: np.ndarray
     out: np.ndarray
 
 
-# Rows of a block in addition to numbers, curves and sums: position with cosine and sine, and both signs.
-_ALSO = 5
+# Rows of a block in addition to numbers and curves: position with cosine and sine.
+_ALSO = 3
 
 
 @driver
 def fill_places(begin: int, end: int, fill: Callable, batch: FilledPlaces, room: np.ndarray) -> None:
-    """Fill the blocks begin … end − 1 of variants, position by position; `room` is scratch memory for a block."""
-    (places, variants), rows = batch.q.shape, batch.rows
-    given, given_rows, direction, out = batch.given, batch.given_rows, batch.direction, batch.out
-    count = batch.parameters.shape[0]
-    block, place, rest = room[:count], room[count : count + 3], room[count + 3 :]
-    tile = rest[2 : rows + 2].reshape(rows, 1, LANES)
-    numbers, position, ways = in_lanes(block), in_lanes(place), in_lanes(rest)
-    filled, sums = in_lanes(rest[2:]), in_lanes(rest[rows + 2 :])
+    """Fill the blocks begin … end − 1 of points; `room` is scratch memory for a block."""
+    (count, variants), (rows, points) = batch.parameters.shape, batch.out.shape
+    block, place, tile = room[:count], room[count : count + 3], room[count + 3 :].reshape(rows, 1, LANES)
+    numbers, position, filled = in_lanes(block), in_lanes(place), in_lanes(room[count + 3 :])
     for b in range(begin, end):
         first = b * LANES
-        gather(batch.parameters, first, numbers)
         for lane in range(LANES):
-            ways[0, lane], ways[1, lane] = 1.0, direction[min(first + lane, variants - 1)]
-        for j in range(places):
-            gather(batch.q[j : j + 1], first, position)
-            for lane in range(LANES):
-                position[1, lane], position[2, lane] = direction_of(position[0, lane])
-            for i in range(given_rows.shape[0]):
-                for lane in range(LANES):
-                    numbers[given_rows[i], lane] = given[i, j, min(first + lane, variants - 1)]
-            fill(block, batch.memory, place[0:1], place[1:2], place[2:3], tile)
-            for i in range(out.shape[0]):
-                for lane in range(LANES):
-                    sums[i, lane] = 0.0
-            for row in range(rows):
-                into, way = batch.target[row], 1 if batch.turned[row] else 0
-                for lane in range(LANES if into >= 0 else 0):
-                    sums[into, lane] += filled[row, lane] * ways[way, lane]
-            hand_out(sums, first, out[:, j])
+            point = min(first + lane, points - 1)
+            variant = point % variants
+            for i in range(count):
+                numbers[i, lane] = batch.parameters[i, variant]
+            for i in range(batch.given_rows.shape[0]):
+                numbers[batch.given_rows[i], lane] = batch.given[i, point]
+            position[0, lane] = batch.q[point]
+            position[1, lane], position[2, lane] = direction_of(position[0, lane])
+        fill(block, batch.memory, place[0:1], place[1:2], place[2:3], tile)
+        hand_out(filled, first, batch.out)

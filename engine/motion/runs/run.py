@@ -70,10 +70,13 @@ def _run(runs: Progress) -> RunOutcome:
 
 def _brisk(runs: Progress) -> np.ndarray:
     """Which variants move forwards with energy that changes slowly."""
-    state, every = runs.state, np.arange(runs.variants.count)
+    state = runs.state
     if runs.dynamics.in_time:
-        return np.zeros(every.size, bool)
-    way = np.where(runs.facing < 0.0, -1.0, 1.0)
-    rows, moments = runs.equation(every).at(state.turned, state.omega, state.time + runs.clock, way)
-    share = TIMES_TO_THE_END if runs.to_the_end else BRISK_TO_LOOK
-    return (state.omega > 0.0) & (np.abs(moments.total[0]) < share * 0.5 * rows.inertia[0] * state.omega**2)
+        return np.zeros(runs.variants.count, bool)
+    brisk, share = state.omega > 0.0, TIMES_TO_THE_END if runs.to_the_end else BRISK_TO_LOOK
+    moving = np.flatnonzero(brisk)
+    omega = state.omega[moving]
+    now = state.turned[moving], omega, (state.time + runs.clock)[moving], np.ones(moving.size)
+    found = runs.equation(moving).along(*now)
+    brisk[moving] = np.abs(found.total) < share * 0.5 * found.inertia * omega**2
+    return brisk

@@ -166,7 +166,7 @@ def _piece_of(runs: Progress, who: np.ndarray, before: State, gone: Walks, impli
         read_steps(*asked, runs.half, found)
         energy, time, moment = found.reshape(3, *turned.shape)
         own = runs.variants.some(who[columns[-1]])
-        inertia = runs.dynamics.rows(own, begin[columns[-1]] + own.direction * turned).inertia
+        inertia = runs.dynamics.inertia(own, begin[columns[-1]] + own.direction * turned)
         # For a steep motor the speed does not determine the torque; use the recorded one.
         moment = moment if implicit else np.full_like(moment, np.nan)
         with np.errstate(all="ignore"):

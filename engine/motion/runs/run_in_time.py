@@ -132,7 +132,7 @@ def stretch_over_time(runs: Progress, who: np.ndarray, carry: Carry) -> tuple[np
     runs.pace[who] = gone.pace
     # With friction, reactions become infinite or NaN where no equilibrium exists.
     lost = why == Why.LOST
-    runs.give_up(who[lost], Verdict.NOT_FINITE if runs.dynamics.friction is None else Verdict.JAMS)
+    runs.give_up(who[lost], Verdict.NOT_FINITE if not runs.dynamics.rubs else Verdict.JAMS)
     runs.done[who[np.isin(why, (Why.GOAL, ABOVE, BELOW))]] = True
     met = (why == Why.OTHER_GOAL) & forward
     runs.done[who[met & (goal == runs.ends.turned[who])]] = True

@@ -340,8 +340,7 @@ class Progress:
         if np.array_equal(who, last_who) and np.array_equal(turned, last_turned):
             return known
         part = self.variants.some(who)
-        places = (self.start[who] + part.direction * turned)[None]
-        found = self.dynamics.rows(part, places, self.state.time[who][None]).inertia[0]
+        found = self.dynamics.inertia(part, self.start[who] + part.direction * turned)
         self._last_inertia = who, turned.copy(), found
         return found
 
@@ -399,4 +398,4 @@ class Progress:
 
     def equation(self, who: np.ndarray) -> EquationOfMotion:
         """The equation of motion of a subset of the variants."""
-        return EquationOfMotion(self.dynamics, self.variants.some(who), self.start[who])
+        return EquationOfMotion(self.dynamics, self.variants, self.start, who)

@@ -128,18 +128,15 @@ class RunFields:
         Includes the instant, the angle turned and the torque of each channel of loads.
         """
         own = self.variants.some(who)
-        form, clock = EquationOfMotion(self.dynamics, own, self.start[who]), piece.time + self.clock[who]
-        machine, moments = form.along(piece.turned, piece.omega, clock, piece.facing)
-        known = np.isfinite(piece.moment)
-        total = np.where(known, piece.moment, moments.total)
-        motors = np.where(known, piece.moment - moments.loads.sum(axis=0), moments.motors)
+        form, clock = EquationOfMotion(self.dynamics, self.variants, self.start, who), piece.time + self.clock[who]
         # A torque may be infinite or NaN.
         with np.errstate(all="ignore"):
-            epsilon = (total - 0.5 * piece.omega**2 * machine.inertia_phi) / machine.inertia
-            rows = motion_rows(own, piece.omega, epsilon, motors, moments.loads)
-        rows["kinetic_energy"] = 0.5 * machine.inertia * piece.omega**2
+            found = form.along(piece.turned, piece.omega, clock, piece.facing)
+            inertia, epsilon, motors, loads = found.known_better(piece.moment)
+            rows = motion_rows(own, piece.omega, epsilon, motors, loads)
+        rows["kinetic_energy"] = 0.5 * inertia * piece.omega**2
         rows[INSTANT], rows[TURNED] = piece.time, piece.turned
-        rows |= {key: own.direction * row for key, row in zip(self.dynamics.channels, moments.loads, strict=True)}
+        rows |= {key: own.direction * row for key, row in zip(self.dynamics.channels, loads, strict=True)}
         places = self.start[who] + own.direction * piece.turned
         return rows | self.on_pairs(who, piece.facing, places, piece.omega, epsilon, clock)
 

@@ -75,13 +75,11 @@ def cycle_of(
         Actions that are off.
     """
     angle, way = grid.places[NODES], variants.direction
-    omega = np.sqrt(2.0 * steady.record[0] / dynamics.rows(variants, angle).inertia)
+    omega = np.sqrt(2.0 * steady.record[0] / dynamics.inertia(variants, angle))
     form = EquationOfMotion(dynamics, variants, np.zeros(variants.count))
-    machine, moments = form.along(way * angle, omega, np.zeros_like(angle), np.ones(variants.count))
-    total = np.where(np.isnan(steady.record[2]), moments.total, steady.record[2])
-    motors = np.where(np.isnan(steady.record[2]), moments.motors, total - moments.loads.sum(axis=0))
-    epsilon = (total - 0.5 * omega**2 * machine.inertia_phi) / machine.inertia
-    rows = motion_rows(variants, omega, epsilon, motors, moments.loads)
+    found = form.along(way * angle, omega, np.zeros_like(angle), np.ones(variants.count))
+    _, epsilon, motors, moments = found.known_better(steady.record[2])
+    rows = motion_rows(variants, omega, epsilon, motors, moments)
     rows["kinetic_energy"] = steady.record[0]
     rows[INSTANT] = steady.record[1]
     if loads is not None:

@@ -6,7 +6,7 @@ from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.runs.run import run_to_end
 from engine.motion.runs.run_progress import Begin, Ends, Progress, RunOutcome
 from engine.motion.runs.watching import Piece, RunFields
-from engine.motion.settled.steady import Steady, no_load_speed, steady_motion
+from engine.motion.settled.steady import Steady, steady_motion
 from engine.words.verdicts import Verdict
 
 # Relative tolerance of the return residual, and most cycles.
@@ -33,7 +33,7 @@ def settled_motion(
     doubtful : bool
         Whether to shift the motion by its error estimates or, with friction, to use a looser tolerance.
     """
-    if dynamics.friction is None:
+    if not dynamics.rubs:
         steady, off = steady_motion(dynamics, variants, tolerance, asked)
         return steady.shifted(off) if doubtful else steady
     with np.errstate(all="ignore"):
@@ -42,8 +42,8 @@ def settled_motion(
 
 def _settled(dynamics: Dynamics, variants: Variants, doubtful: bool, asked: np.ndarray | None) -> Steady:
     count, zero = variants.count, np.zeros(variants.count)
-    inertia = dynamics.rows(variants, zero[None]).inertia[0]
-    energy = 0.5 * inertia * no_load_speed(variants)[0] ** 2
+    inertia = dynamics.inertia(variants, zero)
+    energy = 0.5 * inertia * dynamics.no_load_speed(variants)[0] ** 2
     verdict, multiplier = np.full(count, Verdict.RUNS_AWAY, np.uint8), np.full(count, np.nan)
     # The last energy at which a cycle was completed, and the energy after it.
     known, returned = np.full(count, np.nan), np.full(count, np.nan)
@@ -106,7 +106,7 @@ def _measured(
         rows[:, good], works[:, good] = own, state.works
         if nodes:
             square, time = seen.at(np.ascontiguousarray(asked[:, good]))
-            turning = dynamics.rows(part, part.direction * asked[:, good]).inertia
+            turning = dynamics.inertia(part, part.direction * asked[:, good])
             record[0][:, good], record[1][:, good] = 0.5 * turning * square, time
     begun, ended, residual, period, slowest, fastest, squares = rows
     multiplier = np.where(verdict == Verdict.OK, multiplier, np.nan)

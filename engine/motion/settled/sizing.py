@@ -49,8 +49,7 @@ def flywheel_for(
     """
     step = dynamics.cycle / PLACES
     places = np.broadcast_to(step * np.arange(PLACES)[:, None], (PLACES, variants.count))
-    bare = dynamics.rows(variants._replace(flywheel=np.zeros(variants.count)), places)
-    lightest = np.log(mean_of_rows(bare.inertia))
+    lightest = np.log(mean_of_rows(dynamics.inertia(variants._replace(flywheel=np.zeros(variants.count)), places)))
 
     def excess(inertia: np.ndarray, who: np.ndarray) -> np.ndarray:
         """Ln δ − ln δ_asked over the logarithm of the mean inertia; inf if the machine does not run."""

@@ -124,8 +124,7 @@ class _Motion:
     def closed(self, who: np.ndarray, implicit: bool) -> Closed:
         """Cycles that return to their own energies; the search starts at the no-load speed, where loads dominate."""
         part = self.variants.some(who)
-        inertia = self.dynamics.rows(part, np.zeros((1, who.size))).inertia[0]
-        top = 0.5 * inertia * no_load_speed(part)[0] ** 2
+        top = 0.5 * self.dynamics.inertia(part, np.zeros(who.size)) * self.dynamics.no_load_speed(part)[0] ** 2
         task = self.system.task(self.dynamics.cycle, NINE if implicit else EIGHT)._replace(clock=-1)
         return self.system.close(task, self.numbers[:, who], self.edges[:, who], self._lanes(who, FARTHEST), top)
 
@@ -252,10 +251,3 @@ def _joined(whole: Walks, who: np.ndarray, gone: Walks) -> Walks:
         for name in (extreme, off):
             getattr(joined, name)[who[kept]] = getattr(whole, name)[who[kept]]
     return joined
-
-
-def no_load_speed(variants: Variants) -> tuple[np.ndarray, np.ndarray]:
-    """Speed above which no motor drives, and whether there is a motor; without one, the scene's own speed."""
-    drive, own = variants.drive, np.abs(np.broadcast_to(variants.numbers["input.speed"], (variants.count,)))
-    top = np.max(drive.no_load_speeds, axis=0, initial=0.0)
-    return np.where(top > 0.0, top, own), top > 0.0

@@ -1,6 +1,5 @@
 """Motors against the equivalent circuit, mpmath's solution of the nameplate equations and energy."""
 
-import itertools
 import math
 
 import mpmath
@@ -17,7 +16,6 @@ from engine.laws.motor_characteristics import (
     induction_motor_curvature,
     induction_motor_slope,
     kloss_from_nameplate,
-    motors_at,
     nameplate_trouble,
 )
 from engine.parts.actions import MomentAction
@@ -106,9 +104,7 @@ def test_kloss_between_its_poles__is_nan_not_a_driving_generator():
 def torque_of(motor: dict, speed: float) -> float:
     made = TypeAdapter(MomentAction).validate_python({"on": "crank"} | motor)
     numbers = {f"m.{key}": value for key, value in made.model_dump().items()}
-    level, slope, bends, _, _ = motor_curve(made, "m", numbers)
-    rows = np.array([[level, slope, *itertools.chain(*bends)]]).T
-    return motors_at.py_func(rows, 0, (len(rows), len(rows)), speed)[0]
+    return motor_curve(made, "m", numbers).moment(speed)
 
 
 def test_dc_motor__does_the_power_of_its_line():

@@ -1,0 +1,82 @@
+"""A system at given states: its rates and what it watches, from the functions that a walk steps with."""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.compiling.blocks import hand_out_row, in_lanes
+from engine.compiling.decorators import driver
+from engine.compiling.widths import LANES
+from engine.stepping.walk import Printed, Room, WalkTask, look, rate, rows_of, stand
+
+
+class GivenStates(NamedTuple):
+    """GivenStates of a number of points, and the results asked for.
+
+    Attributes
+    ----------
+    memory : ndarray
+        All tables.
+    numbers : ndarray (numbers, variants)
+        Point i belongs to variant i modulo their number.
+    places, clock : ndarray (points,)
+        Position of the input [rad] and time [s].
+    states : ndarray (states, points)
+    wanted : ndarray (results,) of int
+        Rows of the rates, followed by those of `watch`.
+    found : ndarray (results, points)
+    """
+
+    memory: np.ndarray
+    numbers: np.ndarray
+    places: np.ndarray
+    clock: np.ndarray
+    states: np.ndarray
+    wanted: np.ndarray
+    found: np.ndarray
+
+
+@driver
+def evaluate_states(
+    begin: int,
+    end: int,
+    places: Callable,
+    rates: Callable,
+    watch: Callable,
+    batch: GivenStates,
+    task: WalkTask,
+    room: Room,
+) -> None:
+    """Evaluate a system at the states of the blocks begin … end − 1 of points."""
+    own, printed, numbers = rows_of(room.lane), Printed(places, rates, watch, batch.memory), in_lanes(room.numbers)
+    points, variants, first_state = batch.places.shape[0], batch.numbers.shape[1], task.first_place + task.places
+    rated, watched, rates_asked = in_lanes(room.rates), in_lanes(room.watched), task.solves >= 0
+    for i in range(batch.wanted.shape[0]):
+        rates_asked |= batch.wanted[i] < task.width
+    for b in range(begin, end):
+        first = b * LANES
+        for lane in range(LANES):
+            point = min(first + lane, points - 1)
+            variant = point % variants
+            for i in range(batch.numbers.shape[0]):
+                numbers[i, lane] = batch.numbers[i, variant]
+            for i in range(task.states):
+                numbers[first_state + i, lane] = batch.states[i, point]
+            if task.solves >= 0:
+                # A rate that depends on itself is sought from 0, so that no point depends on others.
+                numbers[first_state + task.states, lane] = 0.0
+            own.start[lane], own.direction[lane], own.clock[lane] = batch.places[point], 0.0, batch.clock[point]
+            own.at[lane], own.length[lane] = 0.0, 1.0
+            own.low[lane], own.high[lane], own.begins[lane], own.ends[lane] = -math.inf, math.inf, -math.inf, math.inf
+        stand(0.0, 0, -1, printed, task, room)
+        if rates_asked:
+            rate(0, printed, task, room)
+        look(0, printed, task, room)
+        for i in range(batch.wanted.shape[0]):
+            row = batch.wanted[i]
+            if row < task.width:
+                hand_out_row(rated[row], first, batch.found[i])
+            else:
+                hand_out_row(watched[row - task.width], first, batch.found[i])
