@@ -191,6 +191,14 @@ class Part(BaseModel):
         return {path: np.array([number.value]) for path, number in self.numbers_within()}
 
 
+def with_a_wall(part: Part) -> Part:
+    """Validator: the bore of a round part is less than its diameter."""
+    if part.bore >= part.diameter:
+        message = f"it must be less than the diameter, {quantity_text(part.diameter, 'm')}"
+        raise ValueError(f"bore = {quantity_text(part.bore, 'm')}: {message}")
+    return part
+
+
 def field_marks(field: FieldInfo) -> list:
     """All marks of a field, including those of entries and inside optionals."""
     return _marks(field.annotation, field.metadata)

@@ -5,8 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from engine.parts.actions import Stiffness, TorsionalDamping, TorsionalStiffness
-from engine.parts.skeleton import Area, Length, Name, Number, Part, Positive, quantity
-from engine.units.display import quantity_text
+from engine.parts.skeleton import Area, Length, Name, Number, Part, Positive, quantity, with_a_wall
 
 PartModulus = Annotated[quantity("pressure"), Field(gt=0)]
 
@@ -38,14 +37,7 @@ class ShaftPart(_TurningPart):
     length: Positive
     shear_modulus: PartModulus
 
-    @model_validator(mode="after")
-    def _has_a_wall(self) -> "ShaftPart":
-        if self.bore >= self.diameter:
-            raise ValueError(
-                f"bore = {quantity_text(self.bore, 'm')}: it must be less than the diameter, "
-                f"{quantity_text(self.diameter, 'm')}"
-            )
-        return self
+    _has_a_wall = model_validator(mode="after")(with_a_wall)
 
 
 class RodPart(_TurningPart):

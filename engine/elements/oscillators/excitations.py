@@ -10,9 +10,8 @@ from engine.laws.tables import TableError, make_table
 from engine.parts.actions import Force, Time
 from engine.parts.formulas.by_formula import ByFormula, FormulaText
 from engine.parts.formulas.expressions import ExpressionError, TextExpression, parse
-from engine.parts.skeleton import AngularSpeed, Length, Mass, Part, Positive, Speed, quantity
+from engine.parts.skeleton import AngularSpeed, Length, Mass, Part, Positive, Speed, quantity, with_a_wall
 from engine.units.dimensions import described
-from engine.units.display import quantity_text
 from engine.units.reading import any_quantity
 from engine.words.glossary import unknown_name_message
 
@@ -29,14 +28,7 @@ class CantileverSpring(Part):
     bore: Annotated[Length, Field(ge=0)] = 0.0
     elastic_modulus: Modulus
 
-    @model_validator(mode="after")
-    def _has_a_wall(self) -> "CantileverSpring":
-        if self.bore >= self.diameter:
-            raise ValueError(
-                f"bore = {quantity_text(self.bore, 'm')}: it must be less than the diameter, "
-                f"{quantity_text(self.diameter, 'm')}"
-            )
-        return self
+    _has_a_wall = model_validator(mode="after")(with_a_wall)
 
 
 class FreeStart(Part):
