@@ -16,6 +16,7 @@ from engine import (
     Scene,
     boxer_engine,
     crank_radius,
+    display_unit,
     engine_shaking,
     even_firing_order,
     firing_angles,
@@ -34,6 +35,8 @@ from sweeps.text.tables import table
 RATIO = 0.3
 # Amplitudes below this, relative to one cylinder's, are rounding.
 BALANCED = 1e-12
+# An ellipse whose half axes are below this ratio is a line.
+LINE = 1e-9
 HIGHEST_TORQUE_ORDER = 6
 ORDER_HEADS = (
     "engine",
@@ -222,16 +225,18 @@ def _cells(row: EngineRow) -> tuple[str, ...]:
     return row.name, _firing_text(found.intervals), *amplitudes, "; ".join(higher) or "0", _torque_text(found)
 
 
-def ellipse_text(vector: Hodograph, order: int) -> str:
-    """The vector of one order: 0, size of a line or circle, or half axes of an ellipse."""
+def ellipse_text(vector: Hodograph, order: float, units: str = "") -> str:
+    """The vector of one order: 0, size of a line or circle, or half axes of an ellipse, without or in units."""
     i = vector.orders.index(order)
-    major, minor = vector.major[i], vector.minor[i]
+    major, minor = float(vector.major[i]), float(vector.minor[i])
     if major == 0:
         return "0"
+    factor, unit = display_unit(units, np.array([major])) if units else (1.0, "")
     turns = "↺" if abs(vector.forward[i]) > abs(vector.backward[i]) else "↻"
-    if minor <= BALANCED * major:
-        return f"{major:.4g} line"
-    return f"{major:.4g} {turns}" if major - minor <= BALANCED * major else f"{major:.4g} × {minor:.4g} {turns}"
+    long, short, unit = f"{factor * major:.4g}", f"{factor * minor:.4g}", f" {unit}" if unit else ""
+    if minor <= LINE * major:
+        return f"{long}{unit} line"
+    return f"{long}{unit} {turns}" if major - minor <= LINE * major else f"{long} × {short}{unit} {turns}"
 
 
 def _firing_text(intervals: np.ndarray | None) -> str:

@@ -6,13 +6,12 @@ from collections.abc import Iterable
 import numpy as np
 from matplotlib.axes import Axes
 
-from engine import SHOWN_ORDERS, EngineElement, Hodograph, display_unit, shaken, torque_orders
+from engine import SHOWN_ORDERS, EngineElement, display_unit, shaken, torque_orders
 from sweeps.pictures.style import GREY, VERMILION
+from sweeps.report.order_table import LINE, ellipse_text
 from sweeps.text.tables import table
 
 TURN = 2 * math.pi
-# An ellipse whose half axes are below this ratio is a line.
-LINE = 1e-9
 
 
 def engine_table(engine: EngineElement) -> str:
@@ -32,27 +31,14 @@ def engine_table(engine: EngineElement) -> str:
         )
     ]
     kinds = [("N", found.forces), *([("N m", found.couples)] if engine.spacing is not None else [])]
-    for i, order in enumerate(SHOWN_ORDERS):
-        cells = [_ellipse_text(vector, i, unit) for unit, both in kinds for vector in both]
+    for order in SHOWN_ORDERS:
+        cells = [ellipse_text(vector, order, unit) for unit, both in kinds for vector in both]
         if any(cell != "0" for cell in cells) or order in (1, 2, 4, 6):
             rows.append((f"{order}", *cells))
     lines = [table(rows), "Ellipses by their half axes; ↺ turns with the crank, ↻ against it."]
     if engine.gas is not None:
         lines.append(_torque_text(engine))
     return "\n".join(lines)
-
-
-def _ellipse_text(vector: Hodograph, i: int, units: str) -> str:
-    major, minor = float(vector.major[i]), float(vector.minor[i])
-    if major == 0:
-        return "0"
-    factor, unit = display_unit(units, np.array([major]))
-    turns = "↺" if abs(vector.forward[i]) > abs(vector.backward[i]) else "↻"
-    if minor <= LINE * major:
-        return f"{factor * major:.4g} {unit} line"
-    if major - minor <= LINE * major:
-        return f"{factor * major:.4g} {unit} {turns}"
-    return f"{factor * major:.4g} × {factor * minor:.4g} {unit} {turns}"
 
 
 def _torque_text(engine: EngineElement) -> str:
