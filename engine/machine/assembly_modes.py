@@ -72,7 +72,7 @@ class AssemblyRange(NamedTuple):
     stop: float
 
 
-def assembly_ranges(scene: Scene, positions: int = 7200) -> list[AssemblyRange]:
+def assembly_ranges(scene: Scene, positions: int = 7200, known: Mechanics | None = None) -> list[AssemblyRange]:
     """Ranges of the input over which every structural group can be assembled.
 
     Parameters
@@ -80,6 +80,8 @@ def assembly_ranges(scene: Scene, positions: int = 7200) -> list[AssemblyRange]:
     scene : Scene
     positions : int
         Number of positions examined; ends of ranges are accurate to one interval.
+    known : Mechanics, optional
+        That of the scene.
 
     Returns
     -------
@@ -88,7 +90,7 @@ def assembly_ranges(scene: Scene, positions: int = 7200) -> list[AssemblyRange]:
         range that contains φ = 0 of a full circle has a negative start.
     """
     fields = [f"{group}.transmission" for group in (*scene.groups, *order(scene).free_groups, *scene.cams)]
-    machine = MovingMachine(scene, positions=positions)
+    machine = MovingMachine(scene, positions=positions, known=known)
     nodes, turns = machine.q, machine.mechanics.has_cycle
     whole = np.ones(nodes.size, bool)
     for row in machine.fields(fields).values():

@@ -101,23 +101,19 @@ class Reactions:
         self._loads = LinkLoads(kinematics)
         for name in self._moving:
             self._loads.add(name, self._own[name])
+        solve = {
+            "group": self._group,
+            "free group": self._free_group,
+            "cam": self._cam,
+            "second input": self._second_input,
+            "noncircular wheel": self._noncircular_wheel,
+            "rack": self._rack,
+            "pinion": self._pinion,
+            "shaft": self._shaft,
+        }
         for element in reversed(structure.elements):
-            if element.kind == "group":
-                self._group(element.name)
-            elif element.kind == "free group":
-                self._free_group(kinematics.free[element.name])
-            elif element.kind == "cam":
-                self._cam(element.name)
-            elif element.kind == "second input":
-                self._second_input(element.name)
-            elif element.kind == "noncircular wheel":
-                self._noncircular_wheel(element.name)
-            elif element.kind == "rack":
-                self._rack(element.name)
-            elif element.kind == "pinion":
-                self._pinion(element.name)
-            elif element.kind == "shaft":
-                self._shaft(element.name)
+            if element.kind in solve:
+                solve[element.kind](element.name)
         self._input()
         self.moment_of_drives = self._moment_of_drives()
         if has_friction(self.scene):
@@ -299,7 +295,8 @@ class Reactions:
         links = (group.first.link, group.second.link)
         self._balance(name, links, pairs_of_group(self.scene, name), lambda loads: self._solved(name, loads))
 
-    def _free_group(self, motion: "mechanism.groups.free.FreeMotion") -> None:
+    def _free_group(self, name: str) -> None:
+        motion = self.kinematics.free[name]
         group = motion.closure.group
 
         def solved(loads: Mapping[str, Wrench]) -> list[Components]:

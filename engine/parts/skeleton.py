@@ -248,7 +248,7 @@ def _referred(kind: type[Part], key: str) -> tuple[str, ...]:
         marks = _marks(tuple[get_args(field.annotation)[0]], [])
     else:
         marks = field_marks(field)
-    return tuple(mark.kind for mark in marks if isinstance(mark, Refers))
+    return tuple(dict.fromkeys(mark.kind for mark in marks if isinstance(mark, Refers)))
 
 
 class Point(Part):

@@ -26,6 +26,11 @@ from engine.quantities.quantity import STATISTICS, InputUnits, Quantity
 from engine.scene.load_formulas import NOTHING_REPEATS, time_dependent
 
 
+def known(curve: Node | Followed) -> Callable[[], Node | Followed]:
+    """The curve of a field that is a node already."""
+    return lambda: curve
+
+
 class Field(NamedTuple):
     """A curve over the positions.
 

@@ -1,6 +1,6 @@
 """The names in a scene: what each denotes, and what may refer to what."""
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import NamedTuple
 
 from engine.parts.skeleton import FRAME, CrankInput
@@ -31,7 +31,7 @@ def definitions(scene: Scene) -> tuple[dict[str, str], dict[str, str], dict[str,
     named.append((points, input_point(scene), "input.pin" if isinstance(scene.input, CrankInput) else "input.point"))
     named += [(points, g.inner, f"groups.{name}.inner") for name, g in scene.groups.items() if hasattr(g, "inner")]
     named += [(points, name, f"points.{name}") for name in scene.points]
-    defined = {name for _, name, _ in named}
+    defined = {name for kind, name, _ in named if kind is points}
     for name, link in scene.links.items():
         named += [(points, joint, f"links.{name}.joints") for joint in link.joints if joint not in defined]
         defined |= set(link.joints)
@@ -140,11 +140,14 @@ def wrong_reference(scene: Scene, path: str, kind: str, name: str) -> Iterator[P
         yield path, f"{name!r} {what.wrong}; {listed(name, sorted(known), what.heading)}"
 
 
-def wrong_references(scene: Scene, kinds: Collection[str]) -> list[Problem]:
-    """References to something of another kind than one of `kinds`, where they ask for that."""
-    return [
-        problem
-        for path, kind, name in scene.references()
-        if kind in kinds
-        for problem in wrong_reference(scene, path, kind, name)
-    ]
+@once
+def _references(scene: Scene) -> list[tuple[str, str, str]]:
+    return list(scene.references())
+
+
+def wrong_references(scene: Scene, kinds: Mapping[str, Referable]) -> list[Problem]:
+    """References to something of another kind than they ask for, among some kinds."""
+    asked = [reference for reference in _references(scene) if reference[1] in kinds]
+    known = {kind: kinds[kind].names(scene) for kind in {kind for _, kind, _ in asked}}
+    wrong = (reference for reference in asked if reference[2] not in known[reference[1]])
+    return [problem for reference in wrong for problem in wrong_reference(scene, *reference)]

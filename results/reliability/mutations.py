@@ -40,11 +40,9 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import tomlkit
 
 import sweeps
-from engine import Verdict
 
 HERE = Path(__file__).parent
 STOCK = Path(sweeps.__file__).parent
@@ -59,11 +57,8 @@ BATCH, NUMBERS_BATCH = 60, 300
 BATCH_SECONDS = 15.0
 # Values that a number takes at most in a study of which only numbers change, and variants where they are sampled.
 VALUES, SAMPLED = 2, 8
-# Processor time [s] from which a run of a few variants is told as long.
-LONG = 10.0
 # Parts of a slice, after each of which its counts are written; and how many texts on what went wrong are kept.
 TURNS, TOLD = 20, 60
-UNDEFINED = "results, undefined: "
 
 NUMBERS = ("0", "-1", "1", "1e-300", "1e12", "1e150", "1e300", "1e400", "nan", "inf", "-inf", "1/0", "٣")  # fmt: skip
 UNITS = ("", "mm", "m", "deg", "rpm", "kg", "N", "N m", "s", "1/s", "kg m2", "m/s**999", "furlong", "degC")  # fmt: skip
@@ -283,14 +278,11 @@ def numbers(dice: random.Random, name: str, folder: Path, report: Callable[[str,
 
 
 def run(target: str, folder: Path, garbled: str, report: Callable[[str, str, float], None]) -> None:
-    """Run a text to its end, and look whether what is there are numbers."""
+    """Run a text to its end."""
     result = folder / "result.h5"
     line = ["run", target, "--no-plots", "--quiet", "--out", str(result), "--replace", "--jobs", "1"]
     code, said, took = command(line, RUN_WITHIN)
-    wrong = judged(code, said, folder)
-    if code == 0 and result.exists() and (none := no_numbers(result)):
-        wrong = f"{UNDEFINED}{', '.join(none)}"
-    report(f"run: {wrong}", garbled, took)
+    report(f"run: {judged(code, said, folder)}", garbled, took)
     for left in folder.glob("result*"):
         left.unlink()
 
@@ -343,17 +335,6 @@ def command(line: list[str], within: float) -> tuple[int | str, str, float]:
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0.0)
     return code, said.getvalue(), time.process_time() - begun
-
-
-def no_numbers(path: Path) -> list[str]:
-    """Names of summaries of a result that are no numbers where the verdict is "ok"."""
-    from sweeps.store import MappedResult
-
-    columns = MappedResult(path).columns
-    good = np.asarray(columns["status"]) == Verdict.OK
-    values = {name: np.asarray(c) for name, c in columns.items() if not name.startswith(("status", "errors"))}
-    summaries = {name: value for name, value in values.items() if value.shape == good.shape and value.dtype.kind == "f"}
-    return [name for name, value in summaries.items() if not np.isfinite(value[good]).all()]
 
 
 def texts(dice: random.Random, folder: Path, evaluated: bool, report: Callable[[str, str, float], None]) -> None:
@@ -459,12 +440,7 @@ def campaign(kind: str, count: int, seed: int, folder: Path, keep: Path | None, 
                 case = told[1]
                 continue
             case, how, content, took, memory = told
-            if kind == "numbers":
-                row["long"] = row.get("long", 0) + (took > LONG)
             row["longest"], row["memory"] = max(row["longest"], took), max(row["memory"], memory)
-            if how.startswith(f"run: {UNDEFINED}"):
-                data["undefined"] = sorted({*data["undefined"], *how.removeprefix(f"run: {UNDEFINED}").split(", ")})
-                how = "run: results"
             fine = how.removeprefix("run: ") in ("results", "refused")
             if memory > MOST_MEMORY and kind in ("texts", "numbers"):
                 fine, how = False, f"{memory / 1e6:.0f} MB; {how}"
@@ -484,13 +460,12 @@ def main() -> None:
     for name, usual in (("texts", 20_000), ("numbers", 4000), ("evaluated", 100), ("lines", 2000), ("seed", 1)):
         parser.add_argument(f"--{name}", type=int, default=usual)
     parser.add_argument("--anew", action="store_true", help="Forget the counts of earlier slices.")
-    parser.add_argument("--cache", type=Path, help="Folder for machine code, empty or of an earlier slice.")
     parser.add_argument("--keep", type=Path, help="Folder for the texts that went wrong.")
     asked = parser.parse_args()
     if asked.keep:
         asked.keep.mkdir(parents=True, exist_ok=True)
     begun, counts = time.monotonic(), HERE / "mutations.json"
-    empty = {"slices": [], "kinds": {}, "undefined": [], "wrong": []}
+    empty = {"slices": [], "kinds": {}, "wrong": []}
     data = json.loads(counts.read_text()) if counts.exists() and not asked.anew else empty
     line = " ".join(f"--{name} {getattr(asked, name)}" for name in ("texts", "numbers", "evaluated", "lines", "seed"))
     load()
@@ -498,7 +473,7 @@ def main() -> None:
         folder = Path(scratch) / "texts"
         for part in ("studies", "templates"):
             shutil.copytree(STOCK / part, folder / part, ignore=shutil.ignore_patterns("*.py", "__pycache__"))
-        os.environ["XDG_CACHE_HOME"] = str((asked.cache or Path(scratch) / "cache").absolute())
+        os.environ["XDG_CACHE_HOME"] = str(Path(scratch) / "cache")
         # In turns, so that a slice that is stopped holds something of each; what is done then is kept.
         for turn in range(TURNS):
             for kind in ("texts", "lines", "numbers", "evaluated"):
@@ -535,7 +510,7 @@ def table(data: dict[str, Any]) -> str:
         ways = sorted(row["ways"].items(), key=lambda pair: -pair[1])
         told = ", ".join(f"{count} {way}" for way, count in ways)
         times = sum(count for way, count in ways if kind == "numbers" or not way.startswith("run: "))
-        figures = f"{row['longest']:.1f} | {row.get('long', '')} | {row['memory'] / 1e6:.0f} | {row['wrong']}"
+        figures = f"{row['longest']:.1f} | {row['memory'] / 1e6:.0f} | {row['wrong']}"
         rows.append(f"| {NAMES[kind]} | {times} | {told} | {figures} |")
     slices = [f"- `mutations.py {s['line']}`, {s['minutes']:.0f} minutes, {s['turns']}" for s in data["slices"]]
     wrong = [f"- {text}" for text in data["wrong"]]
@@ -552,12 +527,10 @@ def table(data: dict[str, Any]) -> str:
             f"to read a text, more than {RUN_WITHIN:g} s to run one of at most {FEW} variants, a failure without a",
             "word, a message of more than 3000 characters, and code in a text that is carried out.",
             "",
-            f"| what | times | what came of it | longest, s of processor | over {LONG:g} s | memory, MB | wrong |",
-            "|---|---|---|---|---|---|---|",
+            "| what | times | what came of it | longest, s of processor | memory, MB | wrong |",
+            "|---|---|---|---|---|---|",
             *rows,
             "",
-            "Undefined in variants that are ok, as what never happens has no time:",
-            f"{', '.join(data['undefined']) or 'nothing'}.",
             *(["", "What went wrong:", "", *wrong] if wrong else []),
             "",
         ]

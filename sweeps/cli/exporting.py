@@ -1,6 +1,7 @@
 """The export command: files for other programs."""
 
 from pathlib import Path
+from typing import NamedTuple
 
 import click
 
@@ -10,6 +11,7 @@ from sweeps.cli.shared import (
     WHERE,
     WholeNumber,
     errors_as_messages,
+    in_record,
     joints_by_letter,
     make_folder,
     names_in,
@@ -20,6 +22,22 @@ from sweeps.cli.shared import (
 from sweeps.cli.waiting import doing
 
 TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
+
+
+class _Exported(NamedTuple):
+    """What `export` is asked."""
+
+    file: str
+    to: Path
+    variant: int | None
+    at: str
+    where: tuple[str, ...]
+    history: bool
+    element: str | None
+    columns: str
+    overwrite: bool
+    positions: int | None
+    settings: tuple[str, ...]
 
 
 @click.command()
@@ -47,19 +65,8 @@ TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
 @SET
 @errors_as_messages
 @joints_by_letter
-def export(
-    file: str,
-    to: Path,
-    variant: int | None,
-    at: str,
-    where: tuple[str, ...],
-    history: bool,
-    element: str | None,
-    columns: str,
-    overwrite: bool,
-    positions: int | None,
-    settings: tuple[str, ...],
-) -> None:
+@in_record(_Exported)
+def export(asked: _Exported) -> None:
     """Write results, positions or a history as a table, a drawing as SVG or DXF, or one variant as a scene (TOML).
 
     Tables are in the scene's units. The drawing shows the mechanism, or the cam of a scene that has only a cam. A scene
@@ -74,44 +81,44 @@ def export(
     from sweeps.text.input_files import InputError
     from sweeps.text.scene_text import with_values
 
-    if to.suffix not in (*TABLES, *DRAWINGS, ".toml"):
+    if asked.to.suffix not in (*TABLES, *DRAWINGS, ".toml"):
         allowed = ", ".join((*TABLES, *DRAWINGS, ".toml"))
-        raise InputError.of(str(to), f"ending {to.suffix!r}: allowed are {allowed}", key="--to")
-    if history and to.suffix not in TABLES:
-        message = f"writes a table, {', '.join(TABLES)}, not {to.suffix!r}"
-        raise InputError.of(str(to), message, key="--history")
+        raise InputError.of(str(asked.to), f"ending {asked.to.suffix!r}: allowed are {allowed}", key="--to")
+    if asked.history and asked.to.suffix not in TABLES:
+        message = f"writes a table, {', '.join(TABLES)}, not {asked.to.suffix!r}"
+        raise InputError.of(str(asked.to), message, key="--history")
 
-    if is_result(file):
-        tell_altered(file)
+    if is_result(asked.file):
+        tell_altered(asked.file)
 
-    of_one = variant is not None or at or history or settings or element
-    is_sweep = to.suffix in TABLES and is_result(file) and not of_one
-    variants_only(where, is_sweep)
+    of_one = asked.variant is not None or asked.at or asked.history or asked.settings or asked.element
+    is_sweep = asked.to.suffix in TABLES and is_result(asked.file) and not of_one
+    variants_only(asked.where, is_sweep)
     if is_sweep:
-        make_folder(to)
-        asked, source = names_in(columns), Path(file)
+        make_folder(asked.to)
+        columns, source, where = names_in(asked.columns), Path(asked.file), asked.where
         with doing("Writing the table"):
-            table = exports.result_columns(source, asked, where) if asked else exports.result_table(source, where)
-            write_table(to, table)
-        tell(f"Wrote {to}")
+            table = exports.result_columns(source, columns, where) if columns else exports.result_table(source, where)
+            write_table(asked.to, table)
+        tell(f"Wrote {asked.to}")
         return
-    scene, values, name = machine_of(file, variant, settings)
+    scene, values, name = machine_of(asked.file, asked.variant, asked.settings)
     machine = with_values(scene, values)
-    make_folder(to)
-    if to.suffix == ".toml":
-        given, replaced = numbers_replaced(file, values, settings)
-        exports.scene_toml(given, replaced, to, scene_text_of(file), overwrite)
-    elif (cam := cam_named(machine, element)) is not None:
-        export_cam(cam, to)
-    elif to.suffix in DRAWINGS:
-        picture_files.drawing_file(scene, values, to, next(iter(positions_of(scene, at)), None))
-    elif history:
-        table, ended = exports.history_table(machine, {}, names_in(columns))
-        write_table(to, table)
+    make_folder(asked.to)
+    if asked.to.suffix == ".toml":
+        given, replaced = numbers_replaced(asked.file, values, asked.settings)
+        exports.scene_toml(given, replaced, asked.to, scene_text_of(asked.file), asked.overwrite)
+    elif (cam := cam_named(machine, asked.element)) is not None:
+        export_cam(cam, asked.to)
+    elif asked.to.suffix in DRAWINGS:
+        picture_files.drawing_file(scene, values, asked.to, next(iter(positions_of(scene, asked.at)), None))
+    elif asked.history:
+        table, ended = exports.history_table(machine, {}, names_in(asked.columns))
+        write_table(asked.to, table)
         if ended:
             tell(f"The history ends early: {ended}", err=True)
-    elif at:
-        write_table(to, exports.reading_table(read_at(machine, at, names_in(columns)), scene.title))
+    elif asked.at:
+        write_table(asked.to, exports.reading_table(read_at(machine, asked.at, names_in(asked.columns)), scene.title))
     else:
-        write_table(to, exports.position_table(machine, {}, positions or 360, names_in(columns)))
-    tell(f"Wrote {to} of {name}")
+        write_table(asked.to, exports.position_table(machine, {}, asked.positions or 360, names_in(asked.columns)))
+    tell(f"Wrote {asked.to} of {name}")

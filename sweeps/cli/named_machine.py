@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from engine import CrankInput, Mechanics, Scene, SceneError, UnitError, full_names, in_text, scene_numbers
+from engine import CrankInput, Mechanics, Scene, SceneError, UnitError, did_you_mean, full_names, in_text, scene_numbers
 from sweeps.report.readings import Readings, readings_at
 from sweeps.study.bundled import find_study
 from sweeps.study.study_text import is_scene
@@ -195,7 +195,7 @@ def read_at(scene: Scene, text: str, names: Sequence[str] = ()) -> Readings:
         found = readings_in_time(scene, [time for time in times if time is not None])
         unknown = [name for name in names if name not in found.values]
         if unknown:
-            message = f"{unknown[0]!r} is not available at an instant; available: {', '.join(found.values)}"
+            message = f"{unknown[0]!r} is not available at an instant; {did_you_mean(unknown[0], found.values)}"
             raise InputError.of("--at", message)
         kept = names or found.values
         return found._replace(values={name: found.values[name] for name in kept})

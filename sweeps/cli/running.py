@@ -1,7 +1,9 @@
 """Commands that compute: check, run, optimise."""
 
 import time
+from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
@@ -12,6 +14,7 @@ from sweeps.cli.shared import (
     JSON,
     cluster_client,
     errors_as_messages,
+    in_record,
     make_folder,
     plots_of,
     run_options,
@@ -28,6 +31,9 @@ from sweeps.cli.shared import (
     workers_text,
 )
 from sweeps.text.interruption import keeping
+
+if TYPE_CHECKING:
+    from sweeps.report.sweep_result import SweepResult
 
 
 @click.command()
@@ -63,6 +69,41 @@ def check(
             tell(check_text(found, out, client, tell_aside, every))
 
 
+class _Asked(NamedTuple):
+    """Options of a computation."""
+
+    study: str
+    out: Path | None
+    restart: bool
+    replace: bool
+    jobs: int | None
+    cluster: str | None
+    no_plots: bool
+    quiet: bool
+    every: bool
+    settings: tuple[str, ...] = ()
+    positions: int | None = None
+    accuracy: str | None = None
+    as_json: bool = False
+
+    def made(self, result: "SweepResult", study: Path) -> list[Path]:
+        """The result with its plots."""
+        return [result.path, *([] if self.no_plots else plots_of(result, study))]
+
+    def tell(
+        self, result: "SweepResult", study: Path, begun: float, sentences: Iterable[str], remark: str = ""
+    ) -> None:
+        """Print the answer of a computation that began at `begun`, its warnings, a remark, and the files made."""
+        for sentence in sentences:
+            tell(sentence)
+        tell_warnings(result)
+        if remark:
+            tell(remark)
+        made = self.made(result, study)
+        tell_files(made, begun)
+        tell_outdated(result.path, made)
+
+
 @click.command()
 @click.argument("study")
 @run_options("results/NAME.h5")
@@ -71,21 +112,8 @@ def check(
 @JSON
 @ERRORS
 @errors_as_messages
-def run(
-    study: str,
-    out: Path | None,
-    restart: bool,
-    replace: bool,
-    jobs: int | None,
-    cluster: str | None,
-    no_plots: bool,
-    quiet: bool,
-    settings: tuple[str, ...],
-    positions: int | None,
-    accuracy: str | None,
-    every: bool,
-    as_json: bool,
-) -> None:
+@in_record(_Asked)
+def run(asked: _Asked) -> None:
     """Run a study (a file, or the name of a bundled one) into an HDF5 file, resuming an interrupted run.
 
     Existing results are reused, so variants, summaries and fields can be added. A file with other or further results is
@@ -104,40 +132,31 @@ def run(
     from sweeps.study.settings import changed_study
     from sweeps.study.study_reader import read_study
 
-    started = time.perf_counter()
-    file = find_study(study)
-    found = changed_study(read_study(file), settings, positions, accuracy)
-    out = out or Path("results") / f"{found.name}.h5"
+    begun, file = time.perf_counter(), find_study(asked.study)
+    found = changed_study(read_study(file), asked.settings, asked.positions, asked.accuracy)
+    out = asked.out or Path("results") / f"{found.name}.h5"
     make_folder(out)
-    use_threads(jobs)
-    bar = ProgressBar(found.design.size, quiet, kept=0 if restart else variants_kept(out))
+    use_threads(asked.jobs)
+    count = found.design.size
+    bar = ProgressBar(count, asked.quiet, kept=0 if asked.restart else variants_kept(out))
     with keeping(bar.kept_text):
-        with cluster_client(cluster, jobs) as client:
+        with cluster_client(asked.cluster, asked.jobs) as client:
 
             def update(done: int, before: int) -> None:
                 bar.update(done, before, workers_text(client))
 
-            run_study(found, out, restart, update, replace, tell_aside, client)
+            run_study(found, out, asked.restart, update, asked.replace, tell_aside, client)
         bar.close()
         result = SweepResult(out, found)
-        if as_json:
+        if asked.as_json:
             best = result.best()
-            told = [best] if best is not None else range(min(found.design.size, 1))
-            made = [out, *([] if no_plots else plots_of(result, file))]
-            further = {"warnings": warnings_of(result), "files": [str(path) for path in made]}
-            tell_data(result_data(result, told) | further)
-            stop_without_answer(result)
-            return
-        plural = "" if found.design.size == 1 else "s"
-        tell(f"{found.title or found.name}: {found.design.size} variant{plural}")
-        tell(counts_text(result))
-        tell(answer_text(result, every))
-        tell_warnings(result)
-        if hidden := between_positions_text(found):
-            tell(hidden)
-        made = [out, *([] if no_plots else plots_of(result, file))]
-        tell_files(made, started)
-        tell_outdated(out, made)
+            told = [best] if best is not None else range(min(count, 1))
+            files = [str(path) for path in asked.made(result, file)]
+            tell_data(result_data(result, told) | {"warnings": warnings_of(result), "files": files})
+        else:
+            head = f"{found.title or found.name}: {count} variant{'' if count == 1 else 's'}"
+            sentences = (head, counts_text(result), answer_text(result, asked.every))
+            asked.tell(result, file, begun, sentences, between_positions_text(found))
     stop_without_answer(result)
 
 
@@ -147,17 +166,8 @@ def run(
 @ALL
 @ERRORS
 @errors_as_messages
-def optimise(
-    study: str,
-    out: Path | None,
-    restart: bool,
-    replace: bool,
-    jobs: int | None,
-    cluster: str | None,
-    no_plots: bool,
-    quiet: bool,
-    every: bool,
-) -> None:
+@in_record(_Asked)
+def optimise(asked: _Asked) -> None:
     """Optimise a study over its variables by its [optimise] or [best], resuming an interrupted search.
 
     The exit code is 1 if no candidate meets the conditions.
@@ -171,27 +181,21 @@ def optimise(
     from sweeps.study.search_task import task_of
     from sweeps.study.study_reader import read_study
 
-    started = time.perf_counter()
-    file = find_study(study)
+    begun, file = time.perf_counter(), find_study(asked.study)
     found = read_study(file)
-    out = out or Path("results") / f"{found.name}_optimised.h5"
+    out = asked.out or Path("results") / f"{found.name}_optimised.h5"
     make_folder(out)
-    use_threads(jobs)
-    bar = ProgressBar(task_of(found).generations, quiet, "generations")
+    use_threads(asked.jobs)
+    bar = ProgressBar(task_of(found).generations, asked.quiet, "generations")
     with keeping(bar.kept_text):
-        with cluster_client(cluster, jobs) as client:
+        with cluster_client(asked.cluster, asked.jobs) as client:
 
             def update(done: int, before: int, words: str) -> None:
                 bar.update(done, before, ", ".join(filter(None, (words, workers_text(client)))))
 
-            optimise_study(found, out, restart, update, replace, tell_aside, client)
+            optimise_study(found, out, asked.restart, update, asked.replace, tell_aside, client)
         bar.close()
         result = SweepResult(out)
-        tell(f"{found.title or found.name}: {result.description.variants} candidates")
-        tell(counts_text(result))
-        tell(optimum_text(result, every))
-        tell_warnings(result)
-        made = [out, *([] if no_plots else plots_of(result, file))]
-        tell_files(made, started)
-        tell_outdated(out, made)
+        head = f"{found.title or found.name}: {result.description.variants} candidates"
+        asked.tell(result, file, begun, (head, counts_text(result), optimum_text(result, asked.every)))
     stop_without_answer(result)

@@ -84,6 +84,19 @@ def joints_by_letter(command: Command) -> Command:
     return asked
 
 
+def in_record(record: Callable[..., object]) -> Callable[[Command], Command]:
+    """Hand a command its argument and options as one record, whose fields have their names."""
+
+    def of_record(command: Command) -> Command:
+        @wraps(command)
+        def gathered(**asked: object) -> None:
+            command(record(**asked))
+
+        return gathered
+
+    return of_record
+
+
 def _code_of(error: Exception) -> int:
     from sweeps.run.cluster.cluster_errors import UnfinishedError
 

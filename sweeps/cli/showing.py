@@ -2,6 +2,7 @@
 
 import gc
 from pathlib import Path
+from typing import NamedTuple
 
 import click
 
@@ -14,6 +15,7 @@ from sweeps.cli.shared import (
     WHERE,
     WholeNumber,
     errors_as_messages,
+    in_record,
     joints_by_letter,
     make_folder,
     names_in,
@@ -26,6 +28,22 @@ from sweeps.cli.shared import (
     warnings_of,
 )
 from sweeps.cli.waiting import doing
+
+
+class _Shown(NamedTuple):
+    """What `show` is asked."""
+
+    file: Path
+    where: tuple[str, ...]
+    sort: str | None
+    descending: bool
+    limit: int
+    columns: str | None
+    at: str | None
+    variant: int | None
+    settings: tuple[str, ...]
+    every: bool
+    as_json: bool
 
 
 @click.command()
@@ -45,26 +63,16 @@ from sweeps.cli.waiting import doing
 @ERRORS
 @errors_as_messages
 @joints_by_letter
-def show(
-    file: Path,
-    where: tuple[str, ...],
-    sort: str | None,
-    descending: bool,
-    limit: int,
-    columns: str | None,
-    at: str | None,
-    variant: int | None,
-    settings: tuple[str, ...],
-    every: bool,
-    as_json: bool,
-) -> None:
+@in_record(_Shown)
+def show(asked: _Shown) -> None:
     """Show a result file: contents, verdicts, best variants. With --at, show one machine at given positions.
 
     With --at, FILE can also be a scene or study. The exit code is 1 if the question of the study has no answer.
     """
-    if at is not None:
-        _show_at(str(file), variant, at, names_in(columns or ""), settings, as_json)
+    if asked.at is not None:
+        _show_at(asked)
         return
+    from engine import did_you_mean
     from sweeps.optimising.optimum import is_front, is_search, optimum_text
     from sweeps.report.files.result_data import result_data
     from sweeps.report.result_report import (
@@ -79,24 +87,23 @@ def show(
     from sweeps.report.sweep_result import SweepResult
     from sweeps.text.input_files import InputError
 
-    if settings or variant is not None:
-        raise InputError.of(str(file), "--set and --variant require --at, which shows one machine")
-    result = SweepResult(file)
+    if asked.settings or asked.variant is not None:
+        raise InputError.of(str(asked.file), "--set and --variant require --at, which shows one machine")
+    result = SweepResult(asked.file)
     result.show_own_units()
-    tell_altered(file)
-    names = [n.strip() for n in columns.split(",")] if columns else []
+    tell_altered(asked.file)
+    names = names_in(asked.columns or "")
     unknown = [n for n in names if n not in result.columns]
     if unknown:
-        raise InputError(
-            str(file),
-            [(None, "columns", f"{unknown[0]!r} is not in the result; available: {', '.join(result.columns)}")],
-        )
+        message = f"{unknown[0]!r} is not in the result; {did_you_mean(unknown[0], result.columns)}"
+        raise InputError.of(str(asked.file), message, key="columns")
     goal, usual = result.goal, "front > 0" if is_front(result) else None
-    if sort is None and goal is not None:
+    sort, descending = asked.sort or (usual and "front"), asked.descending
+    if asked.sort is None and goal is not None:
         sort, descending = goal.goal, goal.sign < 0
-    condition = where or (goal.where if goal else usual)
-    chosen = result.select(condition, sort or (usual and "front"), descending, most=limit)
-    if as_json:
+    condition = asked.where or (goal.where if goal else usual)
+    chosen = result.select(condition, sort, descending, most=asked.limit)
+    if asked.as_json:
         tell_data(result_data(result, chosen, names) | {"warnings": warnings_of(result)})
         stop_without_answer(result)
         return
@@ -107,30 +114,50 @@ def show(
         tell(line)
     tell(counts_text(result))
     tell(f"{meeting_text(result, condition)}; the first {chosen.size}:")
-    tell(variants_text(result, chosen, names, every))
-    if not where:
-        tell((optimum_text if is_search(result) else answer_text)(result, every))
+    tell(variants_text(result, chosen, names, asked.every))
+    if not asked.where:
+        tell((optimum_text if is_search(result) else answer_text)(result, asked.every))
         tell_warnings(result)
         stop_without_answer(result)
 
 
-def _show_at(
-    file: str, variant: int | None, at: str, names: tuple[str, ...], settings: tuple[str, ...], as_json: bool
-) -> None:
+def _show_at(asked: _Shown) -> None:
     """Show fields of one machine at given positions or times."""
     from sweeps.cli.named_machine import machine_of, read_at
     from sweeps.report.readings import readings_text
     from sweeps.text.scene_text import with_values
 
-    scene, values, _ = machine_of(file, variant, settings)
-    readings = read_at(with_values(scene, values), at, names)
-    if as_json:
+    scene, values, _ = machine_of(str(asked.file), asked.variant, asked.settings)
+    readings = read_at(with_values(scene, values), asked.at, names_in(asked.columns or ""))
+    if asked.as_json:
         from sweeps.report.files.data_files import table_data
         from sweeps.report.files.exports import reading_table
 
         tell_data(table_data(reading_table(readings, scene.title)))
         return
     tell(readings_text(readings))
+
+
+class _Plotted(NamedTuple):
+    """What `plot` is asked."""
+
+    file: str
+    out: Path | None
+    variant: int | None
+    at: str
+    paths: str
+    shown: str
+    plans: bool
+    bearings: str
+    motion: str
+    hodograph: bool
+    beside: str | None
+    x: str | None
+    y: str | None
+    colour: str | None
+    where: tuple[str, ...]
+    positions: int | None
+    settings: tuple[str, ...]
 
 
 @click.command()
@@ -169,25 +196,8 @@ def _show_at(
 @errors_as_messages
 @joints_by_letter
 @doing("Drawing the pictures")
-def plot(
-    file: str,
-    out: Path | None,
-    variant: int | None,
-    at: str,
-    paths: str,
-    shown: str,
-    plans: bool,
-    bearings: str,
-    motion: str,
-    hodograph: bool,
-    beside: str | None,
-    x: str | None,
-    y: str | None,
-    colour: str | None,
-    where: tuple[str, ...],
-    positions: int | None,
-    settings: tuple[str, ...],
-) -> None:
+@in_record(_Plotted)
+def plot(asked: _Plotted) -> None:
     """Plot a scene (machine and diagrams), a sweep, or the machine of one variant.
 
     Mechanisms: drawing and diagrams over the cycle, indicator diagrams of cylinders. Rotors and engines: unbalance
@@ -201,33 +211,34 @@ def plot(
     # Loaded modules live to the end: spare the garbage collector.
     gc.freeze()
     tables = ""
-    if is_result(file):
-        tell_altered(file)
-    of_machine = plans or bearings or motion or hodograph or beside or settings
-    is_sweep = is_result(file) and variant is None and not of_machine
-    variants_only(where, is_sweep)
+    if is_result(asked.file):
+        tell_altered(asked.file)
+    of_machine = asked.plans or asked.bearings or asked.motion or asked.hodograph or asked.beside or asked.settings
+    is_sweep = is_result(asked.file) and asked.variant is None and not of_machine
+    variants_only(asked.where, is_sweep)
     if is_sweep:
         from sweeps.pictures.sweep.result_pictures import result_pictures
         from sweeps.report.sweep_result import SweepResult
 
-        made = result_pictures(SweepResult(Path(file), where=where), out, x, y, colour)
-    elif x or y:
-        scene, values, name = machine_of(file, variant, settings)
-        fields = names_in(y or "")
-        target = out or Path(f"{name}_{'_'.join(fields).replace('.', '_') or 'fields'}.png")
-        made = [picture_files.field_picture(with_values(scene, values), target, fields, x, positions)]
+        result = SweepResult(Path(asked.file), where=asked.where)
+        made = result_pictures(result, asked.out, asked.x, asked.y, asked.colour)
+    elif asked.x or asked.y:
+        scene, values, name = machine_of(asked.file, asked.variant, asked.settings)
+        fields = names_in(asked.y or "")
+        target = asked.out or Path(f"{name}_{'_'.join(fields).replace('.', '_') or 'fields'}.png")
+        made = [picture_files.field_picture(with_values(scene, values), target, fields, asked.x, asked.positions)]
     else:
-        scene, values, name = machine_of(file, variant, settings)
-        stem, places = out or Path(f"{name}.png"), positions_of(scene, at)
-        asked = places, names_in(paths), names_in(shown)
-        made = picture_files.machine_pictures(scene, values, stem, *asked, parts=names_in(motion))
-        if plans or bearings:
+        scene, values, name = machine_of(asked.file, asked.variant, asked.settings)
+        stem, places = asked.out or Path(f"{name}.png"), positions_of(scene, asked.at)
+        shown = places, names_in(asked.paths), names_in(asked.shown)
+        made = picture_files.machine_pictures(scene, values, stem, *shown, parts=names_in(asked.motion))
+        if asked.plans or asked.bearings:
             from sweeps.pictures.plans import bearing_pictures, plan_pictures
 
-            made += plan_pictures(scene, stem, next(iter(places), None), values) if plans else []
-            made += bearing_pictures(scene, stem, names_in(bearings), values)
-        if hodograph or beside:
-            other = machine_of(beside, None) if beside else None
+            made += plan_pictures(scene, stem, next(iter(places), None), values) if asked.plans else []
+            made += bearing_pictures(scene, stem, names_in(asked.bearings), values)
+        if asked.hodograph or asked.beside:
+            other = machine_of(asked.beside, None) if asked.beside else None
             made.append(picture_files.hodograph_picture((scene, values, name), other, stem))
         if scene.elements:
             from sweeps.pictures.elements.element_pictures import element_tables

@@ -1,10 +1,11 @@
 """Commands that size parts of a machine: flywheel, balance."""
 
 from pathlib import Path
+from typing import NamedTuple
 
 import click
 
-from sweeps.cli.shared import ERRORS, WholeNumber, errors_as_messages, names_in, tell, write_text
+from sweeps.cli.shared import ERRORS, WholeNumber, errors_as_messages, in_record, names_in, tell, write_text
 
 
 @click.command()
@@ -32,6 +33,23 @@ def flywheel(
     tell(flywheel_text(table, speed, fluctuation, interpolation, inertia, area_energy))
 
 
+class _Balanced(NamedTuple):
+    """What `balance` is asked."""
+
+    file: str | None
+    links: str
+    places: tuple[str, ...]
+    criterion: str
+    radius: str | None
+    most: str | None
+    variant: int | None
+    out: Path | None
+    trial_runs: Path | None
+    noise: str | None
+    holes: int | None
+    planes: str | None
+
+
 @click.command("balance")
 @click.argument("file", required=False)
 @click.option("--links", default="", help="Links on fixed axes, comma-separated (default: the crank).")
@@ -49,20 +67,8 @@ def flywheel(
 @click.option("--planes", help="Planes of an engine's balance shafts, '-80 mm, 80 mm'.")
 @ERRORS
 @errors_as_messages
-def balance_command(
-    file: str | None,
-    links: str,
-    places: tuple[str, ...],
-    criterion: str,
-    radius: str | None,
-    most: str | None,
-    variant: int | None,
-    out: Path | None,
-    trial_runs: Path | None,
-    noise: str | None,
-    holes: int | None,
-    planes: str | None,
-) -> None:
+@in_record(_Balanced)
+def balance_command(asked: _Balanced) -> None:
     """Find the counterweights of a mechanism, the balance shafts of an engine, or the correction weights of a rotor.
 
     FILE is a scene, study or result. Counterweights minimise the shaking force at constant crank speed: its rms, its
@@ -73,26 +79,26 @@ def balance_command(
     """
     from sweeps.text.input_files import InputError
 
-    if (file is None) == (trial_runs is None):
+    if (asked.file is None) == (asked.trial_runs is None):
         message = "give either a scene, study or result to balance, or --trial-runs with a table of readings"
         raise InputError.of("balance", message)
-    if trial_runs is not None:
+    if asked.trial_runs is not None:
         from sweeps.report.sizing.trial_runs import trial_runs_text
 
-        tell(trial_runs_text(trial_runs, noise, holes))
+        tell(trial_runs_text(asked.trial_runs, asked.noise, asked.holes))
         return
     from sweeps.cli.named_machine import machine_of
     from sweeps.report.sizing.balance_shaft_table import balance_shaft_text, engines_of
     from sweeps.report.sizing.counterweight_table import counterweight_text, counterweights_of
     from sweeps.text.scene_text import with_values, write_scene
 
-    scene, values, _ = machine_of(file, variant)
+    scene, values, _ = machine_of(asked.file, asked.variant)
     scene = with_values(scene, values)
     if scene.input is None and engines_of(scene):
-        tell(balance_shaft_text(scene, planes))
+        tell(balance_shaft_text(scene, asked.planes))
         return
-    found = counterweights_of(scene, names_in(links), places, criterion, radius, most)
-    tell(counterweight_text(scene, found, criterion))
-    if out is not None:
-        write_text(out, write_scene(found.scene))
-        tell(f"Wrote {out}")
+    found = counterweights_of(scene, names_in(asked.links), asked.places, asked.criterion, asked.radius, asked.most)
+    tell(counterweight_text(scene, found, asked.criterion))
+    if asked.out is not None:
+        write_text(asked.out, write_scene(found.scene))
+        tell(f"Wrote {asked.out}")

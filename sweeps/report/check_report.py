@@ -92,12 +92,10 @@ def _second_input_text(scene: Scene, name: str) -> str:
     return f"second input {name} {held}" + (f", driven from {scene.input.link}" if second.drive == "crank" else "")
 
 
-def assembly_text(scene: Scene) -> str:
+def assembly_text(machine: Machine) -> str:
     """Whether the unmodified machine assembles over its whole cycle."""
-    ranges = assembly_ranges(scene)
-    units = InputUnits.of(scene).q
-    machine = Machine(scene)
-    nodes = machine.input_values
+    ranges = assembly_ranges(machine.scene, known=machine.mechanics)
+    units, nodes = InputUnits.of(machine.scene).q, machine.input_values
     step = nodes[1] - nodes[0]
     if len(ranges) == 1 and ranges[0].stop - ranges[0].start >= nodes[-1] - nodes[0] - 1e-9 * step:
         return "assembles over the whole cycle" if machine.has_cycle else "assembles over the whole range of its input"
@@ -117,7 +115,7 @@ def nominal_text(study: Study) -> str:
     rows = _asked_rows(machine, outcome, [n for n in wanted if np.isfinite(outcome.summaries[n][0])])
     verdict = Verdict(outcome.status[0])
     # The mode depends on the path to a position, so ranges would be meaningless.
-    lines = [] if verdict == Verdict.OTHER_MODE else [assembly_text(study.scene)]
+    lines = [] if verdict == Verdict.OTHER_MODE else [assembly_text(machine)]
     if verdict not in (Verdict.OK, Verdict.CANNOT_ASSEMBLE):
         lines.append(verdict.sentence)
     return "\n".join([*lines, table(rows)] if rows else lines)
@@ -212,12 +210,12 @@ def check_text(
     between = "" if uncompiled else between_positions_text(study)
     regimes, known = "", {}
     if study.scene.regimes and not uncompiled:
-        asked = [name for name in answers(Machine(study.scene)) if name.partition(".")[0] in study.scene.regimes]
+        asked = [name for name in answers(machine) if name.partition(".")[0] in study.scene.regimes]
         asked += [f"{name}.{_STEEP}" for name in study.scene.regimes]
         moving = Machine(study.scene, asked, positions=study.positions)
         outcome = moving.evaluate({})
         regimes, known = regimes_text(moving, outcome), known_summaries(outcome)
-    warned = "\n".join([*machine_warnings(study.scene, known), *filter(None, [between])])
+    warned = "\n".join([*machine_warnings(machine, known), *filter(None, [between])])
     sections = [
         ("Study", "\n".join(t for t in (study.title or study.name, study.question) if t)),
         ("Mechanism", structure_text(study.scene)),

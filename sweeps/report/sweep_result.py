@@ -201,7 +201,7 @@ class SweepResult:
     @property
     def mechanics(self) -> Mechanics | None:
         """Mechanics of the study's machine, if known."""
-        return None if self.study is None or self.scene.input is None else self.study.machine().mechanics
+        return None if self.study is None else self.study.machine().mechanics
 
     @cached_property
     def symbols(self) -> dict[str, str]:

@@ -2,7 +2,15 @@
 
 from collections.abc import Iterable, Mapping
 
-from engine import Outcome, Scene, Verdict, summaries_for_warnings, warnings_from_numbers, warnings_in_words
+from engine import (
+    ElementsAlone,
+    Machine,
+    Outcome,
+    Verdict,
+    summaries_for_warnings,
+    warnings_from_numbers,
+    warnings_in_words,
+)
 from sweeps.report.sweep_result import SweepResult
 
 
@@ -13,16 +21,17 @@ def known_summaries(outcome: Outcome) -> dict[str, tuple[float, float]]:
     return {name: (float(row[0]), float(outcome.errors[name][0])) for name, row in outcome.summaries.items()}
 
 
-def machine_warnings(scene: Scene, known: Mapping[str, tuple[float, float]]) -> list[str]:
+def machine_warnings(machine: Machine | ElementsAlone, known: Mapping[str, tuple[float, float]]) -> list[str]:
     """Warnings on the unmodified machine of a scene.
 
     Parameters
     ----------
-    scene : Scene
+    machine : Machine or ElementsAlone
     known : mapping of str to (float, float)
         Summaries that are known already, with their error estimates; cheap ones are added.
     """
-    return warnings_in_words(scene, None, {**summaries_for_warnings(scene, without=known), **known})
+    further = summaries_for_warnings(machine.scene, without=known, mechanics=machine.mechanics)
+    return warnings_in_words(machine.scene, None, {**further, **known})
 
 
 def answer_warnings(result: SweepResult) -> list[str]:
@@ -51,4 +60,5 @@ def _of_variant(result: SweepResult, variant: int) -> list[str]:
     if columns["status"][variant] != Verdict.OK:
         return warnings_from_numbers(result.scene, values)
     known = {n: (float(columns[n][variant]), float(columns[f"{n}_error"][variant])) for n in result.summaries}
-    return warnings_in_words(result.scene, values, {**summaries_for_warnings(result.scene, values, known), **known})
+    further = summaries_for_warnings(result.scene, values, known, result.mechanics)
+    return warnings_in_words(result.scene, values, {**further, **known})

@@ -5,7 +5,6 @@ from engine import (
     CrankInput,
     ElementsAlone,
     Machine,
-    Mechanics,
     Rank,
     Regime,
     RunRegime,
@@ -21,7 +20,7 @@ def answers(machine: Machine | ElementsAlone) -> tuple[str, ...]:
     scene, known = machine.scene, machine.available_summaries
     of_machine = machine.register.answers if isinstance(machine, Machine) else ()
     of_elements = (n for n, q in known.items() if n.partition(".")[0] in scene.elements and q.rank == Rank.ANSWER)
-    of_regimes = (name for name in telling_summaries(scene) if known[name].rank != Rank.CHECK)
+    of_regimes = (name for name in telling_summaries(machine) if known[name].rank != Rank.CHECK)
     return (*of_machine, *of_elements, *of_regimes)
 
 
@@ -32,14 +31,15 @@ def default_summaries(machine: Machine | ElementsAlone) -> tuple[str, ...]:
     scene, known = machine.scene, machine.available_summaries
     further = (n for n in known if n not in left_out and not is_warning(n))
     further = (n for n in further if "." not in n or n.partition(".")[0] in scene.elements)
-    return tuple(dict.fromkeys((*answers(machine), *further, *telling_summaries(scene))))
+    return tuple(dict.fromkeys((*answers(machine), *further, *telling_summaries(machine))))
 
 
-def telling_summaries(scene: Scene) -> tuple[str, ...]:
+def telling_summaries(machine: Machine | ElementsAlone) -> tuple[str, ...]:
     """Informative summaries of all regimes: work of active loads only, no prescribed speed."""
+    scene = machine.scene
     if not scene.regimes:
         return ()
-    loads, found = Mechanics(scene).loads, []
+    loads, found = machine.mechanics.loads, []
     for name, regime in scene.regimes.items():
         keys = ["mean_speed", *_SPEEDS, "speed_fluctuation"]
         if isinstance(regime, RunRegime):

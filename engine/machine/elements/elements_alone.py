@@ -78,6 +78,7 @@ class ElementsAlone:
     dtype = np.dtype(np.float64)
     groups = ()
     has_regimes = False
+    mechanics = None
     available_fields: Mapping[str, Quantity] = {}
     # Elements have no positions; this single one is a placeholder.
     nodes = np.zeros(1)

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping
 from engine.cycle.measured import Measured
 from engine.machine.checks import given_numbers
 from engine.machine.one_machine.moving_machine import MovingMachine
+from engine.mechanism.mechanics import Mechanics
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.warnings.kinds import rules_by_kind
 from engine.words.verdicts import Verdict
@@ -47,7 +48,10 @@ def warnings_in_words(
 
 
 def summaries_for_warnings(
-    scene: Scene, values: Mapping[str, float] | None = None, without: Iterable[str] = ()
+    scene: Scene,
+    values: Mapping[str, float] | None = None,
+    without: Iterable[str] = (),
+    mechanics: Mechanics | None = None,
 ) -> dict[str, tuple[float, float]]:
     """Summaries that warnings on one machine require, with their error estimates; none if the machine fails.
 
@@ -60,17 +64,20 @@ def summaries_for_warnings(
         Numbers (SI) that replace the scene's.
     without : iterable of str
         Summaries that are known already.
+    mechanics : Mechanics, optional
+        Of this scene, for use instead of a new one, where the numbers are varied in it.
     """
-    if scene.input is None:
+    reads = dict.fromkeys(s for rules in rules_by_kind(scene).values() for rule in rules for s in rule.reads)
+    unknown = [name for name in reads if name not in set(without)]
+    if scene.input is None or not unknown:
         return {}
-    machine, known = MovingMachine(scene, values), set(without)
+    machine = MovingMachine(scene, values, known=mechanics)
     register = machine.register
 
     def has(name: str) -> bool:
         return register.summary(name) is not None and register.why_not(name) is None
 
-    reads = dict.fromkeys(s for rules in rules_by_kind(scene).values() for rule in rules for s in rule.reads)
-    names = [name for name in reads if name not in known and has(name)]
+    names = [name for name in unknown if has(name)]
     if not names or machine.verdict_on([register.summary(name).expression() for name in names]) != Verdict.OK:
         return {}
     found = machine.summaries(names)

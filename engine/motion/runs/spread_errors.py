@@ -14,7 +14,6 @@ class Shiftable(Protocol):
 
 
 Motion = TypeVar("Motion", bound=Shiftable)
-Told = dict[str, np.ndarray]
 
 
 def spread_errors(

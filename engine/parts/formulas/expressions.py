@@ -272,7 +272,6 @@ class _Code(NamedTuple):
         return self.columns[len(self.text.encode()[:offset].decode())]
 
 
-_BLANKS = r"\ *"
 # A number or its start; a name, including digits; quoted text; a symbol to replace; a foreign operator to reject.
 _TOKEN = re.compile(
     r"(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)|(?P<word>[^\W\d]\w*)|"

@@ -1,12 +1,9 @@
 """Cams in a mechanism: follower displacement, pressure angle, profile, contact forces."""
 
-from collections.abc import Callable
-
-from engine.graph.nodes import Node
 from engine.laws.elementary import angle_of
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.quantity import Quantity
-from engine.quantities.register import Declared, Field
+from engine.quantities.register import Declared, Field, known
 from engine.scene.scene import Scene
 
 
@@ -30,7 +27,7 @@ def declare(mechanics: Mechanics) -> Declared:
         motion, flat = m.kinematics.cams[name], cam.follower.contact == "flat"
         unit = "m" if cam.translating else "rad"
         words = f"displacement of {cam.follower.link} by cam {name}"
-        yield Field(f"{name}.displacement", words, unit, _known(motion.displacement), "s")
+        yield Field(f"{name}.displacement", words, unit, known(motion.displacement), "s")
         if not flat:
             words = f"pressure angle of cam {name}, positive as on a rise"
             yield Field(
@@ -41,27 +38,23 @@ def declare(mechanics: Mechanics) -> Declared:
                 "α",
             )
         words = f"transmission index of cam {name}: for a roller or knife edge, the cosine of the pressure angle"
-        yield Field(f"{name}.transmission", words, "1", _known(m.kinematics.sines[name]))
+        yield Field(f"{name}.transmission", words, "1", known(m.kinematics.sines[name]))
         for axis, node in zip("xy", m.kinematics.coordinates(motion.contact), strict=True):
             words = f"{axis} coordinate of the contact of cam {name} with {cam.follower.link}"
-            yield Field(f"{name}.contact_{axis}", words, "m", _known(node))
+            yield Field(f"{name}.contact_{axis}", words, "m", known(node))
         for axis, node in zip("xy", motion.normal, strict=True):
             words = f"{axis} component of the unit normal at the contact, from cam {name} to {cam.follower.link}"
-            yield Field(f"{name}.normal_{axis}", words, "1", _known(node))
+            yield Field(f"{name}.normal_{axis}", words, "1", known(node))
         words = f"curvature of the profile of cam {name} at the contact, positive if convex"
-        yield Field(f"{name}.curvature", words, "m-1", _known(motion.curvature), "κ")
+        yield Field(f"{name}.curvature", words, "m-1", known(motion.curvature), "κ")
         if motion.undercut:
             of = "the base radius" if flat else "that of the pitch curve"
             words = f"radius of curvature of the profile of cam {name} over {of}, zero at undercut"
-            yield Field(f"{name}.undercut_margin", words, "1", _known(motion.undercut[0]))
+            yield Field(f"{name}.undercut_margin", words, "1", known(motion.undercut[0]))
         if motion.face is not None:
             words = f"distance of the contact with cam {name} from the origin of {cam.follower.link}, along its face"
-            yield Field(f"{name}.face_contact", words, "m", _known(motion.face))
+            yield Field(f"{name}.face_contact", words, "m", known(motion.face))
     for field in cam_force_fields(scene):
         yield Field(
             field.name, field.long_name, field.units, lambda n=field.name: m.reactions.variables[n], field.symbol
         )
-
-
-def _known(node: Node) -> Callable[[], Node]:
-    return lambda: node

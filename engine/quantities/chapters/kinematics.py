@@ -8,7 +8,7 @@ from engine.mechanism.mechanics import Mechanics
 from engine.mechanism.vectors import Vector
 from engine.parts.skeleton import FRAME, CrankInput
 from engine.quantities.expressions import Angle
-from engine.quantities.register import Declared, Field, InputUnits
+from engine.quantities.register import Declared, Field, InputUnits, known
 from engine.scene.attachments import joint_owners
 from engine.scene.pairs import held_by_frame
 
@@ -56,12 +56,12 @@ def declare(mechanics: Mechanics) -> Declared:
         yield from _coordinate(mechanics, name, "slide", words, "m", tuple(k.slides[name]))
     for name in scene.groups:
         words = f"sine of the transmission angle of group {name}"
-        yield Field(f"{name}.transmission", words, "1", _known(k.sines[name]), "sin γ")
+        yield Field(f"{name}.transmission", words, "1", known(k.sines[name]), "sin γ")
     for name, h in k.certificates.items():
         words = f"determinant of the loop equations of {name}, relative to its maximum"
-        yield Field(f"{name}.transmission", words, "1", _known(k.sines[name]))
+        yield Field(f"{name}.transmission", words, "1", known(k.sines[name]))
         words = f"Newton–Kantorovich h of {name}: up to 1/2 proves its assembly mode"
-        yield Field(f"{name}.certificate", words, "1", _known(h))
+        yield Field(f"{name}.certificate", words, "1", known(h))
     for name, motion in k.noncircular.items():
         yield from _of_wheel(name, scene.noncircular_wheels[name].geared_to, motion, k.coordinates)
 
@@ -74,23 +74,23 @@ def _of_wheel(
 ) -> Declared:
     """Fields of a non-circular wheel."""
     words = f"ratio of the speed of {name} to that of {driver}, by magnitude"
-    yield Field(f"{name}.ratio", words, "1", _known(motion.rate), "i")
+    yield Field(f"{name}.ratio", words, "1", known(motion.rate), "i")
     for axis, node in zip("xy", coordinates(motion.pitch_point), strict=True):
-        yield Field(f"{name}.pitch_{axis}", f"{axis} coordinate of the pitch point of {name}", "m", _known(node))
+        yield Field(f"{name}.pitch_{axis}", f"{axis} coordinate of the pitch point of {name}", "m", known(node))
     for axis, node in zip("xy", motion.tangent, strict=True):
         words = (
             f"{axis} component of the common unit tangent of the pitch curves of {name} and {driver} at the pitch point"
         )
-        yield Field(f"{name}.tangent_{axis}", words, "1", _known(node))
+        yield Field(f"{name}.tangent_{axis}", words, "1", known(node))
     wheels = (
         ("", name, motion.radius, motion.curvature),
         ("driver_", driver, motion.driver_radius, motion.driver_curvature),
     )
     for prefix, wheel, radius, curvature in wheels:
         words = f"radius of the pitch curve of {wheel} at the pitch point with {name if prefix else driver}"
-        yield Field(f"{name}.{prefix}pitch_radius", words, "m", _known(radius), "r")
+        yield Field(f"{name}.{prefix}pitch_radius", words, "m", known(radius), "r")
         words = f"curvature of the pitch curve of {wheel} at the pitch point, positive if convex"
-        yield Field(f"{name}.{prefix}curvature", words, "m-1", _known(curvature), "κ")
+        yield Field(f"{name}.{prefix}curvature", words, "m-1", known(curvature), "κ")
 
 
 def _moving_points(mechanics: Mechanics) -> list[str]:
@@ -101,10 +101,6 @@ def _moving_points(mechanics: Mechanics) -> list[str]:
     return [*names, scene.input.pin if isinstance(scene.input, CrankInput) else scene.input.point]
 
 
-def _known(node: Node | Angle) -> Callable[[], Node | Angle]:
-    return lambda: node
-
-
 def _coordinate(
     mechanics: Mechanics, owner: str, kind: str, words: str, unit: str, nodes: tuple[Node | Angle, Node, Node]
 ) -> Declared:
@@ -113,7 +109,7 @@ def _coordinate(
     symbol, of_first, of_second = (text.format(owner=owner) for text in _SYMBOLS[kind])
     for order, (suffix, word, node) in enumerate(zip(_SUFFIXES, _WORDS, nodes, strict=True)):
         units = f"{unit} {q}-{order}" if order else unit
-        yield Field(f"{owner}.{kind}{suffix}", word.format(words), units, _known(node), symbol + "′" * order)
+        yield Field(f"{owner}.{kind}{suffix}", word.format(words), units, known(node), symbol + "′" * order)
     first, second = _RATES[kind]
     guided = kind in ("angle", "slide") and owner in held_by_frame(mechanics.scene) and nodes[2] is not graph.zero
     answers = ("peak",) if guided else ()

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import Verdict, display_unit
+from engine import Verdict, did_you_mean, display_unit
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import typeset, wrapped
 from sweeps.store import FieldAxis
@@ -93,8 +93,8 @@ class SweepData(NamedTuple):
             No such array.
         """
         if name not in self.arrays:
-            known = ", ".join(n for n in self.arrays if not self._is_error(n))
-            raise PictureError(f"{name!r} is not in this result; available: {known}")
+            known = did_you_mean(name, (n for n in self.arrays if not self._is_error(n)))
+            raise PictureError(f"{name!r} is not in this result; {known}")
         values = np.asarray(self.arrays[name], dtype=float)
         factor, unit = display_unit(self.units.get(name, "1"), values)
         words = self.long_names.get(name, name) or name

@@ -70,9 +70,8 @@ def result_columns(path: Path, names: Sequence[str], where: Where = None) -> Par
     known = [c.name for c in result.description.columns]
     for name in names:
         if name not in known:
-            raise InputError(
-                str(path), [(None, "--columns", f"{name!r} is not in this result; {did_you_mean(name, known)}")]
-            )
+            message = f"{name!r} is not in this result; {did_you_mean(name, known)}"
+            raise InputError.of(str(path), message, key="--columns")
     met, fields = result.meets(where), [name for name in dict.fromkeys(names) if name in result.fields]
     asked = [name for name in dict.fromkeys(("variant", *result.parameters, *names)) if name not in fields]
     axes = {axis.name: axis for axis in map(result.along, fields)}

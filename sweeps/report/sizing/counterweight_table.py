@@ -68,10 +68,8 @@ def counterweights_of(
         There are no such counterweights.
     """
     if scene.input is None:
-        raise InputError(
-            scene.title or "scene",
-            [(None, "input", "the scene has only machine elements: there are no links to balance")],
-        )
+        message = "the scene has only machine elements: there are no links to balance"
+        raise InputError.of(scene.title or "scene", message, key="input")
     links = tuple(links) if links or places else (scene.input.link,)
     size = None if radius is None else numbers_in_row("--radius", radius, ("length",))[0]
     found = [counterweight_place(place) for place in places]

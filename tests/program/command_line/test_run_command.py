@@ -10,7 +10,7 @@ import pytest
 from commands import STUDY, done, refused, said
 from press_texts import PRESS
 
-from engine import Machine
+from engine import Mechanics
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run.progress import ProgressBar
 from sweeps.run.runner import layout_of
@@ -35,13 +35,13 @@ def test_run__tells_counts_blame_answer_and_files(press_folder):
 
 
 def test_run_with_pictures__builds_one_machine_and_draws_what_is_older(press_folder, monkeypatch):
-    built, build = [], Machine.__init__
+    built, build = [], Mechanics.__init__
 
     def noted(self, *arguments, **options):
         built.append(self)
         build(self, *arguments, **options)
 
-    monkeypatch.setattr(Machine, "__init__", noted)
+    monkeypatch.setattr(Mechanics, "__init__", noted)
     listed = done("run", "study.toml").partition("Files")[2].splitlines()[1:]
     assert len(built) == 1
     pictures = [Path(line.strip()) for line in listed if line.endswith(".png")]

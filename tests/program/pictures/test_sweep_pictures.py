@@ -277,7 +277,7 @@ def test_legend_of_the_energy_loop__lies_beside_all_axes():
 @pytest.mark.parametrize(
     ("asked", "words"),
     [
-        ({"y": "weight"}, "'weight' is not in this result; available: a, b, mass, cost, moment"),
+        ({"y": "weight"}, "'weight' is not in this result; known are: a, b, cost, mass, moment; did you mean 'mass'"),
         ({"colour": "moment"}, r"'moment' is a field, which can only be y"),
     ],
 )

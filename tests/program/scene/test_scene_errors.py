@@ -11,6 +11,8 @@ from press_texts import slider_crank_text
 from scene_samples import FROM_CSV, GOOD, PUNCH, SLIDING, line_with, refused
 from slips import cases, changed
 
+from engine.parts.skeleton import Part, Refers, field_marks
+from engine.scene.names import DEFINED, FITTING
 from sweeps import InputError, read_scene
 
 GROUND = """\
@@ -213,6 +215,20 @@ def test_several_unknown_names__are_told_at_once(tmp_path):
     text = changed(changed(GOOD, 'joint = "D"', 'joint = "X"'), 'guide = "way"', 'guide = "Y"')
     keys = {key for _, key, _ in refused(tmp_path, text).problems}
     assert keys == {"groups.bars.second.joint", "groups.press.second.guide"}
+
+
+def test_unknown_end_of_a_spring__is_told_once(tmp_path):
+    error = refused(tmp_path, changed(GOOD, '"tip"]', '"top"]'))
+    assert [key for _, key, _ in error.problems] == ["springs.back.between"]
+
+
+def test_kinds_of_references__all_have_words():
+    parts = [Part]
+    for part in parts:
+        parts += part.__subclasses__()
+    fields = [field for part in parts for field in part.model_fields.values()]
+    asked = {mark.kind for field in fields for mark in field_marks(field) if isinstance(mark, Refers)}
+    assert asked == {*DEFINED, *FITTING}
 
 
 LINES = GOOD.splitlines()

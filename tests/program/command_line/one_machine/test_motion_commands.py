@@ -349,8 +349,9 @@ def test_regime_words__tell_begin_end_and_what_is_off(folder):
 
 def test_telling_summaries__exist_and_leave_out_what_does_not_act(folder):
     scene = read_scene("press.toml")
-    names = telling_summaries(scene)
-    assert set(names) <= set(Machine(scene).available_summaries)
+    machine = Machine(scene)
+    names = telling_summaries(machine)
+    assert set(names) <= set(machine.available_summaries)
     of = by_regime(scene, names)
     assert list(of) == ["start", "work", "stop"]
     assert not any("useful" in name or "brake" in name or "final" in name for name in of["start"])
@@ -363,7 +364,7 @@ def test_telling_summaries__ask_for_the_flywheel_where_none_is_given(folder):
     asked = 'speed_fluctuation = "1/20"'
     for wheel, told in ((asked, True), (f'{asked}\ninertia = "30 kg m2"', False)):
         change('inertia = "30 kg m2"', wheel)
-        assert ("work.flywheel" in telling_summaries(read_scene("press.toml"))) == told
+        assert ("work.flywheel" in telling_summaries(Machine(read_scene("press.toml")))) == told
 
 
 # A push of 0.1 s when the machine starts: its cycle at constant speed has no reduced moment.
