@@ -533,9 +533,7 @@ def evaluate_blocks(
             for k in range(task.arcs.shape[0]):
                 square = task.arcs[k, 2]
                 find_extreme(record, SoughtExtreme(square, square, search.zero, search.up), search, found)
-                for lane in range(LANES):
-                    found.value[lane] = math.sqrt(found.value[lane])
-                find_unloaded_arcs(record, task.arcs[k, 0], task.arcs[k, 1], found.value, arcs)
+                find_unloaded_arcs(record, task.arcs[k, 0], task.arcs[k, 1], found, arcs)
                 hand_out(arcs.arc, first, answers.arcs[k])
         for k in range(task.spaced.shape[0]):
             fill_spaced(record, task.spaced[k], starts, ends, task.intervals, first, answers.spaced[k])

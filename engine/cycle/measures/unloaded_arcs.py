@@ -30,6 +30,7 @@ from engine.cycle.measures.angles import (
     turn_to,
     vector_at,
 )
+from engine.cycle.measures.extremes import ExtremeRows
 from engine.cycle.panels.chebyshev import DEGREE, PLACES, POSITIONS
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import new_record, one
@@ -99,14 +100,15 @@ class Force(NamedTuple):
     x, y : int
         Curves of the record.
     lane : int
-    least : float
-        Magnitude below which it counts as zero.
+    least, least_error : float
+        Magnitude below which it counts as zero, and its error estimate.
     """
 
     x: int
     y: int
     lane: int
     least: float
+    least_error: float
 
 
 def new_stretches() -> Stretches:
@@ -225,8 +227,9 @@ def extend(record: Record, force: Force, stretches: Stretches, i: int, side: int
     slot_x, slot_y = known_slot(record, force.x, step), known_slot(record, force.y, step)
     series = VectorSeries(record.coefficients[slot_x], record.coefficients[slot_y], lane)
     of_x, of_y = record.values[slot_x], record.values[slot_y]
-    off = record.left[slot_x].tail[lane] + record.left[slot_y].tail[lane]
-    off += ROUNDING * (record.whole[force.x].scale[lane] + record.whole[force.y].scale[lane])
+    whole_x, whole_y = record.whole[force.x], record.whole[force.y]
+    off = record.left[slot_x].tail[lane] + record.left[slot_y].tail[lane] + force.least_error
+    off += ROUNDING * (whole_x.scale[lane] + whole_y.scale[lane]) + whole_x.offset[lane] + whole_y.offset[lane]
     j = stretches.places[i, side]
     farthest, sensitivity = 0.0, 1.0 / math.sqrt(of_x[j, lane] ** 2 + of_y[j, lane] ** 2)
     for way in (-1, 1):
@@ -293,7 +296,7 @@ def widest_gap(stretches: Stretches, count: int) -> tuple[float, int, int]:
 
 
 @routine
-def find_unloaded_arcs(record: Record, x: int, y: int, greatest: Row, stretches: Stretches) -> None:
+def find_unloaded_arcs(record: Record, x: int, y: int, greatest: ExtremeRows, stretches: Stretches) -> None:
     """Find the widest arc to which a force never points, and its middle.
 
     Parameters
@@ -301,8 +304,8 @@ def find_unloaded_arcs(record: Record, x: int, y: int, greatest: Row, stretches:
     record : Record
     x, y : int
         Curves of the record: the force in the axes of a link.
-    greatest : row
-        Its maximum magnitude.
+    greatest : ExtremeRows
+        Maximum of its squared magnitude.
     stretches : Stretches
         Its `arc` is the output [rad]: 2π without a middle if there is no force, 0 if there is no gap, NaN if a force is
         NaN or infinite or has too many stretches.
@@ -310,11 +313,12 @@ def find_unloaded_arcs(record: Record, x: int, y: int, greatest: Row, stretches:
     found, ends, errors = stretches.arc, stretches.ends, stretches.errors
     for lane in range(LANES):
         found.arc[lane] = found.arc_error[lane] = found.middle[lane] = found.middle_error[lane] = math.nan
-        if greatest[lane] == 0.0:
+        most = math.sqrt(greatest.value[lane])
+        if most == 0.0:
             found.arc[lane], found.arc_error[lane] = TURN, 0.0
-        if not 0.0 < greatest[lane] < math.inf:
+        if not 0.0 < most < math.inf:
             continue
-        force = Force(x, y, lane, LEAST_LOAD * greatest[lane])
+        force = Force(x, y, lane, LEAST_LOAD * most, LEAST_LOAD * 0.5 * greatest.value_error[lane] / most)
         count = find_stretches(record, force, stretches)
         if count == 0 or count > ends.shape[0]:
             continue

@@ -106,7 +106,8 @@ def quick_return_ratio(low_at: Measured, high_at: Measured) -> Measured:
     up = np.mod(high_at.value - low_at.value, FULL_TURN)
     slow = np.maximum(up, FULL_TURN - up)
     ratio = slow / (FULL_TURN - slow)
-    # dR = (1 + R)²/(2π) dα.
-    error = (1.0 + ratio) ** 2 / FULL_TURN * (low_at.error + high_at.error)
-    unknown = ~(error < ratio)
+    # R of α + dα, less R of α: where positions tie, dα is no small change.
+    off = low_at.error + high_at.error
+    error = FULL_TURN * off / ((FULL_TURN - slow) * (FULL_TURN - slow - off))
+    unknown = ~((error < ratio) & (slow + off < FULL_TURN))
     return Measured(np.where(unknown, np.nan, ratio), np.where(unknown, np.nan, error))

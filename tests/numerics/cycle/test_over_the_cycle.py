@@ -5,7 +5,11 @@ import math
 import numpy as np
 import pytest
 import scipy.special as sp
-from cycle_machines import force_numbers, forces, smooth, smooth_numbers, squares
+from cycle_machines import at_positions, force_numbers, forces, smooth, smooth_numbers, squares
+from scipy.optimize import brentq, minimize_scalar
+
+from engine.cycle.machine import CycleMachine, Plan
+from engine.cycle.measures.unloaded_arcs import LEAST_LOAD
 
 TURN = 2.0 * math.pi
 EPS = np.finfo(float).eps
@@ -66,3 +70,31 @@ def test_mean_of_a_magnitude_with_sharp_dips__is_covered_and_takes_no_panels_for
     assert np.median(found.roots.error[0]) < 10.0 * tolerance
     smooth = squares(integrals=(0,), extremes=(0,), tolerance=tolerance).evaluate(numbers)
     assert found.panels.max() <= 3 * smooth.panels.max()
+
+
+@at_positions
+def sharp_force(P, lane, q, c, s, tile, i, room):
+    # It turns by 0.9 q and fades, but for a narrow peak.
+    beside = (q - P[3, lane]) / P[4, lane]
+    size = (0.5 * (1.0 + c)) ** 2 * (1.0 + P[2, lane] / (1.0 + beside * beside))
+    x, y = size * math.cos(0.9 * q), size * math.sin(0.9 * q)
+    tile[i, lane], tile[room + i, lane], tile[2 * room + i, lane] = x, y, size * size
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6])
+def test_unloaded_arc__is_as_uncertain_as_the_peak_by_which_its_force_ceases_to_count(tolerance):
+    random, count = np.random.default_rng(7), 200
+    high, at = random.uniform(2.0, 9.0, count), random.uniform(-1.0, 1.0, count)
+    width, exact = random.uniform(0.05, 0.2, count), np.zeros(count)
+    machine = CycleMachine(Plan(ends=(0, 1), curves=3, arcs=((0, 1, 2),), tolerance=tolerance), sharp_force)
+    found = machine.evaluate(np.array([np.full(count, -math.pi), np.full(count, math.pi), high, at, width])).arcs
+    for k in range(count):
+
+        def over(q, least=0.0, k=k):
+            return np.cos(0.5 * q) ** 4 * (1.0 + high[k] / (1.0 + ((q - at[k]) / width[k]) ** 2)) - least
+
+        near = (at[k] - 0.5 * width[k], at[k] + 0.5 * width[k])
+        top = over(minimize_scalar(lambda q, f=over: -f(q), bounds=near, options={"xatol": 1e-12}).x)
+        ends = [brentq(over, side, 2.0 * side, args=(LEAST_LOAD * top,), xtol=1e-15) for side in (-1.5, 1.5)]
+        exact[k] = TURN - 0.9 * (ends[1] - ends[0])
+    assert within(found, exact), (np.abs(found.value - exact) / found.error).max()
