@@ -105,12 +105,13 @@ def assembly_text(machine: Machine) -> str:
     return f"assembles only for input {shown}: give input.start and input.stop, or change the lengths"
 
 
-def nominal_text(study: Study) -> str:
-    """Answers of the unmodified scene, without those of its regimes."""
-    if study.scene.input is None:
+def nominal_text(study: Study, machine: Machine | ElementsAlone) -> str:
+    """Answers of the unmodified scene, without those of its regimes; by the machine of the study if it has them all."""
+    if isinstance(machine, ElementsAlone):
         return _elements_text(study.scene)
-    wanted = [name for name in answers(study.machine()) if name.partition(".")[0] not in study.scene.regimes]
-    machine = Machine(study.scene, wanted)
+    wanted = [name for name in answers(machine) if name.partition(".")[0] not in study.scene.regimes]
+    if machine.has_regimes or not set(wanted) <= set(machine.asked_summaries):
+        machine = Machine(study.scene, wanted)
     outcome = machine.evaluate({})
     rows = _asked_rows(machine, outcome, [n for n in wanted if np.isfinite(outcome.summaries[n][0])])
     verdict = Verdict(outcome.status[0])
@@ -219,7 +220,7 @@ def check_text(
     sections = [
         ("Study", "\n".join(t for t in (study.title or study.name, study.question) if t)),
         ("Mechanism", structure_text(study.scene)),
-        ("Unmodified machine", uncompiled or nominal_text(study)),
+        ("Unmodified machine", uncompiled or nominal_text(study, machine)),
         *([("Regimes", regimes)] if regimes else []),
         *([("Warnings", warned)] if warned else []),
         ("Variants", f"{study.design.size} = {_design_text(study)}"),
