@@ -12,14 +12,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.running import of_all
 from engine.compiling.threads import on_all_threads, threads
 from engine.graph.nodes import Node
 from engine.mechanism.actions.motors import motor_ratio
 from engine.mechanism.mechanics import Mechanics
-from engine.motion.coupled.coupled_answers import CoupledOutcome, CoupledStanding, held_moment, run_coupled
+from engine.motion.coupled.coupled_answers import held_moment, run_coupled
 from engine.motion.coupled.coupled_fields import CoupledFields, CycleStates
-from engine.motion.coupled.coupled_run import FARTHEST_TURN, LOOKS, CoupledEnds, Precision
+from engine.motion.coupled.coupled_run import LOOKS
 from engine.motion.coupled.coupled_steady import CoupledSteady, one_cycle, settled_at_two_speeds
 from engine.motion.coupled.two_sides import TwoSides, coupling_of
 from engine.motion.loads import PairLoads
@@ -36,19 +35,20 @@ from engine.motion.quantities import (
     POWERS,
     WORKS,
     Asked,
+    FieldAnswers,
     kept_at_of,
     kept_fields,
     motion_fields,
     only_motor,
 )
 from engine.motion.runs.run import run_to_end
-from engine.motion.runs.run_extremes import FieldAnswers, RunExtremes
+from engine.motion.runs.run_extremes import RunExtremes
 from engine.motion.runs.run_instants import RunInstants
+from engine.motion.runs.run_progress import FARTHEST_STEP, CoupledStanding, Ends, RunOutcome, Standing, Stepping
 from engine.motion.runs.run_progress import TOLERANCE as RUN_TOLERANCE
-from engine.motion.runs.run_progress import Begin, Changed, Ends, Progress, RunOutcome, Stepping
 from engine.motion.runs.spread_errors import spread_errors
 from engine.motion.runs.watching import Observer, RunFields
-from engine.motion.settled.cycle import Cycle, CycleAnswers, answers_of, cycle_of
+from engine.motion.settled.cycle import Cycle, answers_of, cycle_of
 from engine.motion.settled.rubbing_steady import settled_motion
 from engine.motion.settled.sizing import flywheel_for
 from engine.motion.settled.steady import Steady, steady_motion
@@ -56,6 +56,7 @@ from engine.parts.regimes import RunRegime, run_keys
 from engine.quantities.quantity import has_cycle
 from engine.scene.pairs import has_friction
 from engine.scene.scene import Numbers, SceneError
+from engine.stepping.records import on_arrays, over_all, put, some
 from engine.words.verdicts import Verdict
 
 # Tolerance of a step in steady running, relative to the maximum work in a step: default, fraction of the requested
@@ -74,7 +75,7 @@ WORTH_A_THREAD = 128
 # Numbers in a cache line.
 ODD = 8
 # Longest distance between samples of a run at two speeds [rad].
-BETWEEN_LOOKS = FARTHEST_TURN / (LOOKS.size - 1)
+BETWEEN_LOOKS = FARTHEST_STEP / (LOOKS.size - 1)
 ROUNDING = 16 * np.finfo(float).eps
 # Steps whose rounding equals all other rounding: half a unit in the last place each.
 STEPS_OF_ROUNDING = 32
@@ -92,19 +93,6 @@ def share_of_change(name: str) -> float:
         return 0.0
     # Means over time and extremes converge without an order if a steep motor recovers from a jump within a step.
     return 2.0 if last in ("mean", "rms", "mean_speed", "speed_min", "speed_max") else 1.0
-
-
-class Standing(NamedTuple):
-    """State of every variant between two regimes: crank angle [rad], speed [rad/s], time [s], verdict.
-
-    `coupled` is the state of a shaft behind a coupling; None if it turns with the crank.
-    """
-
-    angle: np.ndarray
-    omega: np.ndarray
-    clock: np.ndarray
-    verdict: np.ndarray
-    coupled: CoupledStanding | None = None
 
 
 class RegimeAnswers(NamedTuple):
@@ -128,54 +116,66 @@ class RegimeAnswers(NamedTuple):
         lost : ndarray (variants,) of bool
         share : ndarray (variants,)
         """
-        tables = self.values, self.errors, self.fields
-        values, errors, fields = ({name: row.copy() for name, row in table.items()} for table in tables)
-        for name, row in (values | fields).items():
-            errors[name] += share * (np.abs(row) if row.ndim == 1 else _greatest(np.abs(row)))
-        for row in (*values.values(), *errors.values(), *fields.values()):
+        found = on_arrays(np.copy, self)
+        for name, row in (found.values | found.fields).items():
+            found.errors[name] += share * (np.abs(row) if row.ndim == 1 else _greatest(np.abs(row)))
+        for row in (*found.values.values(), *found.errors.values(), *found.fields.values()):
             row[lost] = np.nan
-        return self._replace(values=values, errors=errors, fields=fields)
+        return found
 
 
-class Gone(NamedTuple):
-    """Results of a number of variants with one number of steps.
+class OneRegime(NamedTuple):
+    """Results of one regime.
 
     Attributes
     ----------
-    values, fields : dict of str to ndarray
-    verdict : ndarray (variants,) of uint8
-    scales : dict of str to ndarray (variants,)
-        Magnitudes to which the rounding of values is relative, where not the value itself.
-    missed : dict of str to ndarray (variants,)
-        Propagated error estimates, and how far extremes between nodes may exceed those at nodes.
-    by_equal_steps : dict of str to ndarray (3, variants)
-        Angle turned [rad], final speed [rad/s] and time [s] of the runs by equal steps.
-    covered : list of ndarray (2, variants)
-        For each run the minimum and maximum position of the input.
+    answers : FieldAnswers
+        By name without the regime's.
+    standing : Standing
+        State after it.
+    made : ndarray (variants,) or float
+        Approximate number of steps, each with its rounding.
+    energy : ndarray (variants,)
+        Approximate maximum kinetic energy [J].
+    covered : ndarray (2, variants) or None
+        Minimum and maximum position of the input in a run.
+    by_equal_steps : ndarray (3, variants) or None
+        Angle turned [rad], final speed [rad/s] and time [s] of a run by equal steps.
     """
 
-    values: dict[str, np.ndarray]
-    fields: dict[str, np.ndarray]
-    verdict: np.ndarray
-    scales: dict[str, np.ndarray]
-    missed: dict[str, np.ndarray]
-    by_equal_steps: dict[str, np.ndarray]
-    covered: list[np.ndarray]
+    answers: FieldAnswers
+    standing: Standing
+    made: np.ndarray | float
+    energy: np.ndarray
+    covered: np.ndarray | None = None
+    by_equal_steps: np.ndarray | None = None
 
 
-class Known(NamedTuple):
-    """A run that is already known: its variants, initial state and outcome."""
+class _Ready(NamedTuple):
+    """Variants that run: which of all, their initial states, the ends of their runs, and what is kept of all."""
 
-    variants: np.ndarray
-    begin: Begin
-    outcome: RunOutcome
+    which: np.ndarray
+    variants: Variants
+    standing: Standing
+    ends: Ends
+    kept: dict
 
-    def tells(self, variants: np.ndarray, begin: Begin) -> np.ndarray:
-        """For which variants it predicts the effect of coarser steps, (variants,) of bool."""
-        if not np.array_equal(variants, self.variants):
-            return np.zeros(variants.size, bool)
-        alike = np.all([now == then for now, then in zip(begin, self.begin, strict=True)], axis=0)
-        return alike & self.outcome.known
+    @property
+    def begin(self) -> tuple[Variants, Standing, Ends]:
+        """What a run starts from."""
+        return self.variants, self.standing, self.ends
+
+    def some(self, chosen: np.ndarray) -> "_Ready":
+        """A subset, by index."""
+        standing, ends = some(self.standing, chosen), some(self.ends, chosen)
+        return _Ready(self.which[chosen], self.variants.some(chosen), standing, ends, self.kept)
+
+    def alike(self, other: "_Ready") -> np.ndarray:
+        """Which variants start from the same state as in other runs, (variants,) of bool."""
+        if not np.array_equal(self.which, other.which):
+            return np.zeros(self.which.size, bool)
+        states = zip(self.standing[:3], other.standing[:3], strict=True)
+        return np.all([mine == its for mine, its in states], axis=0)
 
 
 class Schedule:
@@ -298,28 +298,29 @@ class Schedule:
         driven = {off: dynamics.driven(variants) for off, dynamics in self.dynamics.items()}
         # Infinite or NaN numbers cause a verdict, not a warning.
         with np.errstate(all="ignore"):
-            fine, coarse = self._go(driven), self._go(driven, half=True)
-        rough = np.zeros(count, bool)
-        for name, ends in fine.by_equal_steps.items():
-            change, size = np.abs(ends - coarse.by_equal_steps[name]), np.abs(ends)
-            rough |= ~(change <= TELLS_NOTHING * size).all(axis=0) | (coarse.verdict != Verdict.OK)
-        verdict = np.where(rough & (fine.verdict == Verdict.OK), Verdict.TOO_COARSE, fine.verdict).astype(np.uint8)
-        fine = fine._replace(verdict=verdict)
+            (fine, regimes), (coarse, others) = self._go(driven), self._go(driven, half=True)
+        verdict, other_verdict = (each[-1].standing.verdict for each in (regimes, others))
         # A verdict with coarser steps only is due to the method, not to the machine.
-        values = {name: np.where(fine.verdict == Verdict.OK, v, np.nan) for name, v in fine.values.items()}
+        whole, rough = other_verdict == Verdict.OK, np.zeros(count, bool)
+        for mine, other in zip(regimes, others, strict=True):
+            if mine.by_equal_steps is not None:
+                change = np.abs(mine.by_equal_steps - other.by_equal_steps)
+                rough |= ~(change <= TELLS_NOTHING * np.abs(mine.by_equal_steps)).all(axis=0) | ~whole
+        verdict = np.where(rough & (verdict == Verdict.OK), Verdict.TOO_COARSE, verdict).astype(np.uint8)
+        values = {name: np.where(verdict == Verdict.OK, v, np.nan) for name, v in fine.values.items()}
         errors = {}
-        for name, value in values.items():
-            change = np.where(coarse.verdict == Verdict.OK, np.abs(value - coarse.values[name]), np.abs(value))
-            carried_error = np.maximum(share_of_change(name) * change, fine.missed.get(name, 0.0))
-            errors[name] = carried_error + ROUNDING * np.maximum(np.abs(value), fine.scales.get(name, 0.0))
-        for name, rows in fine.fields.items():
-            size, other = _greatest(np.abs(rows)), coarse.fields[name]
+        for name, row in (values | fine.rows).items():
+            size, other = np.abs(row), (coarse.values | coarse.rows)[name]
             # The positions of the coarser cycle are a subset.
-            change = _greatest(np.abs(rows[:, :: rows.shape[1] // other.shape[1]] - other))
-            carried_error = np.where(coarse.verdict == Verdict.OK, change, size)
-            carried_error += ROUNDING * np.maximum(size, fine.scales.get(name, 0.0))
-            errors[name] = np.where(fine.verdict == Verdict.OK, carried_error, np.nan)
-        return RegimeAnswers(values, errors, fine.fields, fine.verdict, np.reshape(fine.covered, (-1, 2, count)))
+            change = np.abs((row if row.ndim == 1 else row[:, :: row.shape[1] // other.shape[1]]) - other)
+            if row.ndim > 1:
+                size, change = _greatest(size), _greatest(change)
+            change = share_of_change(name) * np.where(whole, change, size)
+            rounding = ROUNDING * np.maximum(size, fine.scales.get(name, 0.0))
+            error = np.maximum(change, fine.missed.get(name, 0.0)) + rounding
+            errors[name] = np.where(verdict == Verdict.OK, error, np.nan)
+        covered = [found.covered for found in regimes if found.covered is not None]
+        return RegimeAnswers(values, errors, fine.rows, verdict, np.reshape(covered, (-1, 2, count)))
 
     def variants(self, numbers: Numbers, count: int) -> Variants:
         """A number of variants, with the flywheel of the scene."""
@@ -341,72 +342,38 @@ class Schedule:
         begin = zero if self.turns else np.where(variants.direction > 0.0, low, high)
         return Standing(begin, zero, zero, np.full(variants.count, Verdict.OK, np.uint8))
 
-    def _go(self, driven: dict[frozenset[str], Variants], half: bool = False) -> Gone:
-        """Compute all needed regimes in order."""
-        count, steps = next(iter(driven.values())).count, self.steps // 2 if half else self.steps
+    def _go(self, driven: dict[frozenset[str], Variants], half: bool = False) -> tuple[FieldAnswers, list[OneRegime]]:
+        """Compute all needed regimes in order; the requested results by their names, and each regime's."""
         standing = self.at_begin(next(iter(driven.values())))
-        gone = Gone({}, {}, standing.verdict, {}, {}, {}, [])
+        every, regimes = FieldAnswers.none(), []
         for name in self.needed:
             off = frozenset(self.regimes[name].off)
             dynamics, variants = self.dynamics[off], driven[off]
             hindered = self.hindered(name, dynamics, variants)
             standing = standing._replace(verdict=np.where(standing.verdict, standing.verdict, hindered))
-            if self.at_two_speeds(name) and name in self.steady:
-                going, cycle, standing, found = self._steady_at_two_speeds(name, dynamics, variants, standing, half)
-                made, energy = float(steps), going.energy
-                found, scale = found | cycle.values, cycle.scales | {"speed_fluctuation": np.ones(count)}
-                gone.fields.update({f"{name}.{key}": row for key, row in cycle.fields.items()})
-                gone.missed.update({f"{name}.{key}": most for key, most in cycle.missed.items()})
-            elif self.at_two_speeds(name):
-                going, extremes, standing = self.run_at_two_speeds(name, variants, standing, half)
-                made, energy = going.turned / dynamics.cycle * steps, going.energy
-                found = self._at_two_speeds(name, dynamics, going) | extremes.values
-                scale = extremes.scales | {"work_residual": np.ones(count)}
-                gone.missed.update({f"{name}.{key}": most for key, most in extremes.missed.items()})
-                gone.covered.append(_positions(variants, standing.angle, going.turned, going.covered))
-            elif isinstance(self.regimes[name], RunRegime):
-                outcome, extremes, standing = self.run(name, dynamics, variants, standing, half)
-                gone.fields.update({f"{name}.{key}": rows for key, rows in extremes.rows.items()})
-                gone.covered.append(_positions(variants, standing.angle, outcome.state.turned, outcome.covered))
-                low, high = self.reduction.range_of(variants.numbers, variants.count)
-                made = outcome.state.turned / (high - low) * steps
-                energy = _greatest_energy(dynamics, variants, standing.angle, outcome)
-                if self.regimes[name].method is not None:
-                    gone.by_equal_steps[name] = np.stack(outcome.state[:3])
-                results_of = partial(self._of_run, name, dynamics, variants, energy=energy)
-                found, scale = results_of(outcome) | extremes.values, extremes.scales
-                off = {} if half else spread_errors(outcome, outcome.changed, results_of)
-                gone.missed.update({f"{name}.{key}": row for key, row in off.items()})
-                found |= self._at_end(outcome, standing)
-                # The work residual is relative to the works, and rounds as they do.
-                scale |= {"end_reached": np.zeros(count), "work_residual": np.ones(count)}
-                gone.missed.update({f"{name}.{key}": most for key, most in extremes.missed.items()})
-            else:
-                found, off, cycle, standing = self._steady(name, dynamics, variants, standing, half)
-                gone.missed.update({f"{name}.{key}": row for key, row in off.items()})
-                made, energy = float(steps), found["energy"]
-                # δ is a difference of speeds, and rounds as they do.
-                found, scale = found | cycle.values, cycle.scales | {"speed_fluctuation": np.ones(count)}
-                gone.fields.update({f"{name}.{key}": row for key, row in cycle.fields.items()})
-                gone.missed.update({f"{name}.{key}": most for key, most in cycle.missed.items()})
-            asked = {key: v for key, v in found.items() if f"{name}.{key}" in self.asked}
-            gone.values.update({f"{name}.{key}": v for key, v in asked.items()})
+            regime = self._ran if name not in self.steady else self._steady
+            regime = self._steady_at_two_speeds if name in self.steady and self.at_two_speeds(name) else regime
+            found = regime(name, dynamics, variants, standing, half)
+            answers, standing = found.answers, found.standing
+            asked = {key: v for key, v in answers.values.items() if f"{name}.{key}" in self.asked}
             # Rounding accumulates from step to step.
-            growth = 1.0 + np.abs(made) / STEPS_OF_ROUNDING
-            gone.scales.update({f"{name}.{key}": growth * np.abs(scale.get(key, v)) for key, v in asked.items()})
-            gone.scales[f"{name}.energy_change"] = growth * energy
-            for key, rows in gone.fields.items() if name in self.instants else ():
-                if key.startswith(f"{name}."):
-                    gone.scales[key] = growth * _greatest(np.abs(rows))
+            growth = 1.0 + np.abs(found.made) / STEPS_OF_ROUNDING
+            scales = {key: growth * np.abs(answers.scales.get(key, v)) for key, v in asked.items()}
+            scales["energy_change"] = growth * found.energy
+            if name in self.instants:
+                scales |= {key: growth * _greatest(np.abs(rows)) for key, rows in answers.rows.items()}
+            for table, own in zip(every, answers._replace(values=asked, scales=scales), strict=True):
+                table.update({f"{name}.{key}": row for key, row in own.items()})
+            regimes.append(found)
         numbers = next(iter(driven.values())).numbers
         for name, (reduced, motor) in self.at_shaft.items():
             ratio = np.abs(motor_ratio(self.scene, self.scene.moments[motor], numbers))
-            for rows in (gone.values, gone.scales, gone.missed):
+            for rows in every[:3]:
                 if reduced in rows:
                     rows[name] = rows[reduced] / ratio
         for name in self.only_for_shafts:
-            gone.values.pop(name, None)
-        return gone._replace(verdict=standing.verdict)
+            every.values.pop(name, None)
+        return every, regimes
 
     def hindered(self, name: str, dynamics: Dynamics, variants: Variants) -> np.ndarray:
         """Verdict that rules out a regime before it is computed.
@@ -434,15 +401,15 @@ class Schedule:
         value = variants.numbers[f"regimes.{name}.{key}"] if given else otherwise
         return np.broadcast_to(value, (variants.count,)).astype(float)
 
-    def run_at_two_speeds(
+    def run(
         self,
         name: str,
         variants: Variants,
         standing: Standing,
-        loose: bool = False,
-        record: Callable[[CoupledFields], Observer] | None = None,
-    ) -> tuple[CoupledOutcome, FieldAnswers, Standing]:
-        """Run a regime of a machine with a coupling from its current state.
+        half: bool = False,
+        record: Callable[[RunFields], Observer] | None = None,
+    ) -> tuple[RunOutcome, FieldAnswers, Standing]:
+        """Run a regime from the current state.
 
         Parameters
         ----------
@@ -450,54 +417,54 @@ class Schedule:
         variants : Variants
             With the inertia of all parts.
         standing : Standing
-        loose : bool
-            Whether to use a looser tolerance, for comparison.
+        half : bool
+            Whether to use a looser tolerance and half the samples, for comparison.
         record : callable, optional
             Creates the observer of the run, which replaces the requested fields.
         """
-        regime, zero = self.regimes[name], np.zeros(variants.count)
-        two, cycle = self.sides[frozenset(regime.off)], self.reduction.cycle
+        regime, keys, count, cycle = self.regimes[name], self.keys, variants.count, self.reduction.cycle
 
-        def number(key: str, otherwise: float) -> np.ndarray:
+        def number(key: str, otherwise: float = np.inf) -> np.ndarray:
             return self._number(name, key, variants, otherwise)
 
+        begin, own = standing, {"omega": keys.from_speed, "angle": keys.from_place}
+        begin = begin._replace(**{part: number(key) for part, key in own.items() if getattr(regime, key) is not None})
         if self._begins_anew(regime):
-            standing = standing._replace(clock=zero)
-        angle = number("from_angle", 0.0) if regime.from_angle is not None else standing.angle
+            begin = begin._replace(clock=np.zeros(count))
+        if self.sides and (standing.coupled is None or regime.from_speed is not None):
+            begin = begin._replace(coupled=CoupledStanding(begin.omega, np.zeros(count)))
+        # Near a speed that is never reached, the time to reach it is as uncertain as its last digits.
+        speed = number(keys.speed) * (1.0 - ROUNDING if half else 1.0)
+        flags = (getattr(regime, key) is True for key in ("rest", "reversal", "end_of_range", "lock_up"))
+        ends = Ends(number("cycles") * cycle, number("time"), speed, number("at_most") * cycle, *flags)
         ready = np.flatnonzero(standing.verdict == Verdict.OK)
-        sides = two.of(variants.some(ready), angle[ready])
-        omega, shaft, engaged = standing.omega, standing.omega, zero
-        if standing.coupled is not None:
-            shaft, engaged = standing.coupled
-        if regime.from_speed is not None:
-            omega, engaged = number("from_speed", 0.0), zero
-            shaft = omega
-        omega, shaft, engaged, clock = (row[ready] for row in (omega, shaft, engaged, standing.clock))
-        if regime.from_shaft_speed is not None:
-            shaft = number("from_shaft_speed", 0.0)[ready] / sides.coupling.ratio
-        turned, most = (number(key, np.inf)[ready] * cycle for key in ("cycles", "at_most"))
-        time, speed = (number(key, np.inf)[ready] for key in ("time", "speed"))
-        ends = CoupledEnds(
-            turned, time, speed, regime.rest is True, regime.lock_up is True, most, regime.reversal is True
+        run = self._run_at_two_speeds if self.sides else self._run_at_one_speed
+        own = _Ready(ready, variants.some(ready), some(begin, ready), some(ends, ready), variants.kept)
+        found = run(name, own, half, record)
+        outcome, answers = over_all(found[0], ready, count), found[1].over_all(ready, count)
+        verdict = np.where(standing.verdict == Verdict.OK, outcome.verdict, standing.verdict).astype(np.uint8)
+        # An end of the range stops the input.
+        omega = np.where(outcome.arrived != 0, 0.0, outcome.state.omega)
+        place, clock = begin.angle + variants.direction * outcome.state.turned, begin.clock + outcome.state.time
+        return outcome, answers, Standing(place, omega, clock, verdict, outcome.coupled)
+
+    def _run_at_two_speeds(
+        self, name: str, run: "_Ready", half: bool, record: Callable[[CoupledFields], Observer] | None
+    ) -> tuple[RunOutcome, FieldAnswers]:
+        sides, standing = (
+            self.sides[frozenset(self.regimes[name].off)].of(run.variants, run.standing.angle),
+            run.standing,
         )
-        along, asked = CoupledFields(sides, clock, self.loads), self.fields[name]
+        if self.regimes[name].from_shaft_speed is not None:
+            shaft = self._number(name, "from_shaft_speed", run.variants, 0.0) / sides.coupling.ratio
+            standing = standing._replace(coupled=standing.coupled._replace(speed=shaft))
+        along, asked = CoupledFields(sides, standing.clock, self.loads), self.fields[name]
         watch = record or (lambda along: RunExtremes(along, [one.field for one in asked]))
         observers = [watch(along)] if asked or record else []
-        gone = run_coupled(sides, (omega, shaft), clock, engaged, ends, self._precision(loose), observers)
-        extremes = FieldAnswers({}, {}, {}, {})
-        if asked and record is None:
-            extremes = observers[0].answers(asked, np.full(ready.size, BETWEEN_LOOKS))
-            extremes = extremes.over_all(ready, variants.count)
-        gone = gone.over_all(ready, variants.count)
-        verdict = np.where(standing.verdict == Verdict.OK, gone.verdict, standing.verdict).astype(np.uint8)
-        since = np.full(variants.count, np.nan)
-        since[ready] = engaged
-        after = CoupledStanding(gone.shaft_omega, zero if two.open else since + gone.time)
-        angle = angle + variants.direction * gone.turned
-        return gone, extremes, Standing(angle, gone.omega, standing.clock + gone.time, verdict, after)
-
-    def _precision(self, coarser: bool) -> Precision:
-        return Precision(self._run_tolerance[0], coarser)
+        outcome = run_coupled(sides, standing, run.ends, self._stepping(name, half), observers)
+        if not asked or record is not None:
+            return outcome, FieldAnswers.none()
+        return outcome, observers[0].answers(asked, np.full(run.which.size, BETWEEN_LOOKS))
 
     def at_two_speeds(self, name: str) -> bool:
         """Whether both sides of a coupling have separate speeds in a regime: always, except for a locked clutch."""
@@ -508,51 +475,50 @@ class Schedule:
         name: str,
         variants: Variants,
         standing: Standing,
-        loose: bool = False,
+        half: bool = False,
         record: Callable[[CoupledFields, np.ndarray], Observer] | None = None,
-    ) -> tuple[CoupledSteady, CoupledOutcome, Standing]:
-        """Steady running through a fluid coupling, and one cycle of it; parameters as for `run_at_two_speeds`.
+    ) -> tuple[CoupledSteady, RunOutcome, Standing]:
+        """Steady running through a fluid coupling, and one cycle of it; parameters as for `run`.
 
         `record` also receives the indices of the variants in steady running.
         """
         two, count, zero = self.sides[frozenset(self.regimes[name].off)], variants.count, np.zeros(variants.count)
         ready = np.flatnonzero(standing.verdict == Verdict.OK)
-        sides = two.of(variants.some(ready), zero[ready])
-        precision = self._precision(loose)
-        steady = settled_at_two_speeds(sides, precision)
+        sides, stepping = two.of(variants.some(ready), zero[ready]), self._stepping(name, half)
+        steady = settled_at_two_speeds(sides, stepping)
         good = np.flatnonzero(steady.verdict == Verdict.OK)
-        # Numbers of the variants in steady running, NaN for the others.
         moving = sides.some(good)
         watching = [] if record is None else [record(CoupledFields(moving, zero[good], self.loads), ready[good])]
-        gone = one_cycle(moving, steady.speeds[:, good], precision, watching).over_all(ready[good], count)
-        verdict = standing.verdict.astype(np.uint8).copy()
-        verdict[ready] = np.where(steady.verdict == Verdict.OK, gone.verdict[ready], steady.verdict)
-        speeds, multiplier, residual = (of_all(row, ready, count) for row in steady[1:])
-        after = Standing(zero, speeds[0], zero, verdict, CoupledStanding(speeds[1], np.full(count, np.inf)))
-        return CoupledSteady(verdict, speeds, multiplier, residual), gone, after
+        gone = over_all(one_cycle(moving, steady.speeds[:, good], stepping, watching), ready[good], count)
+        steady = over_all(steady, ready, count)
+        verdict = np.where(standing.verdict != Verdict.OK, standing.verdict, np.maximum(steady.verdict, gone.verdict))
+        shaft = CoupledStanding(steady.speeds[1], np.full(count, np.inf))
+        steady = steady._replace(verdict=verdict.astype(np.uint8))
+        return steady, gone, Standing(zero, steady.speeds[0], zero, steady.verdict, shaft)
 
     def _steady_at_two_speeds(
         self, name: str, dynamics: Dynamics, variants: Variants, standing: Standing, half: bool
-    ) -> tuple[CoupledOutcome, CycleAnswers, Standing, dict[str, np.ndarray]]:
+    ) -> OneRegime:
         asked, seen = self.fields[name], []
 
         def record(along: CoupledFields, good: np.ndarray) -> CycleStates:
-            looks = LOOKS[:: 2 if half else 1].size
-            seen.append((along, good, CycleStates(good.size, looks)))
+            seen.append((along, good, CycleStates(good.size, LOOKS[:: 2 if half else 1].size)))
             return seen[0][2]
 
         steady, gone, after = self.settled_at_two_speeds(name, variants, standing, half, record if asked else None)
-        cycle = CycleAnswers({}, {}, {}, {})
+        answers = FieldAnswers.none()
         if asked:
             along, good, states = seen[0]
-            cycle = answers_of(self._fluid_cycle(along, states, half), asked, dynamics.cycle)
-            cycle = cycle.over_all(good, variants.count)
-        found = self._at_two_speeds(name, dynamics, gone)
-        low, high = found["speed_min"], found["speed_max"]
-        found |= {"period": gone.time, "mean_speed": dynamics.cycle / gone.time, "multiplier": steady.multiplier}
+            answers = answers_of(self._fluid_cycle(along, states, half), asked, dynamics.cycle)
+            answers = answers.over_all(good, variants.count)
+        found = self._of_run(name, dynamics, variants, gone)
+        low, high, period = gone.slowest, gone.fastest, gone.state.time
+        found |= {"period": period, "mean_speed": dynamics.cycle / period, "multiplier": steady.multiplier}
         found |= {"return_residual": steady.residual, "speed_fluctuation": 2.0 * (high - low) / (high + low)}
-        found |= self._slips(name, variants, found["mean_speed"], gone)
-        return gone, cycle, after, found
+        answers.values.update(found | self._slips(name, variants, found["mean_speed"], gone))
+        # δ is a difference of speeds, and rounds as they do.
+        answers.scales["speed_fluctuation"] = np.ones(variants.count)
+        return OneRegime(answers, after, float(self.steps // 2 if half else self.steps), gone.energy)
 
     def _fluid_cycle(self, along: CoupledFields, states: CycleStates, half: bool) -> Cycle:
         """The steady cycle through a fluid coupling with its fields."""
@@ -564,80 +530,42 @@ class Schedule:
         even = np.broadcast_to(np.arange(len(angle))[:, None], angle.shape) if grid.even is None else grid.even
         return Cycle(angle, grid.steps, even, rows["speed"], variants.direction, rows)
 
-    def _at_two_speeds(self, name: str, dynamics: Dynamics, gone: CoupledOutcome) -> dict[str, np.ndarray]:
-        two = self.sides[frozenset(self.regimes[name].off)]
-        found = {"time": gone.time, "angle": gone.turned, "final_speed": gone.omega}
-        found |= _work_values(dynamics, gone.works, gone.squares, gone.time, gone.change, gone.energy)
-        heat, works = gone.values["coupling_heat"], gone.works
-        with np.errstate(all="ignore"):
-            over = gone.energy + np.abs(works).sum(axis=0)
-            found["work_residual"] = (works.sum(axis=0) - heat - gone.change) / over
-        places = {"coupling": two.name, "shaft": two.coupling.shaft}
-        for key, value in gone.values.items():
-            side, _, rest = key.partition("_")
-            found[f"{places[side]}_{rest}" if side in places else key] = value
-        return found
+    def _run_at_one_speed(
+        self, name: str, run: "_Ready", half: bool, record: Callable[[RunFields], Observer] | None
+    ) -> tuple[RunOutcome, FieldAnswers]:
+        dynamics = self.dynamics[frozenset(self.regimes[name].off)]
+        observers = [] if record is None else [record(self._along(name, dynamics, run))]
+        key, stepping = ("run", name), self._stepping(name, half)
+        if half and record is None:
+            # A known run predicts the effect of coarser steps.
+            before, known = run.kept[key]
+            outcome = on_arrays(np.copy, known.shifted(known.changed))
+            left = np.flatnonzero(~(run.alike(before) & known.known))
+            if left.size:
+                put(outcome, left, run_to_end(dynamics, *run.some(left).begin, self.steps, stepping))
+        else:
+            outcome = run_to_end(dynamics, *run.begin, self.steps, stepping, observers)
+            run.kept[key] = run, outcome
+        if record is not None or not self.fields[name]:
+            return outcome, FieldAnswers.none()
+        # Fields are evaluated for runs that reach their end.
+        good = np.flatnonzero(outcome.verdict == Verdict.OK)
+        return outcome, self._along_run(name, dynamics, run.some(good), half).over_all(good, run.which.size)
 
-    def run(
-        self,
-        name: str,
-        dynamics: Dynamics,
-        variants: Variants,
-        standing: Standing,
-        half: bool = False,
-        record: Callable[[RunFields], Observer] | None = None,
-    ) -> tuple[RunOutcome, FieldAnswers, Standing]:
-        """Run a regime from the current state; the observer from `record` replaces the requested fields."""
-        regime, count = self.regimes[name], variants.count
-
-        def number(key: str, otherwise: float) -> np.ndarray:
-            return self._number(name, key, variants, otherwise)
-
-        keys, rounded = self.keys, 1.0 - ROUNDING if half else 1.0
-        if self._begins_anew(regime):
-            standing = standing._replace(clock=np.zeros(count))
-        omega = number(keys.from_speed, 0.0) if getattr(regime, keys.from_speed) is not None else standing.omega
-        angle = number(keys.from_place, 0.0) if getattr(regime, keys.from_place) is not None else standing.angle
-        ends = Ends(
-            number("cycles", np.inf) * dynamics.cycle,
-            number("time", np.inf),
-            # Near a speed that is never reached, the time to reach it is as uncertain as its last digits.
-            number(keys.speed, np.inf) * rounded,
-            regime.rest is True,
-            number("at_most", np.inf) * dynamics.cycle,
-            regime.end_of_range is True,
-            regime.reversal is True,
-        )
-        ready = np.flatnonzero(standing.verdict == Verdict.OK)
-        part = variants.some(ready)
-        ends = ends.some(ready)
-        begin = Begin(angle, omega, standing.clock).some(ready)
-        observers = [] if record is None else [record(self._along(name, dynamics, part, begin))]
-        key, left, stepping = ("run", name), np.arange(ready.size), self._stepping(name)
-        known = variants.kept.get(key) if half and not observers else None
-        if known is not None:
-            left = np.flatnonzero(~known.tells(ready, begin))
-            outcome = known.outcome.shifted(known.outcome.changed)
-        if left.size or known is None:
-            own = (dynamics, part.some(left), begin.some(left), ends.some(left))
-            gone = run_to_end(Progress(*own, self.steps, half, observers, stepping))
-            outcome = gone if known is None else outcome.with_others(left, gone)
-        if not half:
-            variants.kept[key] = Known(ready, begin, outcome)
-        extremes = FieldAnswers({}, {}, {}, {})
-        if self.fields[name] and record is None:
-            # Fields are evaluated for runs that reach their end.
-            good = np.flatnonzero(outcome.verdict == Verdict.OK)
-            chosen = ends.some(good)
-            found = self._extremes(name, dynamics, part.some(good), begin.some(good), chosen, half)
-            extremes = found.over_all(ready[good], count)
-        outcome = _over_all(outcome, ready, count)
-        verdict = np.where(standing.verdict == Verdict.OK, outcome.verdict, standing.verdict)
-        turned, time = outcome.state.turned, outcome.state.time
-        # An end of the range stops the input.
-        omega = np.where(outcome.arrived != 0, 0.0, outcome.state.omega)
-        angle = angle + variants.direction * turned
-        return outcome, extremes, Standing(angle, omega, standing.clock + time, verdict.astype(np.uint8))
+    def _ran(self, name: str, dynamics: Dynamics, variants: Variants, standing: Standing, half: bool) -> OneRegime:
+        outcome, answers, after = self.run(name, variants, standing, half)
+        results_of = partial(self._of_run, name, dynamics, variants)
+        answers.values.update(results_of(outcome) | self._at_end(outcome, after))
+        if outcome.changed is not None and not half:
+            answers.missed.update(spread_errors(outcome, outcome.changed, results_of))
+        # The work residual is relative to the works, and rounds as they do.
+        answers.scales.update(end_reached=np.zeros(variants.count), work_residual=np.ones(variants.count))
+        low, high = self.reduction.range_of(variants.numbers, variants.count)
+        turned = outcome.state.turned
+        made = turned / (high - low) * (self.steps // 2 if half else self.steps)
+        covered = np.sort(after.angle + variants.direction * (outcome.covered - turned), axis=0)
+        ends = None if self.regimes[name].method is None else np.stack(outcome.state[:3])
+        return OneRegime(answers, after, made, outcome.energy, covered, ends)
 
     def _at_end(self, outcome: RunOutcome, standing: Standing) -> dict[str, np.ndarray]:
         """Final position of an input of limited range, and the energy of its impact on a stop."""
@@ -648,55 +576,56 @@ class Schedule:
         found = {"final_position": standing.angle, "end_reached": arrived, "impact_energy": taken}
         return found | {"displacement": outcome.state.turned}
 
-    def _stepping(self, name: str) -> Stepping:
-        steps = self.regimes[name].steps_per_turn
+    def _stepping(self, name: str, coarse: bool) -> Stepping:
+        steps = self.regimes[name].steps_per_turn if name not in self.steady else None
         extremes = not {f"{name}.{key}" for key in EXTREMES_OF_SPEED}.isdisjoint(self.asked)
-        if steps is None:
-            return Stepping(*self._run_tolerance, extremes=extremes)
-        return Stepping(farthest=TURN / steps, classical=True, extremes=extremes)
+        stepping = Stepping(*self._run_tolerance, extremes=extremes, coarse=coarse)
+        return stepping if steps is None else stepping._replace(farthest=TURN / steps, classical=True)
 
-    def _along(self, name: str, dynamics: Dynamics, part: Variants, begin: Begin) -> RunFields:
+    def _along(self, name: str, dynamics: Dynamics, run: "_Ready") -> RunFields:
         """Fields in a run."""
-        return RunFields(dynamics, part, begin.angle, begin.clock, self.loads, frozenset(self.regimes[name].off))
+        off = frozenset(self.regimes[name].off)
+        return RunFields(dynamics, run.variants, run.standing.angle, run.standing.clock, self.loads, off)
 
-    def _extremes(
-        self, name: str, dynamics: Dynamics, part: Variants, begin: Begin, ends: Ends, half: bool
-    ) -> FieldAnswers:
+    def _along_run(self, name: str, dynamics: Dynamics, run: "_Ready", half: bool) -> FieldAnswers:
         """Requested fields of a run, with half the samples if `half`, for comparison."""
-        steps, along = self.steps // 2 if half else self.steps, self._along(name, dynamics, part, begin)
+        steps, along = self.steps // 2 if half else self.steps, self._along(name, dynamics, run)
         asked = [one for one in self.fields[name] if one.statistic]
         kept = [one.field for one in self.fields[name] if not one.statistic]
-        observers: list[Observer] = []
-        if asked:
-            seen = RunExtremes(along, [one.field for one in asked])
-            observers.append(seen)
+        extremes = RunExtremes(along, [one.field for one in asked])
+        observers: list[Observer] = [extremes] if asked else []
         if kept:
             instants = RunInstants(along, kept, self.instants[name])
             observers.append(instants)
-        outcome = run_to_end(Progress(dynamics, part, begin, ends, steps, half, observers, self._stepping(name)))
-        low, high = self.reduction.range_of(part.numbers, part.count)
-        found = seen.answers(asked, (high - low) / steps) if asked else FieldAnswers({}, {}, {}, {})
+        outcome = run_to_end(dynamics, *run.begin, steps, self._stepping(name, half), observers)
+        low, high = self.reduction.range_of(run.variants.numbers, run.which.size)
+        found = extremes.answers(asked, (high - low) / steps)
         if kept:
             instants.finish(outcome)
             found = found._replace(rows=instants.rows)
         return found
 
-    def _of_run(
-        self, name: str, dynamics: Dynamics, variants: Variants, outcome: RunOutcome, energy: np.ndarray
-    ) -> dict[str, np.ndarray]:
+    def _of_run(self, name: str, dynamics: Dynamics, variants: Variants, outcome: RunOutcome) -> dict[str, np.ndarray]:
+        """Results of a run by their names without the regime's."""
         state, low, high = outcome.state, outcome.slowest, outcome.fastest
         found = {"time": state.time, "angle": state.turned, "final_speed": state.omega}
         found |= {"speed_min": low, "speed_max": high, "implicit_steps": outcome.steep}
-        if f"{name}.motor_moment_peak" in self.asked:
+        if f"{name}.motor_moment_peak" in self.asked and not self.sides:
             found["motor_moment_peak"] = greatest_moment(variants.drive, low, high)
-        change = outcome.ended - outcome.started
-        return found | _work_values(dynamics, state.works, state.squares, state.time, change, energy)
+        works, change = (state.works, state.squares, state.time), outcome.ended - outcome.started
+        found |= _work_values(dynamics, *works, change, outcome.energy, outcome.values.get("coupling_heat", 0.0))
+        places = {}
+        if self.sides:
+            two = self.sides[frozenset(self.regimes[name].off)]
+            places = {"coupling": two.name, "shaft": two.coupling.shaft}
+        for key, value in outcome.values.items():
+            side, _, rest = key.partition("_")
+            found[f"{places[side]}_{rest}" if side in places else key] = value
+        return found
 
     # Steady running
 
-    def _steady(
-        self, name: str, dynamics: Dynamics, variants: Variants, standing: Standing, half: bool
-    ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], CycleAnswers, Standing]:
+    def _steady(self, name: str, dynamics: Dynamics, variants: Variants, standing: Standing, half: bool) -> OneRegime:
         zero, asked = np.zeros(variants.count), self.fields[name]
         found, missed, verdict = {}, {}, np.full(variants.count, Verdict.OK, np.uint8)
         if f"{name}.flywheel" in self.asked:
@@ -731,14 +660,19 @@ class Schedule:
             peak, most = held_moment(two, dynamics, variants, grid.places[NODES], steady.record[0])
             found[f"{two.name}_moment_peak"] = peak
             verdict = np.where(peak > most, Verdict.SLIPS, verdict)
-        cycle = CycleAnswers({}, {}, {}, {})
+        answers = FieldAnswers.none()
         if asked:
-            off = frozenset(self.regimes[name].off)
-            cycle = answers_of(cycle_of(dynamics, variants, grid, steady, self.loads, off), asked, dynamics.cycle)
+            acts = cycle_of(dynamics, variants, grid, steady, self.loads, frozenset(self.regimes[name].off))
+            answers = answers_of(acts, asked, dynamics.cycle)
+        answers.values.update(found)
+        answers.missed.update(missed)
+        # δ is a difference of speeds, and rounds as they do.
+        answers.scales["speed_fluctuation"] = np.ones(variants.count)
         verdict = np.where(standing.verdict != Verdict.OK, standing.verdict, np.maximum(verdict, steady.verdict))
         begin = np.sqrt(2.0 * steady.energy / dynamics.rows(variants, zero[None]).inertia[0])
         held = CoupledStanding(begin, np.full(variants.count, np.inf)) if self.sides else None
-        return found, missed, cycle, Standing(zero, begin, zero, verdict.astype(np.uint8), held)
+        after = Standing(zero, begin, zero, verdict.astype(np.uint8), held)
+        return OneRegime(answers, after, float(self.steps // 2 if half else self.steps), found["energy"])
 
     def _of_steady(self, name: str, dynamics: Dynamics, variants: Variants, steady: Steady) -> dict[str, np.ndarray]:
         """Results of steady running by their names without the regime's."""
@@ -753,7 +687,7 @@ class Schedule:
         return found | self._slips(name, variants, dynamics.cycle / period)
 
     def _slips(
-        self, name: str, variants: Variants, mean_speed: np.ndarray, gone: CoupledOutcome | None = None
+        self, name: str, variants: Variants, mean_speed: np.ndarray, gone: RunOutcome | None = None
     ) -> dict[str, np.ndarray]:
         """Mean slips of induction motors; those on a coupled shaft run at its speed."""
         scene, n, slips = self.scene, variants.numbers, {}
@@ -773,6 +707,7 @@ def _work_values(
     time: np.ndarray,
     change: np.ndarray,
     turned_over: np.ndarray,
+    heat: np.ndarray | float = 0.0,
 ) -> dict[str, np.ndarray]:
     """Results for work and power."""
     with np.errstate(all="ignore"):
@@ -781,7 +716,7 @@ def _work_values(
             "motor_power": works[0] / time,
             "motor_moment_rms": np.sqrt(squares / time),
             "energy_change": change,
-            "work_residual": (works.sum(axis=0) - change) / (turned_over + np.abs(works).sum(axis=0)),
+            "work_residual": (works.sum(axis=0) - heat - change) / (turned_over + np.abs(works).sum(axis=0)),
         }
         if dynamics.works:
             by_channel = dict(zip(CHANNELS, works[1:], strict=True))
@@ -793,43 +728,10 @@ def _work_values(
 
 
 def _joined(parts: list[RegimeAnswers]) -> RegimeAnswers:
-    """Results of several chunks as one."""
-
-    def joined(tables: list[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
-        return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
-
-    return RegimeAnswers(
-        joined([part.values for part in parts]),
-        joined([part.errors for part in parts]),
-        joined([part.fields for part in parts]),
-        np.concatenate([part.verdict for part in parts]),
-        np.concatenate([part.covered for part in parts], axis=2),
-    )
-
-
-def _positions(variants: Variants, end: np.ndarray, turned: np.ndarray, covered: np.ndarray) -> np.ndarray:
-    """Minimum and maximum position of the input in runs that end at `end`, from the angles turned."""
-    return np.sort(end + variants.direction * (covered - turned), axis=0)
+    """Results of several chunks as one; ranges of positions count the variants last."""
+    return on_arrays(lambda *rows: np.concatenate(rows, axis=2 if rows[0].ndim == 3 else 0), *parts)
 
 
 def _greatest(rows: np.ndarray) -> np.ndarray:
     """Maximum of each row, ignoring NaN; 0 for a row of NaN."""
     return np.fmax.reduce(rows, axis=1, initial=0.0)
-
-
-def _greatest_energy(dynamics: Dynamics, variants: Variants, angle: np.ndarray, outcome: RunOutcome) -> np.ndarray:
-    """Approximate peak kinetic energy of a run: at its ends, or at its maximum speed."""
-    inertia = dynamics.rows(variants, angle[None]).inertia[0]
-    fastest = np.maximum(np.abs(outcome.fastest), np.abs(outcome.slowest))
-    return np.maximum(0.5 * inertia * fastest**2, np.maximum(outcome.started, outcome.ended))
-
-
-def _over_all(outcome: RunOutcome, ready: np.ndarray, count: int) -> RunOutcome:
-    """An outcome of some variants expanded to all, NaN for the others."""
-    state = type(outcome.state)(*(of_all(x, ready, count) for x in outcome.state))
-    verdict = np.full(count, Verdict.OK, np.uint8)
-    verdict[ready] = outcome.verdict
-    changed = Changed(*(of_all(x, ready, count) for x in outcome.changed))
-    names = ("slowest", "fastest", "started", "ended", "arrived", "known", "covered", "steep")
-    rest = {name: of_all(getattr(outcome, name), ready, count) for name in names}
-    return RunOutcome(verdict, state, changed=changed, **rest)

@@ -19,12 +19,12 @@ from engine.elements.elastic_drives.elastic_cycle import GAUSS, KNOWN, STAGES, S
 from engine.elements.elastic_drives.elastic_shaft import drive_shaft
 from engine.elements.elastic_drives.machine_drive import RESULTS, RUN_RESULTS, VERDICT_KEY, MachineDrive, machine_keys
 from engine.mechanism.mechanics import Mechanics
-from engine.motion.coupled.coupled_run import FINE, Precision
 from engine.motion.coupled.elastic_run import FINEST, ElasticHistory, ElasticRun, run_on_shaft, steps_on_shaft
 from engine.motion.coupled.two_sides import OnElasticShaft
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.grid import GAP
 from engine.motion.regimes_in_order import TOLERANCE, Schedule
+from engine.motion.runs.run_progress import ADAPTIVE, Stepping
 from engine.motion.runs.watching import Observer
 from engine.motion.settled.steady import steady_motion
 from engine.scene.scene import Numbers, Scene, scene_numbers
@@ -122,7 +122,7 @@ class ElasticDrives:
         if not well.size:
             return
         part = ready.some(well)
-        fine, coarse = (self._run(name, part, steady[:, part.which], Precision(coarser=c)) for c in (False, True))
+        fine, coarse = (self._run(name, part, steady[:, part.which], Stepping(coarse=c)) for c in (False, True))
         rows, rough = (
             np.stack([run.greatest, run.greatest_at, run.state[1], run.state[3], run.state[2], run.stops, run.closings])
             for run in (fine, coarse)
@@ -172,7 +172,7 @@ class ElasticDrives:
         name: str,
         ready: "Ready",
         steady: np.ndarray,
-        precision: Precision = FINE,
+        stepping: Stepping = ADAPTIVE,
         observers: Sequence[Observer] = (),
         duration: np.ndarray | None = None,
     ) -> ElasticRun:
@@ -182,7 +182,7 @@ class ElasticDrives:
         duration = whole if duration is None else duration
         sides = self.runs[name].of(ready.bare, angle, ready.given.T, backlash)
         begin = steady if run.begin == "steady" else np.zeros_like(steady)
-        return run_on_shaft(sides, ready.frequency, begin, duration, precision, observers)
+        return run_on_shaft(sides, ready.frequency, begin, duration, stepping, observers)
 
     def _ready(self, name: str, variants: Variants) -> "tuple[Ready, np.ndarray, np.ndarray]":
         """Variants with steady running on a rigid shaft, their numbers of steps, and verdicts on all."""

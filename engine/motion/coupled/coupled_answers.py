@@ -1,95 +1,32 @@
 """Results of runs at two speeds: the shaft's state between two regimes, and the quantities of each."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.running import of_all
-from engine.motion.coupled.coupled_run import CoupledEnds, CoupledRuns, Precision
+from engine.motion.coupled.coupled_run import CoupledRuns
 from engine.motion.coupled.two_sides import CoupledSides, TwoSides, coupling_numbers
-from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, SHAFT_TURNED, TURNED
+from engine.motion.coupled.two_speeds import SHAFT_SPEED, SHAFT_TURNED
 from engine.motion.moments.at_speed import greatest_moment
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion
+from engine.motion.runs.run_progress import CoupledStanding, Ends, RunOutcome, Standing, State, Stepping
 from engine.motion.runs.watching import Observer
-from engine.words.verdicts import Verdict
 
 # Relative tolerance of equal grid steps.
 EVEN = 1e-9
 
 
-class CoupledStanding(NamedTuple):
-    """State of a coupling's shaft between two regimes.
-
-    Attributes
-    ----------
-    speed : ndarray (variants,)
-        Reduced to the crank, in the direction of motion [rad/s].
-    engaged : ndarray (variants,)
-        Time since the coupling was engaged [s].
-    """
-
-    speed: np.ndarray
-    engaged: np.ndarray
-
-
-class CoupledOutcome(NamedTuple):
-    """Results of runs at two speeds; arrays (variants,) except where noted.
-
-    Attributes
-    ----------
-    verdict : ndarray of uint8
-    turned, omega, shaft_omega, time : ndarray
-        Angle turned and speed of the crank, speed of the shaft, and time at the end.
-    works : ndarray (sorts, variants)
-        Of the motors, and of each channel [J].
-    squares : ndarray
-        Integral of the squared motor torque over time [N²·m²·s].
-    energy, change : ndarray
-        Approximate maximum kinetic energy, and its change [J].
-    covered : ndarray (2, variants)
-        Minimum and maximum angle turned by the crank [rad].
-    values : dict of str to ndarray
-        By their names in a regime, without the prefixes of the coupling and the shaft.
-    """
-
-    verdict: np.ndarray
-    turned: np.ndarray
-    omega: np.ndarray
-    shaft_omega: np.ndarray
-    time: np.ndarray
-    works: np.ndarray
-    squares: np.ndarray
-    energy: np.ndarray
-    change: np.ndarray
-    covered: np.ndarray
-    values: dict[str, np.ndarray]
-
-    def over_all(self, ready: np.ndarray, count: int) -> "CoupledOutcome":
-        """The outcome of the `ready` variants, spread over all `count` of them, NaN for the others."""
-        verdict = np.full(count, Verdict.OK, np.uint8)
-        verdict[ready] = self.verdict
-        rows = (of_all(row, ready, count) for row in self[1:-1])
-        return CoupledOutcome(verdict, *rows, {key: of_all(row, ready, count) for key, row in self.values.items()})
-
-
 def run_coupled(
-    sides: CoupledSides,
-    speeds: tuple[np.ndarray, np.ndarray],
-    clock: np.ndarray,
-    engaged: np.ndarray,
-    ends: CoupledEnds,
-    precision: Precision,
-    observers: Sequence[Observer] = (),
-) -> CoupledOutcome:
+    sides: CoupledSides, standing: Standing, ends: Ends, stepping: Stepping, observers: Sequence[Observer] = ()
+) -> RunOutcome:
     """Run to the end; parameters are those of `CoupledRuns`."""
-    runs = CoupledRuns(sides, speeds, clock, engaged, ends, precision, observers)
-    started, begun = _energy(sides, runs.state, np.zeros_like(clock), clock)
+    runs, clock = CoupledRuns(sides, standing, ends, stepping, observers), standing.clock
+    begun, started = runs.energies()
     runs.go_to_end()
-    state, ratio = runs.state, sides.coupling.ratio
-    ended, after = _energy(sides, state, runs.time, clock)
-    heat, slipped, squares = (state[sides.two.system.names[name]] for name in ("heat", "slipped", "squares"))
+    state, ratio, names = runs.state, sides.coupling.ratio, sides.two.system.names
+    after, ended = runs.energies()
+    heat, slipped, squares = (state[names[name]] for name in ("heat", "slipped", "squares"))
     with np.errstate(all="ignore"):
         slip = np.where(state[SHAFT_TURNED] == 0.0, 0.0, slipped / np.abs(state[SHAFT_TURNED]))
         mean = state[SHAFT_TURNED] / runs.time
@@ -97,10 +34,7 @@ def run_coupled(
     # Motors are on only one of the two sides.
     peaks = [greatest_moment(d, low, high) for d, low, high in zip(drives, runs.lows, runs.highs, strict=True)]
     values = {
-        "speed_min": runs.lows[0],
-        "speed_max": runs.highs[0],
         "motor_moment_peak": np.maximum(*peaks),
-        "implicit_steps": runs.once_steep,
         "coupling_heat": heat,
         "coupling_slip_angle": ratio * slipped,
         "coupling_slip": slip,
@@ -111,29 +45,24 @@ def run_coupled(
         "shaft_final_speed": ratio * state[SHAFT_SPEED],
         "shaft_mean_speed": ratio * mean,
     }
+    final = State(runs.turned, runs.omega, runs.time, state[names["motors"] :], squares)
     most = np.maximum(np.maximum(started, ended), begun + after + np.abs(heat))
-    return CoupledOutcome(
+    # The engagement of an open coupling begins with the next regime.
+    engaged = np.zeros_like(clock) if sides.open else standing.coupled.engaged + runs.time
+    return RunOutcome(
         runs.verdict,
-        state[TURNED],
-        state[CRANK_SPEED],
-        state[SHAFT_SPEED],
-        runs.time,
-        state[sides.two.system.names["motors"] :],
-        squares,
+        final,
+        runs.lows[0],
+        runs.highs[0],
+        started,
+        ended,
         most,
-        ended - started,
         runs.covered,
-        values,
+        runs.steep,
+        np.zeros(sides.count),
+        coupled=CoupledStanding(runs.shaft_omega, engaged),
+        values=values,
     )
-
-
-def _energy(
-    sides: CoupledSides, state: np.ndarray, time: np.ndarray, clock: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Kinetic energy of both sides together, and that of the shaft [J]."""
-    rows, _ = sides.crank.at(state[TURNED], state[CRANK_SPEED], clock + time, np.ones_like(time))
-    shaft = 0.5 * sides.shaft.inertia * state[SHAFT_SPEED] ** 2
-    return 0.5 * rows.inertia[0] * state[CRANK_SPEED] ** 2 + shaft, shaft
 
 
 def held_moment(

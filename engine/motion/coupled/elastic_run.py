@@ -11,9 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.motion.coupled.coupled_fields import CoupledPiece
-from engine.motion.coupled.coupled_run import FINE, CoupledEnds, CoupledRuns, Precision
+from engine.motion.coupled.coupled_run import CoupledRuns
 from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, SHAFT_TURNED, TURNED
+from engine.motion.runs.run_progress import ADAPTIVE, CoupledStanding, Ends, Standing, Stepping
 from engine.motion.runs.watching import Observer
 from engine.words.verdicts import Verdict
 
@@ -64,7 +65,7 @@ def run_on_shaft(
     frequency: np.ndarray,
     begin: np.ndarray,
     duration: np.ndarray,
-    precision: Precision = FINE,
+    stepping: Stepping = ADAPTIVE,
     observers: Sequence[Observer] = (),
 ) -> ElasticRun:
     """Run machines on their shafts.
@@ -79,14 +80,14 @@ def run_on_shaft(
         Initial state, the twist without backlash; a shaft initially at rest has to close all of it.
     duration : ndarray (variants,)
         [s].
-    precision : Precision
+    stepping : Stepping
     observers : sequence of Observer
         Each receives a `CoupledPiece` of every walk.
     """
     twist, motor, turned, machine = begin
-    backlash, never, zero = sides.coupling.backlash, np.full_like(duration, np.inf), np.zeros_like(duration)
-    ends = CoupledEnds(never, duration, never, False, False, never)
-    runs = CoupledRuns(sides, (machine, motor), zero, zero, ends, precision, observers)
+    backlash, zero = sides.coupling.backlash, np.zeros_like(duration)
+    standing = Standing(sides.crank.start, machine, zero, zero.astype(np.uint8), CoupledStanding(motor, zero))
+    runs = CoupledRuns(sides, standing, Ends.never(zero.size, time=duration), stepping, observers)
     at_rest = (twist == 0.0) & (motor == 0.0) & (machine == 0.0)
     touch = np.where(backlash > 0.0, np.where(at_rest, 0.0, np.where(twist < 0.0, -1.0, 1.0)), 1.0)
     runs.joined.touch[:] = touch

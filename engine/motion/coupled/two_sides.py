@@ -20,6 +20,7 @@ from engine.motion.moments.equation_of_motion import Attached, EquationOfMotion
 from engine.motion.one_speed import MachineSystem
 from engine.parts.couplings import Coupling, FluidCoupling, FrictionClutch
 from engine.scene.scene import Numbers, Scene
+from engine.stepping.records import some
 
 if TYPE_CHECKING:
     from engine.motion.loads import PairLoads
@@ -53,10 +54,6 @@ class CouplingNumbers(NamedTuple):
     fluid: np.ndarray
     coefficient: PPoly | None
 
-    def some(self, who: np.ndarray) -> "CouplingNumbers":
-        """A subset of the variants, by index."""
-        return CouplingNumbers(*(rows[..., who] for rows in self[:4]), self.coefficient)
-
     def capacity_at(self, engaged: np.ndarray) -> np.ndarray:
         """Torque capacity of a clutch [N·m], a given time after its engagement [s]."""
         value = np.broadcast_to(self.capacity[0], engaged.shape)
@@ -86,10 +83,6 @@ class ElasticNumbers(NamedTuple):
     def times(self) -> np.ndarray:
         """Empty: nothing about the shaft depends on time."""
         return np.zeros((0, self.stiffness.size))
-
-    def some(self, who: np.ndarray) -> "ElasticNumbers":
-        """A subset of the variants, by index."""
-        return ElasticNumbers(*(row[who] for row in self))
 
     def moment(self, touch: np.ndarray, twist: np.ndarray, slip: np.ndarray) -> np.ndarray:
         """Torque of the shaft [N·m]."""
@@ -180,10 +173,6 @@ class Joined(NamedTuple):
     engaged: np.ndarray
     touch: np.ndarray
 
-    def some(self, who: np.ndarray) -> "Joined":
-        """A subset of the variants, by index."""
-        return Joined(*(row[who] for row in self))
-
 
 class CoupledSides(NamedTuple):
     """Both sides of a coupling, for a number of variants.
@@ -222,7 +211,7 @@ class CoupledSides(NamedTuple):
     def some(self, who: np.ndarray) -> "CoupledSides":
         """A subset of the variants, by index."""
         shaft = ShaftSide(self.shaft.form.some(who), self.shaft.inertia[who])
-        return self._replace(crank=self.crank.some(who), shaft=shaft, coupling=self.coupling.some(who))
+        return self._replace(crank=self.crank.some(who), shaft=shaft, coupling=some(self.coupling, who))
 
     def numbers(self, joined: Joined) -> np.ndarray:
         """Numbers of the motion at two speeds, (numbers, variants), without those of the joining and of the ends."""

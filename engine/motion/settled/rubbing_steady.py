@@ -4,7 +4,7 @@ import numpy as np
 
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.runs.run import run_to_end
-from engine.motion.runs.run_progress import Begin, Ends, Progress, RunOutcome
+from engine.motion.runs.run_progress import ADAPTIVE, Ends, RunOutcome, Standing
 from engine.motion.runs.watching import Piece, RunFields
 from engine.motion.settled.steady import Steady, no_load_speed, steady_motion
 from engine.words.verdicts import Verdict
@@ -119,9 +119,10 @@ def _cycle(
     dynamics: Dynamics, variants: Variants, omega: np.ndarray, doubtful: bool, observers: "list[_Nodes] | None" = None
 ) -> RunOutcome:
     """A cycle from a given speed at φ = 0."""
-    zero, never = np.zeros(variants.count), np.full(variants.count, np.inf)
-    ends = Ends(np.full(variants.count, dynamics.cycle), never, never, False, never)
-    return run_to_end(Progress(dynamics, variants, Begin(zero, omega, zero), ends, STEPS, doubtful, observers or ()))
+    zero = np.zeros(variants.count)
+    ends = Ends.never(variants.count, turned=np.full(variants.count, dynamics.cycle))
+    begin, stepping = Standing(zero, omega, zero, zero.astype(np.uint8)), ADAPTIVE._replace(coarse=doubtful)
+    return run_to_end(dynamics, variants, begin, ends, STEPS, stepping, observers or ())
 
 
 class _Nodes:
