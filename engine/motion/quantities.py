@@ -128,6 +128,11 @@ class KeptAt(NamedTuple):
     quantity: Quantity
     values: np.ndarray
 
+    @property
+    def over_time(self) -> bool:
+        """Whether the values are times."""
+        return self.quantity.name.endswith(f".{INSTANT}")
+
 
 class FieldAnswers(NamedTuple):
     """Requested fields of a regime and their statistics, (variants,), by name without the regime's.

@@ -109,13 +109,12 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
     zero, standing = np.zeros(1), schedule.at_begin(every)
     parts: list[_Part] = []
     begun = 0.0
-    for name in schedule.needed:
-        off = frozenset(scene.regimes[name].off)
-        dynamics = schedule.dynamics[off]
+    for name, motion in schedule.motions.items():
+        dynamics = motion.dynamics
         variants = dynamics.driven(every)
-        hindered = schedule.hindered(name, dynamics, variants)
+        hindered = motion.hindered(variants)
         if hindered.any():
-            along = RunFields(dynamics, variants, standing.angle, standing.clock, schedule.loads, off)
+            along = RunFields(dynamics, variants, standing.angle, standing.clock, motion.loads, dynamics.off)
             parts.append(_Part(name, begun, along, [_instant(standing)]))
             standing = standing._replace(verdict=hindered)
             break
@@ -125,23 +124,23 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
             records.append(_Record(along))
             return records[-1]
 
-        if name not in schedule.steady or schedule.at_two_speeds(name):
-            if name in schedule.steady:
-                _, outcome, standing = schedule.settled_at_two_speeds(name, variants, standing, record=record)
+        if not motion.is_steady or motion.at_two_speeds:
+            if motion.is_steady:
+                _, outcome, standing = motion.settled_at_two_speeds(variants, standing, record=record)
             else:
-                outcome, _, standing = schedule.run(name, variants, standing, record=record)
+                outcome, _, standing = motion.run(variants, standing, record=record)
             pieces, state = records[0].pieces, outcome.state
             if not pieces:
                 break
-            if state.time[0] > pieces[-1].time[-1, 0] and not schedule.sides:
+            if state.time[0] > pieces[-1].time[-1, 0] and motion.two is None:
                 # It was at rest until the end of the time.
                 pieces.append(_instant(standing, state.time, state.turned))
             parts.append(_Part(name, begun, records[0].along, pieces))
             begun += pieces[-1].time[-1, 0]
         else:
             piece, standing = _one_cycle(dynamics, variants, steps, schedule.tolerance)
-            along = RunFields(dynamics, variants, zero, zero, schedule.loads, off)
-            sides = schedule.sides[off].of(variants, zero) if schedule.sides else None
+            along = RunFields(dynamics, variants, zero, zero, motion.loads, dynamics.off)
+            sides = None if motion.two is None else motion.two.of(variants, zero)
             if sides is not None:
                 standing = standing._replace(coupled=CoupledStanding(standing.omega, np.full(1, np.inf)))
             parts.append(_Part(name, begun, along, [piece], sides))

@@ -10,11 +10,10 @@ from engine.motion.coupled.two_speeds import SHAFT_SPEED, SHAFT_TURNED
 from engine.motion.moments.at_speed import greatest_moment
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion
+from engine.motion.moments.grid import NODES, Grid
+from engine.motion.runs.run_extremes import look_along
 from engine.motion.runs.run_progress import CoupledStanding, Ends, RunOutcome, Standing, State, Stepping
 from engine.motion.runs.watching import Observer
-
-# Relative tolerance of equal grid steps.
-EVEN = 1e-9
 
 
 def run_coupled(
@@ -66,7 +65,7 @@ def run_coupled(
 
 
 def held_moment(
-    two: TwoSides, dynamics: Dynamics, variants: Variants, places: np.ndarray, energy: np.ndarray
+    two: TwoSides, dynamics: Dynamics, variants: Variants, grid: Grid, energy: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Peak torque that a locked clutch transmits in steady running, and its capacity [N·m].
 
@@ -76,36 +75,17 @@ def held_moment(
     dynamics : Dynamics
         Of both sides together.
     variants : Variants
-    places : ndarray (places, variants)
-        Crank angles over a cycle [rad].
-    energy : ndarray (places, variants)
-        Kinetic energy there [J].
+    grid : Grid
+        Of a cycle.
+    energy : ndarray (nodes, variants)
+        Kinetic energy at its nodes [J].
     """
-    zero, forward, way = np.zeros(variants.count), np.ones(variants.count), variants.direction
+    zero, forward, places = np.zeros(variants.count), np.ones(variants.count), grid.places[NODES]
     coupling, shaft = coupling_numbers(two.scene, variants.numbers, variants.count), two.of(variants, zero).shaft
     omega = np.sqrt(2.0 * energy / dynamics.rows(variants, places).inertia)
     whole = EquationOfMotion(dynamics, variants, zero)
-    rows, moments = whole.along(way * places, omega, np.zeros_like(omega), forward)
+    rows, moments = whole.along(variants.direction * places, omega, np.zeros_like(omega), forward)
     change = (moments.total - 0.5 * omega**2 * rows.inertia_phi) / rows.inertia
-    own = shaft.moments(omega, forward).total
-    steps = np.diff(places, axis=0)
-    even = np.isclose(steps[1:], steps[:-1], rtol=EVEN, atol=0.0)
-    peak = _greatest_between(np.abs(own - shaft.inertia * change), even)
-    return peak / coupling.ratio, coupling.capacity[-1] / coupling.ratio
-
-
-def _greatest_between(values: np.ndarray, even: np.ndarray) -> np.ndarray:
-    """Maximum along the first axis, including the peaks of parabolas through three nodes.
-
-    Parameters
-    ----------
-    values : ndarray (places, variants)
-    even : ndarray (places - 2, variants) of bool
-        Whether an inner node is equally far from both neighbours.
-    """
-    low, middle, high = values[:-2], values[1:-1], values[2:]
-    bend = low - 2.0 * middle + high
-    inside = (middle >= low) & (middle >= high) & (bend < 0.0) & even
-    with np.errstate(all="ignore"):
-        tops = np.where(inside, middle - (high - low) ** 2 / (8.0 * bend), middle)
-    return np.maximum(tops.max(axis=0), np.maximum(values[0], values[-1]))
+    held, found = np.abs(shaft.moments(omega, forward).total - shaft.inertia * change), np.empty((3, variants.count))
+    look_along(variants.count, held, np.ascontiguousarray(grid.steps), found)
+    return found[0] / coupling.ratio, coupling.capacity[-1] / coupling.ratio

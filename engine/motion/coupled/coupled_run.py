@@ -378,15 +378,8 @@ class CoupledRuns(MachineRuns):
     def _moments(self, who: np.ndarray, joined: Joined, moving: np.ndarray, time: np.ndarray) -> np.ndarray:
         """Torques of the coupling at instants of the steps of some variants, (instants, steps)."""
         holds = (joined.mode == TOGETHER) & (joined.crank_way != 0.0)
-        if self.sides.is_elastic:
-            slip = moving[SHAFT_SPEED] - moving[CRANK_SPEED]
-            return some(self.sides.coupling, who).moment(joined.touch, moving[SHAFT_TURNED], slip)
-        if self.sides.is_fluid:
-            return some(self.sides.coupling, who).fluid_moment(moving[CRANK_SPEED], moving[SHAFT_SPEED])
-        if self.sides.open:
-            return np.zeros_like(time)
-        slips = np.where(np.abs(joined.mode) == FORWARDS, joined.mode, 0)
-        found = slips * some(self.sides.coupling, who).capacity_at(joined.engaged + time)
+        sides = self.sides._replace(coupling=some(self.sides.coupling, who))
+        found = sides.apart_moment(joined, moving, time)
         if holds.any():
             sides, ways = self.sides.some(who[holds]), joined.crank_way[holds]
             there, moving = time[:, holds], moving[..., holds].copy()

@@ -6,7 +6,6 @@ closes.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -22,28 +21,6 @@ from engine.words.verdicts import Verdict
 FINEST, MOST_STEPS = 0.3, 200_000
 # State of a run: twist, speed at the motor end, angle turned by the machine, its speed.
 STATE = [SHAFT_TURNED, SHAFT_SPEED, TURNED, CRANK_SPEED]
-
-
-class ElasticRun(NamedTuple):
-    """Results, (variants,): peak shaft torque and its time, state at the end, numbers of stops and closings.
-
-    Attributes
-    ----------
-    greatest, greatest_at : ndarray
-        Peak magnitude of the shaft torque [N·m], and its time [s].
-    state : ndarray (4, variants)
-        Twist [rad], speed at the motor end [rad/s], angle turned [rad], speed of the machine [rad/s].
-    stops, closings : ndarray
-        How often the machine stopped during the run, and how often the backlash closed.
-    verdict : ndarray of uint8
-    """
-
-    greatest: np.ndarray
-    greatest_at: np.ndarray
-    state: np.ndarray
-    stops: np.ndarray
-    closings: np.ndarray
-    verdict: np.ndarray
 
 
 def steps_on_shaft(frequency: np.ndarray, duration: np.ndarray) -> np.ndarray:
@@ -67,8 +44,8 @@ def run_on_shaft(
     duration: np.ndarray,
     stepping: Stepping = ADAPTIVE,
     observers: Sequence[Observer] = (),
-) -> ElasticRun:
-    """Run machines on their shafts.
+) -> CoupledRuns:
+    """Run machines on their shafts; the runs at their end.
 
     Parameters
     ----------
@@ -94,10 +71,10 @@ def run_on_shaft(
     runs.state[TURNED], runs.state[SHAFT_TURNED] = turned, twist - np.where(touch < 1.0, backlash, 0.0)
     # Refused variants take no steps.
     hopeless = steps_on_shaft(frequency, duration) == 0.0
-    runs.done |= hopeless | (duration <= 0.0)
+    runs.give_up(np.flatnonzero(hopeless), Verdict.SHAFT_RIGID)
+    runs.done |= duration <= 0.0
     runs.go_to_end()
-    verdict = np.where(hopeless, Verdict.SHAFT_RIGID, runs.verdict).astype(np.uint8)
-    return ElasticRun(runs.peak, runs.peak_at, runs.state[STATE], runs.stops, runs.closings, verdict)
+    return runs
 
 
 class ElasticHistory:

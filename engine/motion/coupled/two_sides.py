@@ -13,7 +13,7 @@ from scipy.interpolate import PPoly
 from engine.elements.elastic_drives.shaft_touch import touching_moment
 from engine.laws.loads import fluid_coupling_moment, slip_of
 from engine.laws.tables import make_table
-from engine.motion.coupled.two_speeds import at_two_speeds
+from engine.motion.coupled.two_speeds import at_two_speeds, ramp
 from engine.motion.moments.at_speed import Moments
 from engine.motion.moments.dynamics import Dynamics, Reduction, Rows, Variants
 from engine.motion.moments.equation_of_motion import Attached, EquationOfMotion
@@ -56,13 +56,8 @@ class CouplingNumbers(NamedTuple):
 
     def capacity_at(self, engaged: np.ndarray) -> np.ndarray:
         """Torque capacity of a clutch [N·m], a given time after its engagement [s]."""
-        value = np.broadcast_to(self.capacity[0], engaged.shape)
-        pieces = zip(self.times, self.times[1:], self.capacity, self.capacity[1:], strict=False)
-        for begin, end, low, high in pieces:
-            value = np.where(
-                engaged > begin, low + (high - low) * np.fmin((engaged - begin) / (end - begin), 1.0), value
-            )
-        return value
+        rises = zip(np.diff(self.capacity, axis=0), self.times, self.times[1:], strict=False)
+        return self.capacity[0] + sum((rise * ramp(engaged, *knots) for rise, *knots in rises), np.zeros_like(engaged))
 
     def fluid_moment(self, crank: np.ndarray, shaft: np.ndarray) -> np.ndarray:
         """Torque of a fluid coupling on the crank [N·m], from the speeds of both sides."""
@@ -213,6 +208,17 @@ class CoupledSides(NamedTuple):
         shaft = ShaftSide(self.shaft.form.some(who), self.shaft.inertia[who])
         return self._replace(crank=self.crank.some(who), shaft=shaft, coupling=some(self.coupling, who))
 
+    def apart_moment(self, joined: Joined, moving: np.ndarray, time: np.ndarray) -> np.ndarray:
+        """Torque of a coupling on the crank if it isn't locked [N·m]; parameters as for `coupling_pull`."""
+        _, crank, twist, shaft = moving
+        if self.is_elastic:
+            return self.coupling.moment(joined.touch, twist, shaft - crank)
+        if self.is_fluid:
+            return self.coupling.fluid_moment(crank, shaft)
+        if self.open:
+            return np.zeros_like(time)
+        return joined.mode * self.coupling.capacity_at(joined.engaged + time)
+
     def numbers(self, joined: Joined) -> np.ndarray:
         """Numbers of the motion at two speeds, (numbers, variants), without those of the joining and of the ends."""
         faced = faced_ways(joined)
@@ -290,14 +296,7 @@ def coupling_pull(sides: CoupledSides, joined: Joined, moving: np.ndarray, time:
     faced, holds = faced_ways(joined), joined.mode == TOGETHER
     of_shaft, own = sides.shaft.moments(w2, faced[1]), sides.shaft.inertia
     shaft = of_shaft.total
-    if sides.is_elastic:
-        moment = sides.coupling.moment(joined.touch, moving[2], w2 - w1)
-    elif sides.is_fluid:
-        moment = sides.coupling.fluid_moment(w1, w2)
-    elif sides.open:
-        moment = np.zeros_like(w1)
-    else:
-        moment = joined.mode * sides.coupling.capacity_at(joined.engaged + time)
+    moment = sides.apart_moment(joined, moving, time)
     added = np.where(joined.crank_way == 0.0, np.inf, np.where(holds, own, 0.0))
     attached = Attached(np.where(holds, shaft, moment), added)
     rows, of_crank = sides.crank.along(turned, w1, joined.clock + time, faced[0], attached)
