@@ -79,7 +79,6 @@ ENDINGS = {".py", ".pyi", ".md", ".toml", ".html", ".js"}
 # Right texts with a banned phrase: file, text, reason.
 EXCEPTIONS = {
     ("engine/elements/elastic_drives/two_masses.py", "greatest, greatest_at :"): "names of attributes",
-    ("engine/motion/coupled/elastic_run.py", "greatest, greatest_at :"): "names of attributes",
     ("engine/elements/oscillators/one_mass.py", "greatest, time :"): "name of an attribute",
     ("engine/elements/torsional_trains/order_sums.py", "least, greatest :"): "name of an attribute",
     ("sweeps/synthesis/paths.py", "rms, greatest : float"): "name of an attribute",

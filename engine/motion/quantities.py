@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.running import of_all
 from engine.elements.element import Rank
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.actions import InductionMotor, Motor
@@ -126,6 +127,40 @@ class KeptAt(NamedTuple):
 
     quantity: Quantity
     values: np.ndarray
+
+    @property
+    def over_time(self) -> bool:
+        """Whether the values are times."""
+        return self.quantity.name.endswith(f".{INSTANT}")
+
+
+class FieldAnswers(NamedTuple):
+    """Requested fields of a regime and their statistics, (variants,), by name without the regime's.
+
+    Attributes
+    ----------
+    values : dict of str to ndarray
+    missed : dict of str to ndarray
+        Error estimates due to the behaviour between nodes.
+    scales : dict of str to ndarray
+        Magnitudes to which rounding is relative.
+    rows : dict of str to ndarray (variants, instants or equal steps)
+        Stored fields.
+    """
+
+    values: dict[str, np.ndarray]
+    missed: dict[str, np.ndarray]
+    scales: dict[str, np.ndarray]
+    rows: dict[str, np.ndarray]
+
+    @classmethod
+    def none(cls) -> "FieldAnswers":
+        """No fields."""
+        return cls({}, {}, {}, {})
+
+    def over_all(self, who: np.ndarray, count: int) -> "FieldAnswers":
+        """Results of some variants expanded to all `count` of them, NaN for the others."""
+        return FieldAnswers(*({key: of_all(row.T, who, count).T for key, row in rows.items()} for rows in self))
 
 
 class Asked(NamedTuple):

@@ -1,6 +1,7 @@
 """Recorded steps of walks, interpolated at any position."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +16,40 @@ def _slopes() -> np.ndarray:
 
 
 SLOPES = _slopes()
+
+
+class MadeSteps(NamedTuple):
+    """Recorded steps of walks in the order of the variants.
+
+    Attributes
+    ----------
+    variant : ndarray (steps,) of int
+    begin, length : ndarray (steps,)
+        In the independent variable.
+    samples : ndarray (states, SHOWN, steps)
+        States at the fractions SHOWN.
+    """
+
+    variant: np.ndarray
+    begin: np.ndarray
+    length: np.ndarray
+    samples: np.ndarray
+
+
+def made_steps(recorded: np.ndarray, steps: np.ndarray) -> MadeSteps:
+    """The steps that walks recorded.
+
+    Parameters
+    ----------
+    recorded, steps : ndarray
+        As in `Walks`.
+    """
+    made = steps.astype(int)
+    variant = np.repeat(np.arange(made.size), made)
+    step = np.arange(variant.size) - np.repeat(np.cumsum(made) - made, made)
+    begin, length, _, *rows = recorded[step, :, variant].T
+    samples = np.reshape(rows, (len(rows) // (SHOWN.size + 1), SHOWN.size + 1, variant.size))
+    return MadeSteps(variant, begin, length, samples[:, :-1])
 
 
 @over_variants

@@ -34,6 +34,12 @@ from engine.stepping.walk import (
 # Fractions of a step at which its polynomial of degree seven is recorded.
 SHOWN = 0.5 - 0.5 * np.cos(np.pi * np.arange(8) / 7.0)
 
+# Edges of a motion that nothing bounds.
+NO_EDGES = np.array([[-1e300], [1e300], [0.0], [0.0]])
+# Numbers of lanes that aren't given.
+NEVER = dict.fromkeys(("other_goal", "farthest", "longest"), np.inf)
+ORDINARY = NEVER | {"start": 0.0, "direction": 1.0, "facing": 1.0, "clock": 0.0, "turned": 0.0, "floor": 0.0}
+
 
 class Guard(NamedTuple):
     """An event that ends a step: its name, and a number that is positive before it.
@@ -123,10 +129,6 @@ class Walks(NamedTuple):
     steps: np.ndarray
     recorded: np.ndarray
     numbers: np.ndarray
-
-    def some(self, chosen: np.ndarray) -> "Walks":
-        """A subset of the variants, by index."""
-        return Walks(*(rows[..., chosen] for rows in self))
 
 
 class Closed(NamedTuple):
@@ -232,14 +234,17 @@ class PrintedSystem:
         self,
         task: WalkTask,
         numbers: np.ndarray,
-        edges: np.ndarray,
-        instants: np.ndarray,
+        edges: np.ndarray | None,
+        instants: np.ndarray | None,
         given: Mapping[str, np.ndarray],
         states: np.ndarray,
         carried_errors: np.ndarray | None = None,
         recorded: int = 0,
     ) -> Walks:
         """Walk; parameters as in `engine.stepping.walk.WalkBatch`, `given` rows of lanes by name, steps to record."""
+        count = states.shape[1]
+        edges = np.repeat(NO_EDGES, count, axis=1) if edges is None else edges
+        instants = np.zeros((0, count)) if instants is None else instants
         states = np.array(states, float, order="C")
         numbers = numbers.copy() if self.system.held else numbers
         carried_errors = np.zeros_like(states) if carried_errors is None else np.array(carried_errors, float, order="C")
@@ -320,7 +325,7 @@ class PrintedSystem:
         recorded: int,
     ) -> WalkBatch:
         count = states.shape[1]
-        given = {"longest": np.inf, "floor": 0.0} | given
+        given = ORDINARY | given
         rows = np.array([np.broadcast_to(given[name], (count,)) for name in GIVEN], float)
         kept = np.empty((recorded, 3 + (task.states + 1) * (1 + SHOWN.size), count))
         found, parts = np.empty((len(FOUND), count)), (numbers, edges, instants, rows)

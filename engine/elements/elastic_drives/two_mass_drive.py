@@ -21,6 +21,7 @@ from engine.laws.rounding import EPS
 from engine.parts.actions import Moment, Time
 from engine.parts.motor_constants import MotorCurve, motor_curve
 from engine.parts.skeleton import Angle, AngularSpeed, Inertia
+from engine.stepping.recorded import made_steps
 from engine.stepping.system import SHOWN
 from engine.words.verdicts import Verdict
 
@@ -196,14 +197,13 @@ def drive_history(drive: TwoMassDrive, instants: int) -> DriveHistory:
     """
     n = drive.own_numbers()
     followed = drive.follow(n, TOLERANCE, MOST_SHOWN)
-    steps = followed.recorded[: int(followed.steps[0]), :, 0]
-    time, shown = np.linspace(0.0, drive.time, instants), SHOWN.size
-    own = np.searchsorted(steps[:, 0], time, side="right") - 1
-    share = np.clip((time - steps[own, 0]) / steps[own, 1], 0.0, 1.0)
+    _, begin, length, samples = made_steps(followed.recorded, followed.steps)
+    time = np.linspace(0.0, drive.time, instants)
+    own = np.searchsorted(begin, time, side="right") - 1
+    share = np.clip((time - begin[own]) / length[own], 0.0, 1.0)
 
     def along(state: int) -> np.ndarray:
-        at = 3 + state * (shown + 1)
-        series = chebfit(2.0 * SHOWN - 1.0, steps[:, at : at + shown].T, shown - 1)
+        series = chebfit(2.0 * SHOWN - 1.0, samples[state], SHOWN.size - 1)
         return chebval(2.0 * share - 1.0, series[:, own], tensor=False)
 
     shaft = drive_shaft(drive, n)

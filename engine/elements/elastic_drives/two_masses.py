@@ -28,6 +28,7 @@ from engine.laws.motor_characteristics import bend_of, induction_motor
 from engine.laws.rounding import EPS
 from engine.laws.senses import past
 from engine.parts.motor_constants import MotorCurve
+from engine.stepping.records import put
 from engine.stepping.system import Guard, PrintedSystem, System, Walks
 from engine.stepping.walk import Why
 
@@ -39,8 +40,6 @@ MOST_RADIANS = 6e4
 MOST_WALKS = 200
 # Larger numbers are meaningless.
 MOST_SIZE = 1e100
-# Beyond all angles [rad].
-_FAR = 1e300
 # Ties of peaks within rounding go to the earlier one.
 _HIGHER = 1.0 + 1e-11
 
@@ -360,20 +359,15 @@ def _walk(
     """Walk to the end of the duration, in several walks if one has too many steps."""
     count = states.shape[1]
     numbers = made.limited(np.zeros((len(made.functions.rows), count)), numbers)
-    edges, nothing = np.zeros((4, count)), np.zeros((0, count))
-    edges[:2] = [[-_FAR], [_FAR]]
-    given = {"start": 0.0, "direction": 1.0, "facing": 1.0, "other_goal": np.inf}
-    given |= {"farthest": np.inf, "turned": states[0]} | lanes
-    task = made.task(np.inf)
-    walks = made.run(task, numbers, edges, nothing, given, states, recorded=recorded)
+    given, task = {"turned": states[0]} | lanes, made.task(np.inf)
+    walks = made.run(task, numbers, None, None, given, states, recorded=recorded)
     for _ in range(0 if recorded else MOST_WALKS):
         full = np.flatnonzero(walks.why == Why.FULL)
         if not full.size:
             break
-        some, gone = {name: np.broadcast_to(row, count)[full] for name, row in given.items()}, walks.at[full]
-        some |= {"clock": some["clock"] + gone, "goal": some["goal"] - gone, "pace": walks.pace[full]}
-        further = made.run(task, walks.numbers[:, full], edges[:, full], nothing[:, full], some, walks.states[:, full])
+        own, gone = {name: np.broadcast_to(row, count)[full] for name, row in given.items()}, walks.at[full]
+        own |= {"clock": own["clock"] + gone, "goal": own["goal"] - gone, "pace": walks.pace[full]}
+        further = made.run(task, walks.numbers[:, full], None, None, own, walks.states[:, full])
         further.at[:] += gone
-        for whole, part in zip(walks, further, strict=True):
-            whole[..., full] = part
+        put(walks, full, further)
     return walks

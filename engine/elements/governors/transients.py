@@ -27,15 +27,18 @@ from engine.laws.governors.motion import (
     moving_inertia_rate,
 )
 from engine.laws.senses import past
+from engine.stepping.recorded import made_steps
+from engine.stepping.records import put, some
+from engine.stepping.runs import WalkedRuns
 from engine.stepping.system import SHOWN, Guard, PrintedSystem, System, Walks
-from engine.stepping.walk import LONGER, Why, coarser
+from engine.stepping.walk import Why
 from engine.words.verdicts import Verdict
 
 # Step tolerance, as a fraction of the range and of SPEED_SCALE times the speed, since governors work within a few
 # hundredths of it; largest angle of a step if the engine is a mechanism [rad].
 TOLERANCE, SPEED_SCALE, FARTHEST_TURN = 1e-7, 0.01, 0.25 * math.pi
-# Numbers of steps and of walks after which a run is given up.
-MOST_STEPS, MOST_WALKS = 100_000, 20_000
+# Number of steps after which a run is given up.
+MOST_STEPS = 100_000
 # Start of the last part of a run, in which the swing is measured, as a fraction of the run.
 LAST_PART = 0.75
 # Maximum number of steps recorded per walk, and minimum number of steps of a recorded run.
@@ -47,8 +50,6 @@ CYCLE_POSITIONS = 360
 BEHIND, BELOW_SWITCH, TURNED = 1e-15, 1e-9, 1e-4
 # Relative tolerance of event times in a step: the speed, exact to rounding, allows no smaller one.
 ROOT = 1e-12
-# The angle of an engine without a cycle has no bounds.
-NO_EDGES = np.array([[-1e300], [1e300], [0.0], [0.0]])
 ENDINGS = ("stalls", "inner", "outer", "reverses", "rises", "falls")
 STALLS, INNER, OUTER, REVERSES, RISES, FALLS = (Why.GUARD + i for i in range(len(ENDINGS)))
 
@@ -234,20 +235,19 @@ def follow_changes(
     verdict, who = verdict.copy(), np.flatnonzero(verdict == Verdict.OK)
     if not who.size:
         return Changes(found, verdict, np.zeros((3, 0)))
-    runs = _Runs(g.some(who), Marks(*(row[who] for row in marks)), cycle[:, who], second, records)
-    # Infinite and undefined values become verdicts, not warnings.
+    runs = _Runs(g.some(who), some(marks, who), cycle[:, who], second, records)
+    runs.go_to_end()
     with np.errstate(all="ignore"):
-        runs.go_to_end()
         found[:, who], verdict[who] = runs.answers(), runs.verdict
         return Changes(found, verdict, runs.instants())
 
 
-class _Runs:
+class _Runs(WalkedRuns):
     """Runs of a number of variants, in progress; rows (variants,)."""
 
     def __init__(self, g: GovernorVariants, marks: Marks, cycle: np.ndarray, second: bool, records: bool) -> None:
         self.g, self.marks, self.records, count = g, marks, records, marks.inner.size
-        self.longer, self.tolerance = (LONGER, coarser(TOLERANCE)) if second else (1.0, TOLERANCE)
+        super().__init__(count, TOLERANCE, second)
         low, high, n, ratio = marks.inner, marks.outer, g.n, g.n["engine.ratio"]
         begin, goal, half, inner, outer = g.at(
             np.stack([marks.before, marks.after, marks.middle, low, high]), low
@@ -293,7 +293,6 @@ class _Runs:
         if g.governor.has_valve:
             self.numbers[self.flipped.opens] = 1.0
         self.time, self.pace, self.steps = np.zeros(count), 1e-3 * self.duration, np.zeros(count)
-        self.verdict, self.done = np.full(count, Verdict.OK, np.uint8), np.zeros(count, bool)
         self.settled = np.where(inside, 0.0, np.nan)
         self.extremes, self.late = np.array([speed, speed]), np.array([np.inf + speed, -np.inf - speed])
         self.hits = np.zeros((2, count))
@@ -314,15 +313,6 @@ class _Runs:
         self.system.functions = self.system.functions._replace(memory=np.concatenate([first, table.ravel()]))
         begin = first.size + table[0].size * np.arange(length.size)
         return {"curves": begin, "positions": np.full(length.size, float(positions)), "cycle": length}
-
-    def go_to_end(self) -> None:
-        """Carry the runs to their end, in place."""
-        for _ in range(MOST_WALKS):
-            live = np.flatnonzero(~self.done)
-            if not live.size:
-                return
-            self._advance(live)
-        self.verdict[~self.done] = Verdict.NO_END
 
     def answers(self) -> np.ndarray:
         """Rows of results as in `Changes`."""
@@ -369,19 +359,17 @@ class _Runs:
         numbers, crossed = self.numbers.take(who, axis=1), self.flipped.crossed
         numbers[crossed] = np.nan
         longest = self.duration[who] / LEAST_RECORDED if self.records else np.inf
-        lanes = {"start": 0.0, "direction": 1.0, "facing": 1.0, "clock": 0.0, "goal": mark - self.time[who]}
-        lanes |= {"other_goal": np.inf, "tolerance": self.tolerance, "farthest": self.farthest, "longest": longest}
-        lanes |= {"turned": self.state.turned[who], "pace": self.pace[who]}
-        edges, instants = np.repeat(NO_EDGES, who.size, axis=1), np.zeros((0, who.size))
+        lanes = {"goal": mark - self.time[who], "tolerance": self.tolerance, "farthest": self.farthest}
+        lanes |= {"longest": longest, "turned": self.state.turned[who], "pace": self.pace[who]}
         task = self.system.task(math.inf, extremes=True, longer=self.longer, root=ROOT)
-        state, most = np.array([row[who] for row in self.state]), RECORDED if self.records else 0
-        gone = self.system.run(task, numbers, edges, instants, lanes, state, recorded=most)
+        state, most = np.array(some(self.state, who)), RECORDED if self.records else 0
+        gone = self.system.run(task, numbers, None, None, lanes, state, recorded=most)
         self.numbers[:, who] = numbers = gone.numbers
         settled = np.where(numbers[self.flipped.inside] > 0.0, self.time[who] + numbers[crossed], np.nan)
         self.settled[who] = np.where(np.isnan(numbers[crossed]), self.settled[who], settled)
         return gone
 
-    def _advance(self, who: np.ndarray) -> None:
+    def advance(self, who: np.ndarray) -> None:
         """Walk until something changes, and handle the change."""
         early = self.time[who] < LAST_PART * self.duration[who]
         mark = np.where(early, LAST_PART, 1.0) * self.duration[who]
@@ -390,22 +378,18 @@ class _Runs:
             self._record(gone)
         why, before, speed = gone.why, self.time[who], self.state.speed[who]
         lowest, highest = np.minimum(gone.slowest, speed), np.maximum(gone.fastest, speed)
-        for row, found in zip(self.state, gone.states, strict=True):
-            row[who] = found
+        put(self.state, who, Moving(*gone.states))
         self.time[who] = np.where(why == Why.GOAL, mark, before + gone.at)
         self.pace[who] = gone.pace
         self.steps[who] += gone.steps
-        for seen, some in ((self.extremes, slice(None)), (self.late, ~early)):
-            seen[0, who[some]] = np.minimum(seen[0, who[some]], lowest[some])
-            seen[1, who[some]] = np.maximum(seen[1, who[some]], highest[some])
+        for seen, own in ((self.extremes, slice(None)), (self.late, ~early)):
+            seen[0, who[own]] = np.minimum(seen[0, who[own]], lowest[own])
+            seen[1, who[own]] = np.maximum(seen[1, who[own]], highest[own])
         self.done[who] = (why == Why.GOAL) & ~early
         for ending, verdict in ((STALLS, Verdict.STALLS), (Why.LOST, Verdict.NOT_FINITE)):
-            self._give_up(who[why == ending], verdict)
-        self._give_up(who[self.steps[who] >= MOST_STEPS], Verdict.NO_END)
+            self.give_up(who[why == ending], verdict)
+        self.give_up(who[self.steps[who] >= MOST_STEPS])
         self._after(who, why)
-
-    def _give_up(self, who: np.ndarray, verdict: Verdict) -> None:
-        self.verdict[who], self.done[who] = verdict, True
 
     def _after(self, who: np.ndarray, why: np.ndarray) -> None:
         """Handle the events that ended walks."""
@@ -423,8 +407,7 @@ class _Runs:
 
     def _record(self, gone: Walks) -> None:
         """Record the instants of the steps of the first variant."""
-        at, length, _, *rows = gone.recorded[: int(gone.steps[0]), :, 0].T
-        each = len(SHOWN) + 1
-        seen = {name: np.array(rows[i * each : i * each + len(SHOWN)]).T for i, name in enumerate(Moving._fields)}
-        time = self.time[0] + at[:, None] + length[:, None] * SHOWN
-        self.recorded.append(np.array([row.ravel() for row in (time, seen["position"], seen["speed"])]))
+        _, at, length, samples = made_steps(gone.recorded[..., :1], gone.steps[:1])
+        seen = Moving(*samples[: len(Moving._fields)])
+        time = self.time[0] + at + length * SHOWN[:, None]
+        self.recorded.append(np.array([row.T.ravel() for row in (time, seen.position, seen.speed)]))

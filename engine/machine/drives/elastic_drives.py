@@ -20,14 +20,16 @@ from engine.elements.elastic_drives.elastic_shaft import drive_shaft
 from engine.elements.elastic_drives.machine_drive import RESULTS, RUN_RESULTS, VERDICT_KEY, MachineDrive, machine_keys
 from engine.machine.drives.drive_over_angle import drive_over_angle
 from engine.mechanism.mechanics import Mechanics
-from engine.motion.coupled.coupled_run import FINE, Precision
-from engine.motion.coupled.elastic_run import FINEST, ElasticHistory, ElasticRun, run_on_shaft, steps_on_shaft
+from engine.motion.asked_regimes import TOLERANCE
+from engine.motion.coupled.coupled_run import CoupledRuns
+from engine.motion.coupled.elastic_run import FINEST, ElasticHistory, run_on_shaft, steps_on_shaft
 from engine.motion.coupled.two_sides import OnElasticShaft
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.moments.grid import GAP
 from engine.motion.one_speed import MachineSystem
-from engine.motion.regimes_in_order import TOLERANCE, Schedule
+from engine.motion.regimes_in_order import Schedule
+from engine.motion.runs.run_progress import ADAPTIVE, Stepping
 from engine.motion.runs.watching import Observer
 from engine.motion.settled.steady import steady_motion
 from engine.scene.scene import Numbers, Scene, scene_numbers
@@ -127,9 +129,9 @@ class ElasticDrives:
         if not well.size:
             return
         part = ready.some(well)
-        fine, coarse = (self._run(name, part, steady[:, part.which], Precision(coarser=c)) for c in (False, True))
+        fine, coarse = (self._run(name, part, steady[:, part.which], Stepping(coarse=c)) for c in (False, True))
         rows, rough = (
-            np.stack([run.greatest, run.greatest_at, run.state[1], run.state[3], run.state[2], run.stops, run.closings])
+            np.stack([run.peak, run.peak_at, run.shaft_omega, run.omega, run.turned, run.stops, run.closings])
             for run in (fine, coarse)
         )
         # Unfinished runs have no results.
@@ -177,17 +179,17 @@ class ElasticDrives:
         name: str,
         ready: "Ready",
         steady: np.ndarray,
-        precision: Precision = FINE,
+        stepping: Stepping = ADAPTIVE,
         observers: Sequence[Observer] = (),
         duration: np.ndarray | None = None,
-    ) -> ElasticRun:
+    ) -> CoupledRuns:
         """Simulate a drive's run, or the first part of it, from rest or from a steady state, (4, variants)."""
         run = self.drives[name].run
         angle, whole, backlash = (self._of_run(name, ready, key) for key in ("angle", "time", "backlash"))
         duration = whole if duration is None else duration
         sides = self.runs[name].of(ready.bare, angle, ready.given.T, backlash)
         begin = steady if run.begin == "steady" else np.zeros_like(steady)
-        return run_on_shaft(sides, ready.frequency, begin, duration, precision, observers)
+        return run_on_shaft(sides, ready.frequency, begin, duration, stepping, observers)
 
     def _ready(self, name: str, variants: Variants) -> "tuple[Ready, np.ndarray, np.ndarray]":
         """Variants with steady running on a rigid shaft, their numbers of steps, and verdicts on all."""
@@ -219,7 +221,7 @@ class ElasticDrives:
         return None if found.verdict[0] != Verdict.OK else (ready, found, machine, rigid)
 
     def history(self, name: str) -> np.ndarray | None:
-        """Time, state as in `ElasticRun` and torque along the run at the scene's own values; None without one."""
+        """Time, state as in `run_on_shaft` and torque along the run at the scene's own values; None without one."""
         found = self.as_is(name) if name in self.runs else None
         if found is None:
             return None

@@ -8,16 +8,15 @@ import numpy as np
 from engine.machine.first_failure import failures_within
 from engine.machine.measuring import Measuring
 from engine.mechanism.mechanics import Mechanics
-from engine.motion.coupled.coupled_answers import CoupledStanding
 from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.grid import NODES
 from engine.motion.one_speed import CHANNELS
 from engine.motion.quantities import load_fields
-from engine.motion.regimes_in_order import Schedule, Standing
+from engine.motion.regimes_in_order import Schedule
+from engine.motion.runs.run_progress import CoupledStanding, Standing
 from engine.motion.runs.watching import Piece, RunFields
 from engine.motion.settled.rubbing_steady import settled_motion
-from engine.parts.regimes import RunRegime
 from engine.quantities.quantity import Quantity
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.words.verdicts import Verdict
@@ -25,6 +24,8 @@ from engine.words.verdicts import Verdict
 _ZERO = np.zeros(1)
 # Nodes of a history whose fields are computed together.
 MOST_TOGETHER = 50_000
+# Rows of pieces of a motion at their nodes.
+AT_NODES = ("time", "turned", "omega", "moving", "moment")
 # Sources and sinks of power.
 SOURCES = ("motors", *CHANNELS, "coupling")
 # Quantities that the two sides of a coupling have separately.
@@ -108,13 +109,12 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
     zero, standing = np.zeros(1), schedule.at_begin(every)
     parts: list[_Part] = []
     begun = 0.0
-    for name in schedule.needed:
-        off = frozenset(scene.regimes[name].off)
-        dynamics = schedule.dynamics[off]
+    for name, motion in schedule.motions.items():
+        dynamics = motion.dynamics
         variants = dynamics.driven(every)
-        hindered = schedule.hindered(name, dynamics, variants)
+        hindered = motion.hindered(variants)
         if hindered.any():
-            along = RunFields(dynamics, variants, standing.angle, standing.clock, schedule.loads, off)
+            along = RunFields(dynamics, variants, standing.angle, standing.clock, motion.loads, dynamics.off)
             parts.append(_Part(name, begun, along, [_instant(standing)]))
             standing = standing._replace(verdict=hindered)
             break
@@ -124,28 +124,23 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
             records.append(_Record(along))
             return records[-1]
 
-        if schedule.at_two_speeds(name):
-            if name in schedule.steady:
-                _, _, standing = schedule.settled_at_two_speeds(name, variants, standing, record=record)
+        if not motion.is_steady or motion.at_two_speeds:
+            if motion.is_steady:
+                _, outcome, standing = motion.settled_at_two_speeds(variants, standing, record=record)
             else:
-                _, _, standing = schedule.run_at_two_speeds(name, variants, standing, record=record)
-            pieces = records[0].pieces
+                outcome, _, standing = motion.run(variants, standing, record=record)
+            pieces, state = records[0].pieces, outcome.state
             if not pieces:
                 break
-            parts.append(_Part(name, begun, records[0].along, pieces))
-            begun += pieces[-1].time[-1, 0]
-        elif isinstance(scene.regimes[name], RunRegime):
-            outcome, _, standing = schedule.run(name, dynamics, variants, standing, record=record)
-            pieces, state = records[0].pieces, outcome.state
-            if state.time[0] > pieces[-1].time[-1, 0]:
+            if state.time[0] > pieces[-1].time[-1, 0] and motion.two is None:
                 # It was at rest until the end of the time.
                 pieces.append(_instant(standing, state.time, state.turned))
             parts.append(_Part(name, begun, records[0].along, pieces))
             begun += pieces[-1].time[-1, 0]
         else:
             piece, standing = _one_cycle(dynamics, variants, steps, schedule.tolerance)
-            along = RunFields(dynamics, variants, zero, zero, schedule.loads, off)
-            sides = schedule.sides[off].of(variants, zero) if schedule.sides else None
+            along = RunFields(dynamics, variants, zero, zero, motion.loads, dynamics.off)
+            sides = None if motion.two is None else motion.two.of(variants, zero)
             if sides is not None:
                 standing = standing._replace(coupled=CoupledStanding(standing.omega, np.full(1, np.inf)))
             parts.append(_Part(name, begun, along, [piece], sides))
@@ -266,12 +261,20 @@ def _joined(pieces: list[Piece]) -> Iterator[tuple[Piece, np.ndarray]]:
     own: list[Piece] = []
     new: list[np.ndarray] = []
     for piece, its in zip(pieces, news, strict=True):
-        if own and not (piece.goes_as(own[0]) and sum(each.size for each in new) + its.size <= MOST_TOGETHER):
-            yield type(piece).in_one(own), np.concatenate(new)
+        alike = own and all(np.array_equal(*rows) for rows in zip(piece.held, own[0].held, strict=True))
+        if own and not (alike and sum(each.size for each in new) + its.size <= MOST_TOGETHER):
+            yield _in_one(own), np.concatenate(new)
             own, new = [], []
         own.append(piece)
         new.append(its)
-    yield type(own[0]).in_one(own), np.concatenate(new)
+    yield _in_one(own), np.concatenate(new)
+
+
+def _in_one(pieces: list[Piece]) -> Piece:
+    """Join pieces of the same directions, to evaluate fields at their nodes."""
+    names = set(AT_NODES) & set(pieces[0]._fields)
+    rows = {name: np.concatenate([getattr(piece, name) for piece in pieces], axis=-2) for name in names}
+    return pieces[0]._replace(**rows)
 
 
 def _new_nodes(piece: Piece, before: Piece | None) -> np.ndarray:

@@ -1,6 +1,5 @@
 """Fields along runs at two speeds: those of the motion of both sides, and loads on the crank's pairs."""
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +12,7 @@ from engine.motion.quantities import INSTANT
 from engine.motion.quantities import TURNED as ANGLE
 from engine.motion.runs.watching import RunFields
 from engine.motion.settled.cycle import motion_rows, power_rows
+from engine.stepping.records import some
 from engine.stepping.system import SHOWN
 
 STATES = (TURNED, CRANK_SPEED, SHAFT_TURNED, SHAFT_SPEED)
@@ -56,16 +56,10 @@ class CoupledPiece(NamedTuple):
         """Spacing of the nodes, 0 where two steps meet [s]."""
         return np.diff(self.time, axis=0)
 
-    def goes_as(self, other: "CoupledPiece") -> bool:
-        """Whether the sides are joined as in another segment."""
-        return all(np.array_equal(row, there) for row, there in zip(self.joined, other.joined, strict=True))
-
-    @staticmethod
-    def in_one(pieces: "Sequence[CoupledPiece]") -> "CoupledPiece":
-        """Concatenate segments with the same joining."""
-        every = ((piece.time, piece.moving, piece.moment) for piece in pieces)
-        time, moving, moment = (np.concatenate(rows, axis=-2) for rows in zip(*every, strict=True))
-        return CoupledPiece(time, moving, moment, pieces[0].joined)
+    @property
+    def held(self) -> Joined:
+        """What is the same for the whole segment."""
+        return self.joined
 
 
 class CycleStates:
@@ -102,7 +96,7 @@ class CycleStates:
         found = np.empty((1 + len(STATES), *turned.shape))
         for variant, seen in enumerate(self._seen):
             found[:, :, variant] = _read(np.concatenate(seen, axis=1), turned[:, variant])
-        joined = self._joined.some(np.zeros(count, int))
+        joined = some(self._joined, np.zeros(count, int))
         return CoupledPiece(found[0], found[1:], np.full_like(found[0], np.nan), joined)
 
 

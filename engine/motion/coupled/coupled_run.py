@@ -5,7 +5,6 @@ breaks loose, where a side stops or starts, where a time-dependent quantity chan
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -24,22 +23,23 @@ from engine.motion.coupled.two_sides import (
 )
 from engine.motion.coupled.two_speeds import CRANK_SPEED, GRIP, SHAFT_SPEED, SHAFT_TURNED, TURNED
 from engine.motion.moments.breaks import JUMP
-from engine.motion.moments.grid import edges_of
+from engine.motion.runs.run_progress import ADAPTIVE, BELOW, Ends, MachineRuns, Standing, Stepping
 from engine.motion.runs.watching import Observer, side_by_side
 from engine.stepping.methods import EIGHT, NINE
+from engine.stepping.recorded import made_steps
+from engine.stepping.records import some
 from engine.stepping.system import SHOWN, Walks
-from engine.stepping.walk import LONGER, Why, coarser
+from engine.stepping.walk import Why
 from engine.words.verdicts import Verdict
 
-TOLERANCE, FARTHEST_TURN = 1e-10, 0.25 * np.pi
 # Fractions of a step at which speeds and torques are sampled, and the interpolation matrix from the recorded ones.
 LOOKS = np.arange(17) / 16
 AT_LOOKS = np.array([np.polynomial.Polynomial.fit(SHOWN, row, SHOWN.size - 1)(LOOKS) for row in np.eye(SHOWN.size)]).T
-# Maximum numbers of steps recorded per walk, and of walks per run.
-RECORDED, MOST_WALKS = 64, 100_000
+# Maximum number of steps recorded per walk.
+RECORDED = 64
 # Relative change of the speeds per cycle that counts as none; fraction of the maximum speed that counts as rest where
-# nothing stops a machine; difference of equal swings [rad].
-SETTLED, FADED, SAME_SWING = 1e-8, 1e-9, 1e-6
+# nothing stops a machine.
+SETTLED, FADED = 1e-8, 1e-9
 # A peak counts as later only if it is higher by more than this fraction.
 SAME_PEAK = 1e-12
 # Newton iterations for the peak of a quartic.
@@ -49,62 +49,19 @@ NEARLY = 1e-9
 # Steps of a standing machine to the next change.
 WAITS = 4
 # Reasons for the end of a walk, in addition to the common ones, in the order of the system's guards.
-ABOVE, BELOW, CRANK_RESTS, SHAFT_RESTS, LOCKS_UP, ASTRAY, BREAKS_LOOSE, SETS_OFF, TOUCH, TURNS = (
-    Why.GUARD + i for i in range(10)
-)
+CRANK_RESTS, SHAFT_RESTS, LOCKS_UP, ASTRAY, BREAKS_LOOSE, SETS_OFF, TOUCH, TURNS = (BELOW + 1 + i for i in range(8))
 
 
-class Precision(NamedTuple):
-    """Precision of runs.
-
-    Attributes
-    ----------
-    tolerance : float
-        Relative tolerance of a step.
-    coarser : bool
-        Whether this is a comparison run: longer steps, sampled half as often.
-    """
-
-    tolerance: float = TOLERANCE
-    coarser: bool = False
-
-
-FINE = Precision()
-
-
-class CoupledEnds(NamedTuple):
-    """Ends of runs, (variants,): angle turned [rad], time [s], speed of the crank [rad/s]; infinite for never.
-
-    The run also ends when the crank remains at rest if `rest`, when it is at rest even for an instant if `reversal`,
-    and when the clutch locks if `lock_up`. A run that turns by `most_turned` [rad] is given up.
-    """
-
-    turned: np.ndarray
-    time: np.ndarray
-    speed: np.ndarray
-    rest: bool
-    lock_up: bool
-    most_turned: np.ndarray
-    reversal: bool = False
-
-    def some(self, who: np.ndarray) -> "CoupledEnds":
-        """A subset of the variants, by index."""
-        rows = {key: getattr(self, key)[who] for key in ("turned", "time", "speed", "most_turned")}
-        return self._replace(**rows)
-
-
-class CoupledRuns:
-    """Runs of a number of variants, in progress.
+class CoupledRuns(MachineRuns):
+    """Runs at two speeds in progress.
 
     Parameters
     ----------
     sides : CoupledSides
-    speeds : tuple of ndarray (variants,)
-        Of the crank and of the shaft at the start, reduced to the crank [rad/s].
-    clock, engaged : ndarray (variants,)
-        Clock time at the start, and time since the coupling was engaged [s].
-    ends : CoupledEnds
-    precision : Precision
+    standing : Standing
+        Initial state, with that of the shaft.
+    ends : Ends
+    stepping : Stepping
     observers : sequence of Observer
         Each receives a `CoupledPiece` of every walk.
 
@@ -113,15 +70,9 @@ class CoupledRuns:
     state : ndarray (rows, variants)
         Current angle and speed of the crank and of the shaft, in the direction of motion, angles from the start of the
         run; then the integrals.
-    time : ndarray (variants,)
-        From the start of the run [s].
     joined : Joined
-    verdict : ndarray of uint8
-    done : ndarray of bool
     lows, highs : ndarray (2, variants)
         Minimum and maximum speeds of the crank and of the shaft [rad/s].
-    covered : ndarray (2, variants)
-        Minimum and maximum angle turned by the crank [rad].
     peak, peak_at : ndarray
         Peak magnitude of the coupling torque [N·m], and its time [s].
     stops, closings : ndarray
@@ -129,8 +80,6 @@ class CoupledRuns:
     growing : ndarray
         +1 or −1: whether the torque of a shaft with backlash (its twist, if out of contact) rises or falls. Steps end
         at its extremes, so that none passes over a short contact.
-    once_steep : ndarray
-        1 if any step was implicit, else 0.
     slip_time : ndarray
         Total time of slip of a clutch [s].
     lock_time, lock_speed : ndarray
@@ -140,66 +89,58 @@ class CoupledRuns:
     def __init__(
         self,
         sides: CoupledSides,
-        speeds: tuple[np.ndarray, np.ndarray],
-        clock: np.ndarray,
-        engaged: np.ndarray,
-        ends: CoupledEnds,
-        precision: Precision = FINE,
+        standing: Standing,
+        ends: Ends,
+        stepping: Stepping = ADAPTIVE,
         observers: Sequence[Observer] = (),
     ) -> None:
-        self.sides, self.ends, self.observers, count = sides, ends, observers, sides.count
-        self.cycle = sides.crank.dynamics.cycle
-        self.looks = slice(None, None, 2 if precision.coarser else 1)
-        self.longer = LONGER if precision.coarser else 1.0
-        self.tolerance = coarser(precision.tolerance) if precision.coarser else precision.tolerance
-        self.farthest = FARTHEST_TURN * self.longer
-        self.state = np.zeros((len(sides.two.system.rates), count))
-        self.state[CRANK_SPEED], self.state[SHAFT_SPEED] = speeds
-        self.time, zero = np.zeros(count), np.zeros(count)
-        self.pace = np.full(count, np.inf)
+        super().__init__(sides.crank, standing, ends, stepping, observers)
+        self.sides, self.cycle, count = sides, self.dynamics.cycle, sides.count
+        self.looks = slice(None, None, 2 if stepping.coarse else 1)
+        self.state, self.time, zero = np.zeros((len(sides.two.system.rates), count)), np.zeros(count), np.zeros(count)
+        self.turned, self.omega, self.shaft_omega = (self.state[row] for row in (TURNED, CRANK_SPEED, SHAFT_SPEED))
+        self.omega[:], self.shaft_omega[:] = standing.omega, standing.coupled.speed
+        clock, engaged = standing.clock, standing.coupled.engaged
         self.joined = Joined(np.zeros(count, int), zero.copy(), zero.copy(), clock, engaged, np.ones(count))
-        self.verdict, self.done = np.full(count, Verdict.OK, np.uint8), np.zeros(count, bool)
-        self.lows, self.highs = np.array(speeds), np.array(speeds)
-        self.covered = np.zeros((2, count))
+        self.lows, self.highs = (np.array([self.omega, self.shaft_omega]) for _ in range(2))
         self.peak, self.peak_at, self.slip_time = np.zeros(count), np.zeros(count), np.zeros(count)
         self.stops, self.closings = np.zeros(count), np.zeros(count)
         self.growing = np.full(count, np.nan)
         self.lock_time, self.lock_speed = np.full(count, np.nan), np.full(count, np.nan)
-        self.above = np.where(ends.speed > speeds[0], ends.speed, np.inf)
-        self.below = np.where(ends.speed < speeds[0], ends.speed, -np.inf)
-        self.done |= ends.speed == speeds[0]
-        self.unsettled, self.steep, self.once_steep = np.ones(count, bool), np.zeros(count, bool), np.zeros(count)
-        self.marks, self.farthest_swing = np.full((4, count), np.nan), np.full(count, np.nan)
+        self.unsettled, self.implicit = np.ones(count, bool), np.zeros(count, bool)
+        self.marks = np.full((4, count), np.nan)
 
-    def go_to_end(self) -> None:
-        """Carry the runs to their end, in place."""
-        # Infinite and undefined values become verdicts, not warnings.
-        with np.errstate(all="ignore"):
-            for _ in range(MOST_WALKS):
-                self._settle(np.flatnonzero(self.unsettled & ~self.done))
-                live = np.flatnonzero(~self.done)
-                if not live.size:
-                    return
-                for steep in (False, True):
-                    some = live[self.steep[live] == steep]
-                    if some.size:
-                        self._advance(some, NINE if steep else EIGHT)
-        self._give_up(np.flatnonzero(~self.done))
+    def energies(self) -> tuple[np.ndarray, np.ndarray]:
+        """Current kinetic energy of the shaft, and of both sides [J]."""
+        shaft = 0.5 * self.sides.shaft.inertia * self.shaft_omega**2
+        return shaft, self.energy() + shaft
 
-    def _give_up(self, who: np.ndarray) -> None:
-        """End runs that would never end: with the clutch slipping, with the crank standing, or in motion."""
+    def endless(self, who: np.ndarray) -> np.ndarray:
+        """Verdicts on runs that never end: with the clutch slipping, with the crank standing, or in motion."""
         slips, stands = np.abs(self.joined.mode[who]) == FORWARDS, self.joined.crank_way[who] == 0.0
-        verdict = np.where(slips, Verdict.SLIPS, np.where(stands, Verdict.STALLS, Verdict.NO_END))
-        self.verdict[who], self.done[who] = verdict, True
+        return np.where(slips, Verdict.SLIPS, np.where(stands, Verdict.STALLS, Verdict.NO_END))
 
-    def _never_changes(self, who: np.ndarray) -> np.ndarray:
-        """Whether nothing depends on time any more and no time ends the run."""
-        free = np.isinf(self.ends.time[who]) & np.isinf(self._longest(who))
-        return free & (not self.sides.crank.dynamics.changing)
+    def last_change(self, who: np.ndarray) -> np.ndarray:
+        """Clock time of the last change of a torque over time, or of a clutch's capacity [s]."""
+        return np.fmax(super().last_change(who), self.clock[who] + self._knots(who).max(axis=0, initial=-np.inf))
+
+    def _knots(self, who: np.ndarray) -> np.ndarray:
+        """Times from the start of the run between which a clutch's capacity is linear [s]."""
+        knots = self.sides.coupling.times[:, who] - self.joined.engaged[who]
+        return knots[:0] if self.sides.open else knots
 
     def _fades(self, who: np.ndarray) -> np.ndarray:
         """Whether the crank slows down without ever stopping, since all torques vanish with the speed."""
-        return self._never_changes(who) & self.sides.crank.dynamics.fades
+        return self.never_changes(who) & self.dynamics.fades
+
+    def advance(self, live: np.ndarray) -> None:
+        """Walk until something changes, and handle the change."""
+        self._settle(live[self.unsettled[live]])
+        live = live[~self.done[live]]
+        for implicit in (False, True):
+            own = live[self.implicit[live] == implicit]
+            if own.size:
+                self._advance(own, NINE if implicit else EIGHT)
 
     # Joining of the sides
 
@@ -207,8 +148,8 @@ class CoupledRuns:
         """Decide the joining of the sides of some variants, and the direction of each side."""
         if not who.size:
             return
-        self.unsettled[who] = self.steep[who] = False
-        sides, joined, moving = self.sides.some(who), self.joined.some(who), self.state[: SHAFT_SPEED + 1, who].copy()
+        self.unsettled[who] = self.implicit[who] = False
+        sides, joined, moving = self.sides.some(who), some(self.joined, who), self.state[: SHAFT_SPEED + 1, who].copy()
         # Evaluate behind a jump at this very angle.
         moving[TURNED] += np.sign(moving[CRANK_SPEED]) * sides.crank.beside(moving[TURNED])
         ways = np.sign(moving[CRANK_SPEED]), np.sign(moving[SHAFT_SPEED])
@@ -225,13 +166,13 @@ class CoupledRuns:
         self.done[who[holds & (ways[0] != 0.0)]] |= self.ends.lock_up
         stands = who[ways[0] == 0.0]
         begun = self.state[TURNED, stands] != 0.0
-        self.done[stands] |= (self.ends.rest | self.ends.reversal) & begun
+        self.done[stands] |= self.ends.standing & begun
         # Both stand until a time-dependent torque or the clutch changes, or until the run's time is over.
         both = who[(ways[0] == 0.0) & (ways[1] == 0.0)]
         both = both[~self.done[both]]
         for_ever = both[~np.isfinite(self._longest(both))]
         self.done[for_ever] = True
-        self.verdict[for_ever] = Verdict.OK if self.ends.rest or self.ends.reversal else Verdict.STALLS
+        self.verdict[for_ever] = Verdict.OK if self.ends.standing else Verdict.STALLS
 
     def _holding(
         self, sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray, ways: tuple[np.ndarray, ...]
@@ -291,16 +232,14 @@ class CoupledRuns:
 
     def _longest(self, who: np.ndarray) -> np.ndarray:
         """Time to the next change of a time-dependent torque or the clutch, or to the end of the run [s]."""
-        time = self.time[who]
-        instants = self.sides.crank.variants.instants[:, who] - self.joined.clock[who]
-        knots = self.sides.coupling.times[:, who] - self.joined.engaged[who]
-        every = np.concatenate((instants, knots if not self.sides.open else knots[:0], self.ends.time[who][None]))
-        later = np.where(every > time * (1.0 + 1e-15), every, np.inf)
-        return later.min(axis=0) - time
+        instants = self.variants.instants[:, who] - self.clock[who]
+        every = np.concatenate((instants, self._knots(who), self.ends.time[who][None]))
+        later = np.where(every > self.time[who] * (1.0 + 1e-15), every, np.inf)
+        return later.min(axis=0) - self.time[who]
 
     def _goal(self, who: np.ndarray, faced: np.ndarray) -> np.ndarray:
         """Largest angle turned of a walk: the end of the run, or the next angle at which to check the joining."""
-        ends, turned, joined = self.ends.some(who), self.state[TURNED, who], self.joined.some(who)
+        ends, turned, joined = some(self.ends, who), self.turned[who], some(self.joined, who)
         end = np.where(faced > 0.0, np.minimum(ends.turned, ends.most_turned), ends.most_turned)
         ahead = end - faced * turned
         # A run without an end is compared with itself from cycle to cycle.
@@ -309,10 +248,9 @@ class CoupledRuns:
         ahead = np.where(compared, np.minimum(ahead, cycles - faced * turned), ahead)
         # Where torques jump, a clutch may break loose and a standing side start.
         looks = (joined.mode == TOGETHER) | (joined.shaft_way == 0.0)
-        crank = self.sides.crank
-        way = faced * crank.variants.direction[who]
-        here = crank.start[who] + crank.variants.direction[who] * turned
-        breaks = np.mod(way * (crank.variants.breaks.angles[:, who] - here), self.cycle)
+        direction = self.variants.direction[who]
+        here = self.start[who] + direction * turned
+        breaks = np.mod(faced * direction * (self.variants.breaks.angles[:, who] - here), self.cycle)
         # Rounding may put the jump just passed on either side.
         breaks = np.where((breaks > JUMP) & (breaks < self.cycle - JUMP), breaks, np.inf)
         nearest = np.fmin.reduce(breaks, axis=0, initial=np.inf)
@@ -344,8 +282,8 @@ class CoupledRuns:
 
     def _walk(self, who: np.ndarray, method: int, faced: np.ndarray, goal: np.ndarray, longest: np.ndarray) -> Walks:
         """Walk by a method, for at most a time [s] and up to an angle turned."""
-        sides, joined, system = self.sides.some(who), self.joined.some(who), self.sides.two.system
-        sizes, own, state, time = system.sizes, sides.crank.variants, self.state[:, who].copy(), self.time[who]
+        sides, joined, system = self.sides.some(who), some(self.joined, who), self.sides.two.system
+        sizes, state, time = system.sizes, self.state[:, who].copy(), self.time[who]
         crank_moves, shaft_moves = joined.crank_way != 0.0, joined.shaft_way != 0.0
         holds, slips = joined.mode == TOGETHER, np.abs(joined.mode) == FORWARDS
         stands = ~crank_moves | ~shaft_moves
@@ -355,16 +293,13 @@ class CoupledRuns:
         if loose.any():
             growing = self._growing(sides, joined, state[: SHAFT_SPEED + 1], time)
             self.growing[who] = np.where(np.isnan(self.growing[who]), growing, self.growing[who])
-        limits = {sizes.crank.above: np.where(faced[0] > 0.0, self.above[who], -self.below[who])}
-        limits |= {sizes.crank.below: np.where(faced[0] > 0.0, self.below[who], -self.above[who])}
-        joining = sizes.joining
+        limits, joining = self.speed_limits(who, sizes.crank, faced[0]), sizes.joining
         limits |= sides.joining(joined) | {joining.growing: self.growing[who]}
         if stands.any():
             _, _, *ways = self._free(sides, joined, state[: SHAFT_SPEED + 1], time)
             limits |= {joining.resists: ways[0] - ways[2], joining.shaft_resists: ways[1] - ways[3]}
-        limits |= {node: np.where(some, 0.0, np.inf) for node, some in zip(joining.never, counts, strict=True)}
+        limits |= {node: np.where(acts, 0.0, np.inf) for node, acts in zip(joining.never, counts, strict=True)}
         numbers = system.limited(sides.numbers(joined), limits)
-        edges = np.concatenate(edges_of(own.direction, own.breaks, self.cycle, sides.crank.start))
         new = np.isinf(self.pace[who])
         if new.any():
             first = self._first_pace(sides, joined, state[: SHAFT_SPEED + 1], time)
@@ -372,17 +307,16 @@ class CoupledRuns:
         waits = ~crank_moves & ~shaft_moves
         # A machine that nothing stops fades instead of coming to rest.
         floor = np.where(self._fades(who), FADED * self.highs[0, who], 0.0)
-        lanes = {"start": sides.crank.start, "direction": own.direction, "facing": faced[0]}
-        lanes |= {"clock": joined.clock + time, "goal": longest, "other_goal": goal, "tolerance": self.tolerance}
-        lanes |= {"farthest": self.farthest, "longest": np.where(waits, longest / WAITS, np.inf), "floor": floor}
-        lanes |= {"turned": state[TURNED], "pace": np.where(waits, longest, self.pace[who])}
+        step = {"longest": np.where(waits, longest / WAITS, np.inf), "pace": np.where(waits, longest, self.pace[who])}
+        goals = {"goal": longest, "other_goal": goal, "floor": floor}
+        lanes = self.lanes(who, faced[0], farthest=self.farthest_step, **step, **goals)
         state[CRANK_SPEED], state[SHAFT_SPEED] = np.abs(state[[CRANK_SPEED, SHAFT_SPEED]])
-        task, nothing = system.task(self.cycle, method, longer=self.longer), np.zeros((0, who.size))
-        return system.run(task, numbers, edges, nothing, lanes, state, recorded=RECORDED)
+        task = system.task(self.cycle, method, longer=self.longer)
+        return system.run(task, numbers, self.edges(who, self.start[who]), None, lanes, state, recorded=RECORDED)
 
     def _advance(self, who: np.ndarray, method: int) -> None:
         """Walk by a method until something changes, and handle the change."""
-        joined = self.joined.some(who)
+        joined = some(self.joined, who)
         faced, longest = faced_ways(joined), self._longest(who)
         goal = self._goal(who, faced[0])
         gone = self._walk(who, method, faced, goal, longest)
@@ -395,26 +329,21 @@ class CoupledRuns:
         self.time[who] = np.where(ended, self.ends.time[who], before + gone.at)
         moves = (joined.crank_way != 0.0) | (joined.shaft_way != 0.0)
         self.pace[who] = np.where(moves, gone.pace, self.pace[who])
-        self.covered[0, who] = np.fmin(self.covered[0, who], self.state[TURNED, who])
-        self.covered[1, who] = np.fmax(self.covered[1, who], self.state[TURNED, who])
+        self.cover(who)
         self.slip_time[who] += np.where(np.abs(joined.mode) == FORWARDS, gone.at, 0.0)
-        lost = who[(why == Why.LOST) | ((why == Why.STEEP) & (method == NINE))]
-        self.steep[who] |= why == Why.STEEP
-        self.once_steep[who[why == Why.STEEP]] = 1.0
-        # Friction without an equilibrium makes the reactions infinite.
-        rubs = self.sides.crank.dynamics.rubs
-        self.verdict[lost], self.done[lost] = Verdict.JAMS if rubs else Verdict.NOT_FINITE, True
+        steep = why == Why.STEEP
+        self.implicit[who] |= steep
+        self.steep[who[steep]] = 1.0
+        self.jammed(who[steep & (method == NINE)])
+        self.end(who, why, goal)
         self.done[who[ended]] = True
-        self._after(who, why, goal)
+        self._after(who, why)
 
     def _see(self, who: np.ndarray, joined: Joined, before: np.ndarray, gone: Walks) -> None:
         """Update minima, maxima and peaks from the recorded steps."""
-        made, shown = gone.steps.astype(int), SHOWN.size
-        step, column = np.nonzero(np.arange(made.max())[:, None] < made)
-        at, length, _, *rows = gone.recorded[step, :, column].T
-        looks, at_looks = LOOKS[self.looks, None], AT_LOOKS[self.looks]
-        moving = np.stack([at_looks @ np.array(rows[i * (shown + 1) : i * (shown + 1) + shown]) for i in range(4)])
-        seen, faced = joined.some(column), np.array(faced_ways(joined))[:, column]
+        column, at, length, samples = made_steps(gone.recorded, gone.steps)
+        looks, moving = LOOKS[self.looks, None], AT_LOOKS[self.looks] @ samples[: SHAFT_SPEED + 1]
+        seen, faced = some(joined, column), np.array(faced_ways(joined))[:, column]
         moving[[CRANK_SPEED, SHAFT_SPEED]] *= faced[:, None]
         time = before[column] + at + looks * length
         mine = who[column]
@@ -423,14 +352,13 @@ class CoupledRuns:
             np.fmax.at(self.highs[row], mine, highest(speeds)[0])
         moment = self._moments(mine, seen, moving, time)
         self._see_peaks(mine, np.abs(moment), time)
-        if self.observers and step.size:
-            order = np.lexsort((step, column))
-            counts = len(looks) * made[made > 0]
-            along = np.concatenate((time[None], moving, moment[None]))[:, :, order]
+        if self.observers and column.size:
+            moved = np.flatnonzero(gone.steps)
+            along = np.concatenate((time[None], moving, moment[None]))
+            counts = len(looks) * gone.steps[moved].astype(int)
             whole = [side_by_side(row.T.ravel(), counts) for row in along]
-            piece = CoupledPiece(whole[0], np.array(whole[1:-1]), whole[-1], joined.some(np.flatnonzero(made)))
-            for observer in self.observers:
-                observer.see(who[made > 0], piece)
+            piece = CoupledPiece(whole[0], np.array(whole[1:-1]), whole[-1], some(joined, moved))
+            self.see(who[moved], piece)
 
     def _see_peaks(self, mine: np.ndarray, size: np.ndarray, time: np.ndarray) -> None:
         """Update the peak torques of some variants from magnitudes at instants of steps, (instants, steps)."""
@@ -444,27 +372,20 @@ class CoupledRuns:
     def _moments(self, who: np.ndarray, joined: Joined, moving: np.ndarray, time: np.ndarray) -> np.ndarray:
         """Torques of the coupling at instants of the steps of some variants, (instants, steps)."""
         holds = (joined.mode == TOGETHER) & (joined.crank_way != 0.0)
-        if self.sides.is_elastic:
-            slip = moving[SHAFT_SPEED] - moving[CRANK_SPEED]
-            return self.sides.coupling.some(who).moment(joined.touch, moving[SHAFT_TURNED], slip)
-        if self.sides.is_fluid:
-            return self.sides.coupling.some(who).fluid_moment(moving[CRANK_SPEED], moving[SHAFT_SPEED])
-        if self.sides.open:
-            return np.zeros_like(time)
-        slips = np.where(np.abs(joined.mode) == FORWARDS, joined.mode, 0)
-        found = slips * self.sides.coupling.some(who).capacity_at(joined.engaged + time)
+        sides = self.sides._replace(coupling=some(self.sides.coupling, who))
+        found = sides.apart_moment(joined, moving, time)
         if holds.any():
             sides, ways = self.sides.some(who[holds]), joined.crank_way[holds]
             there, moving = time[:, holds], moving[..., holds].copy()
             # Torques jump at the ends of a step, not within it.
             moving[TURNED, 0] += ways * sides.crank.beside(moving[TURNED, 0])
             moving[TURNED, -1] -= ways * sides.crank.beside(moving[TURNED, -1])
-            found[:, holds] = coupling_pull(sides, joined.some(holds), moving, there).moment
+            found[:, holds] = coupling_pull(sides, some(joined, holds), moving, there).moment
         return found
 
     # After a walk
 
-    def _after(self, who: np.ndarray, why: np.ndarray, goal: np.ndarray) -> None:
+    def _after(self, who: np.ndarray, why: np.ndarray) -> None:
         """Handle the events that ended walks."""
 
         def met(*whys: int) -> np.ndarray:
@@ -473,9 +394,8 @@ class CoupledRuns:
         locked = met(LOCKS_UP)
         if locked.size:
             # The speeds differ by rounding: take their mean, weighted by inertia.
-            sides, moving = self.sides.some(locked), self.state[:, locked]
-            crank, shaft = sides.crank.inertia(moving[TURNED]), sides.shaft.inertia
-            both = (crank * moving[CRANK_SPEED] + shaft * moving[SHAFT_SPEED]) / (crank + shaft)
+            crank, shaft = self.inertia(locked, self.turned[locked]), self.sides.shaft.inertia[locked]
+            both = (crank * self.omega[locked] + shaft * self.shaft_omega[locked]) / (crank + shaft)
             # A standing crank stays at rest.
             both = np.where(self.joined.crank_way[locked] == 0.0, 0.0, both)
             self.state[CRANK_SPEED, locked] = self.state[SHAFT_SPEED, locked] = both
@@ -485,8 +405,8 @@ class CoupledRuns:
         self.state[SHAFT_SPEED, met(SHAFT_RESTS)] = 0.0
         torn = met(BREAKS_LOOSE)
         if torn.size:
-            moving = self.state[: SHAFT_SPEED + 1, torn]
-            found = coupling_pull(self.sides.some(torn), self.joined.some(torn), moving, self.time[torn])
+            sides, joined, moving = self.sides.some(torn), some(self.joined, torn), self.state[: SHAFT_SPEED + 1, torn]
+            found = coupling_pull(sides, joined, moving, self.time[torn])
             self.joined.mode[torn] = np.where(found.moment > 0.0, FORWARDS, BACKWARDS)
             self.lock_time[torn] = self.lock_speed[torn] = np.nan
         self.stops[rest] += 1.0
@@ -494,20 +414,14 @@ class CoupledRuns:
         self.growing[who] = np.where(turns, -self.growing[who], np.where(why == Why.FULL, self.growing[who], np.nan))
         touching = met(TOUCH)
         if touching.size:
-            touch, coupling = self.joined.touch[touching], self.sides.coupling.some(touching)
+            touch, coupling = self.joined.touch[touching], some(self.sides.coupling, touching)
             sides = np.where(self.state[SHAFT_TURNED, touching] > -0.5 * coupling.backlash, 1.0, -1.0)
             self.closings[touching] += touch == 0.0
             self.joined.touch[touching] = np.where(touch == 0.0, sides, 0.0)
             self.pace[touching] = np.inf
-        self.done[met(ABOVE, BELOW)] = True
         self.done[rest] |= self.ends.reversal
-        arrived = why == Why.OTHER_GOAL
-        self.done[who[arrived & (goal == self.ends.turned[who])]] = True
-        far = who[arrived & (np.abs(goal) == self.ends.most_turned[who])]
-        self._give_up(far[~self.done[far]])
         self.unsettled[who[~np.isin(why, (Why.FULL, Why.STEEP, BREAKS_LOOSE, TURNS))]] = True
-        at_mark = who[arrived]
-        self._tell_endless(rest, at_mark, who)
+        self._tell_endless(rest, met(Why.OTHER_GOAL), who)
 
     def _tell_endless(self, rest: np.ndarray, at_mark: np.ndarray, who: np.ndarray) -> None:
         """Give up runs that never end.
@@ -515,30 +429,23 @@ class CoupledRuns:
         These are runs that swing no farther forward than at their last stop, that repeat the cycle before, or that
         slow down for ever without stopping.
         """
-        rest = rest[~self.done[rest] & self._never_changes(rest) & (self.joined.crank_way[rest] > 0.0)]
-        turned = self.state[TURNED, rest]
-        again = turned <= self.farthest_swing[rest] + SAME_SWING
-        if self.ends.rest:
-            # A run to rest gets there if each swing is smaller than the last.
-            again &= turned >= self.farthest_swing[rest] - SAME_SWING
-        self.farthest_swing[rest] = turned
-        self._give_up(rest[again])
+        self.compare_swings(rest[self.joined.crank_way[rest] > 0.0])
         speeds, moves = np.abs(self.state[[CRANK_SPEED, SHAFT_SPEED]]), self.joined.crank_way != 0.0
         faded = who[moves[who] & (speeds[0, who] > 0.0) & (speeds[0, who] < FADED * self.highs[0, who])]
-        self._give_up(faded[~self.done[faded] & self._fades(faded)])
+        self.give_up(faded[~self.done[faded] & self._fades(faded)])
         stands = who[~moves[who]]
         passed = np.floor(self.state[SHAFT_TURNED, stands] / self.cycle) != np.floor(self.marks[2, stands] / self.cycle)
-        for some in (at_mark[moves[at_mark] & np.isinf(self.ends.turned[at_mark])], stands[passed]):
-            mine = some[~self.done[some] & self._never_changes(some)]
+        for compared in (at_mark[moves[at_mark] & np.isinf(self.ends.turned[at_mark])], stands[passed]):
+            mine = compared[~self.done[compared] & self.never_changes(compared)]
             now = np.array(
                 [*self.state[[CRANK_SPEED, SHAFT_SPEED]][:, mine], self.state[SHAFT_TURNED, mine], moves[mine]]
             )
             before = self.marks[:, mine]
             whole = np.isclose(np.mod(self.state[TURNED, mine] / self.cycle + 0.5, 1.0), 0.5, rtol=0.0, atol=NEARLY)
-            compared = (whole | ~moves[mine]) & (now[3] == before[3])
+            alike = (whole | ~moves[mine]) & (now[3] == before[3])
             same = np.abs(now[:2] - before[:2]) <= SETTLED * np.abs(now[:2]).max(axis=0)
             self.marks[:, mine] = np.where(whole | ~moves[mine], now, before)
-            self._give_up(mine[compared & same.all(axis=0)])
+            self.give_up(mine[alike & same.all(axis=0)])
 
 
 def _grip(sides: CoupledSides, engaged: np.ndarray) -> np.ndarray:

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.running import mean_of_rows
-from engine.motion.coupled.coupled_answers import CoupledOutcome, run_coupled
-from engine.motion.coupled.coupled_run import CoupledEnds, Precision
+from engine.motion.coupled.coupled_answers import run_coupled
 from engine.motion.coupled.two_sides import FLUID, CoupledSides, Joined, Pull, coupling_pull
+from engine.motion.runs.run_progress import CoupledStanding, Ends, RunOutcome, Standing, Stepping
 from engine.motion.runs.watching import Observer
 from engine.words.verdicts import Verdict
 
@@ -50,14 +50,14 @@ class CoupledSteady(NamedTuple):
     residual: np.ndarray
 
 
-def settled_at_two_speeds(sides: CoupledSides, precision: Precision) -> CoupledSteady:
+def settled_at_two_speeds(sides: CoupledSides, stepping: Stepping) -> CoupledSteady:
     """Find the steady running of machines with a fluid coupling.
 
     Parameters
     ----------
     sides : CoupledSides
         Starting at φ = 0.
-    precision : Precision
+    stepping : Stepping
     """
     count = sides.count
     # A cycle from the speeds themselves, and from each of them slightly raised and lowered.
@@ -73,8 +73,8 @@ def settled_at_two_speeds(sides: CoupledSides, precision: Precision) -> CoupledS
             break
         who = (pending + count * np.arange(ways)[:, None]).ravel()
         start = (begun[:, :, None] * x[:, None, pending]).reshape(2, -1)
-        gone = one_cycle(every.some(who), start, precision)
-        after = np.array([gone.omega, gone.shaft_omega]).reshape(2, ways, -1)
+        gone = one_cycle(every.some(who), start, stepping)
+        after = np.array([gone.state.omega, gone.coupled.speed]).reshape(2, ways, -1)
         went = (gone.verdict == Verdict.OK).reshape(ways, -1)
         here = x[:, pending]
         slopes = np.stack([(after[:, i] - after[:, i + 1]) / (2.0 * APART * here[i // 2]) for i in (1, 3)], axis=1)
@@ -100,8 +100,8 @@ def settled_at_two_speeds(sides: CoupledSides, precision: Precision) -> CoupledS
 
 
 def one_cycle(
-    sides: CoupledSides, speeds: np.ndarray, precision: Precision, observers: Sequence[Observer] = ()
-) -> CoupledOutcome:
+    sides: CoupledSides, speeds: np.ndarray, stepping: Stepping, observers: Sequence[Observer] = ()
+) -> RunOutcome:
     """One cycle of the crank, starting at φ = 0.
 
     Parameters
@@ -109,13 +109,13 @@ def one_cycle(
     sides : CoupledSides
     speeds : ndarray (2, variants)
         Of the crank and of the shaft at the start, reduced to the crank [rad/s].
-    precision, observers
+    stepping, observers
         As for `run_coupled`.
     """
-    zero, never = np.zeros(sides.count), np.full(sides.count, np.inf)
-    cycle = np.full(sides.count, sides.crank.dynamics.cycle)
-    ends = CoupledEnds(cycle, never, never, False, False, never)
-    return run_coupled(sides, (speeds[0], speeds[1]), zero, zero, ends, precision, observers)
+    zero = np.zeros(sides.count)
+    begin = Standing(zero, speeds[0], zero, zero.astype(np.uint8), CoupledStanding(speeds[1], zero))
+    ends = Ends.never(sides.count, turned=np.full(sides.count, sides.crank.dynamics.cycle))
+    return run_coupled(sides, begin, ends, stepping, observers)
 
 
 def _newton(slopes: np.ndarray, off: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

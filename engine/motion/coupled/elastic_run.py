@@ -6,14 +6,14 @@ closes.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 from engine.motion.coupled.coupled_fields import CoupledPiece
-from engine.motion.coupled.coupled_run import FINE, CoupledEnds, CoupledRuns, Precision
+from engine.motion.coupled.coupled_run import CoupledRuns
 from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, SHAFT_TURNED, TURNED
+from engine.motion.runs.run_progress import ADAPTIVE, CoupledStanding, Ends, Standing, Stepping
 from engine.motion.runs.watching import Observer
 from engine.words.verdicts import Verdict
 
@@ -21,28 +21,6 @@ from engine.words.verdicts import Verdict
 FINEST, MOST_STEPS = 0.3, 200_000
 # State of a run: twist, speed at the motor end, angle turned by the machine, its speed.
 STATE = [SHAFT_TURNED, SHAFT_SPEED, TURNED, CRANK_SPEED]
-
-
-class ElasticRun(NamedTuple):
-    """Results, (variants,): peak shaft torque and its time, state at the end, numbers of stops and closings.
-
-    Attributes
-    ----------
-    greatest, greatest_at : ndarray
-        Peak magnitude of the shaft torque [N·m], and its time [s].
-    state : ndarray (4, variants)
-        Twist [rad], speed at the motor end [rad/s], angle turned [rad], speed of the machine [rad/s].
-    stops, closings : ndarray
-        How often the machine stopped during the run, and how often the backlash closed.
-    verdict : ndarray of uint8
-    """
-
-    greatest: np.ndarray
-    greatest_at: np.ndarray
-    state: np.ndarray
-    stops: np.ndarray
-    closings: np.ndarray
-    verdict: np.ndarray
 
 
 def steps_on_shaft(frequency: np.ndarray, duration: np.ndarray) -> np.ndarray:
@@ -64,10 +42,10 @@ def run_on_shaft(
     frequency: np.ndarray,
     begin: np.ndarray,
     duration: np.ndarray,
-    precision: Precision = FINE,
+    stepping: Stepping = ADAPTIVE,
     observers: Sequence[Observer] = (),
-) -> ElasticRun:
-    """Run machines on their shafts.
+) -> CoupledRuns:
+    """Run machines on their shafts; the runs at their end.
 
     Parameters
     ----------
@@ -79,24 +57,24 @@ def run_on_shaft(
         Initial state, the twist without backlash; a shaft initially at rest has to close all of it.
     duration : ndarray (variants,)
         [s].
-    precision : Precision
+    stepping : Stepping
     observers : sequence of Observer
         Each receives a `CoupledPiece` of every walk.
     """
     twist, motor, turned, machine = begin
-    backlash, never, zero = sides.coupling.backlash, np.full_like(duration, np.inf), np.zeros_like(duration)
-    ends = CoupledEnds(never, duration, never, False, False, never)
-    runs = CoupledRuns(sides, (machine, motor), zero, zero, ends, precision, observers)
+    backlash, zero = sides.coupling.backlash, np.zeros_like(duration)
+    standing = Standing(sides.crank.start, machine, zero, zero.astype(np.uint8), CoupledStanding(motor, zero))
+    runs = CoupledRuns(sides, standing, Ends.never(zero.size, time=duration), stepping, observers)
     at_rest = (twist == 0.0) & (motor == 0.0) & (machine == 0.0)
     touch = np.where(backlash > 0.0, np.where(at_rest, 0.0, np.where(twist < 0.0, -1.0, 1.0)), 1.0)
     runs.joined.touch[:] = touch
     runs.state[TURNED], runs.state[SHAFT_TURNED] = turned, twist - np.where(touch < 1.0, backlash, 0.0)
     # Refused variants take no steps.
     hopeless = steps_on_shaft(frequency, duration) == 0.0
-    runs.done |= hopeless | (duration <= 0.0)
+    runs.give_up(np.flatnonzero(hopeless), Verdict.SHAFT_RIGID)
+    runs.done |= duration <= 0.0
     runs.go_to_end()
-    verdict = np.where(hopeless, Verdict.SHAFT_RIGID, runs.verdict).astype(np.uint8)
-    return ElasticRun(runs.peak, runs.peak_at, runs.state[STATE], runs.stops, runs.closings, verdict)
+    return runs
 
 
 class ElasticHistory:

@@ -14,12 +14,13 @@ from engine.elements.elastic_drives.shaft_touch import touching_moment
 from engine.graph.nodes import Given
 from engine.laws.loads import fluid_coupling_moment, slip_of
 from engine.laws.tables import make_table
-from engine.motion.coupled.two_speeds import at_two_speeds
+from engine.motion.coupled.two_speeds import at_two_speeds, ramp
 from engine.motion.moments.dynamics import Dynamics, Reduction, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion, MotionAt
 from engine.motion.one_speed import MachineSystem
 from engine.parts.couplings import Coupling, FluidCoupling, FrictionClutch
 from engine.scene.scene import Numbers, Scene
+from engine.stepping.records import some
 
 
 def coupling_of(scene: Scene) -> tuple[str, Coupling] | None:
@@ -50,19 +51,10 @@ class CouplingNumbers(NamedTuple):
     fluid: np.ndarray
     coefficient: PPoly | None
 
-    def some(self, who: np.ndarray) -> "CouplingNumbers":
-        """A subset of the variants, by index."""
-        return CouplingNumbers(*(rows[..., who] for rows in self[:4]), self.coefficient)
-
     def capacity_at(self, engaged: np.ndarray) -> np.ndarray:
         """Torque capacity of a clutch [N·m], a given time after its engagement [s]."""
-        value = np.broadcast_to(self.capacity[0], engaged.shape)
-        pieces = zip(self.times, self.times[1:], self.capacity, self.capacity[1:], strict=False)
-        for begin, end, low, high in pieces:
-            value = np.where(
-                engaged > begin, low + (high - low) * np.fmin((engaged - begin) / (end - begin), 1.0), value
-            )
-        return value
+        rises = zip(np.diff(self.capacity, axis=0), self.times, self.times[1:], strict=False)
+        return self.capacity[0] + sum((rise * ramp(engaged, *knots) for rise, *knots in rises), np.zeros_like(engaged))
 
     def fluid_moment(self, crank: np.ndarray, shaft: np.ndarray) -> np.ndarray:
         """Torque of a fluid coupling on the crank [N·m], from the speeds of both sides."""
@@ -83,10 +75,6 @@ class ElasticNumbers(NamedTuple):
     def times(self) -> np.ndarray:
         """Empty: nothing about the shaft depends on time."""
         return np.zeros((0, self.stiffness.size))
-
-    def some(self, who: np.ndarray) -> "ElasticNumbers":
-        """A subset of the variants, by index."""
-        return ElasticNumbers(*(row[who] for row in self))
 
     def moment(self, touch: np.ndarray, twist: np.ndarray, slip: np.ndarray) -> np.ndarray:
         """Torque of the shaft [N·m]."""
@@ -172,10 +160,6 @@ class Joined(NamedTuple):
     engaged: np.ndarray
     touch: np.ndarray
 
-    def some(self, who: np.ndarray) -> "Joined":
-        """A subset of the variants, by index."""
-        return Joined(*(row[who] for row in self))
-
 
 class CoupledSides(NamedTuple):
     """Both sides of a coupling, for a number of variants.
@@ -217,8 +201,19 @@ class CoupledSides(NamedTuple):
     def some(self, who: np.ndarray) -> "CoupledSides":
         """A subset of the variants, by index."""
         shaft = ShaftSide(self.shaft.form.some(who), self.shaft.inertia[who])
-        crank, coupling = self.crank.some(who), self.coupling.some(who)
+        crank, coupling = self.crank.some(who), some(self.coupling, who)
         return self._replace(crank=crank, shaft=shaft, coupling=coupling, whole=(self, who))
+
+    def apart_moment(self, joined: Joined, moving: np.ndarray, time: np.ndarray) -> np.ndarray:
+        """Torque of a coupling on the crank if it isn't locked [N·m]; parameters as for `coupling_pull`."""
+        _, crank, twist, shaft = moving
+        if self.is_elastic:
+            return self.coupling.moment(joined.touch, twist, shaft - crank)
+        if self.is_fluid:
+            return self.coupling.fluid_moment(crank, shaft)
+        if self.open:
+            return np.zeros_like(time)
+        return joined.mode * self.coupling.capacity_at(joined.engaged + time)
 
     def numbers(self, joined: Joined) -> np.ndarray:
         """Numbers of the motion at two speeds, (numbers, variants), without those of the joining and of the ends."""

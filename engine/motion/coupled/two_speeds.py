@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.decorators import scalar
+from engine.compiling.instructions import chosen
 from engine.elements.elastic_drives.shaft_touch import touch_left, touch_turns, touching_moment
 from engine.graph.derivatives import derivative
 from engine.graph.nodes import Given, Node, Stage
@@ -53,7 +54,7 @@ def fluid_moment(memory: np.ndarray, table: float, factor: float, crank: float, 
 def ramp(x: float, begin: float, end: float) -> float:
     """Linear ramp of x from 0 at `begin` to 1 at `end`, constant outside."""
     share = (x - begin) / (end - begin)
-    return 0.0 if x <= begin else 1.0 if share >= 1.0 else share
+    return chosen(x <= begin, 0.0, chosen(share >= 1.0, 1.0, share))
 
 
 class Joining(NamedTuple):

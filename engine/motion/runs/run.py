@@ -5,78 +5,89 @@ torques that depend on time, with friction in pairs, and for an input of limited
 the two independently. Ends are met exactly: the last step is shortened to the given angle, time or speed.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.runs.one_speed_run import OneSpeedRuns
 from engine.motion.runs.run_in_angle import TIMES_TO_THE_END, stretch_over_angle
 from engine.motion.runs.run_in_time import BRISK_TO_LOOK, set_off, stretch_over_time
-from engine.motion.runs.run_progress import Progress, RunOutcome
-from engine.words.verdicts import Verdict
+from engine.motion.runs.run_progress import ADAPTIVE, Ends, RunOutcome, Standing, Stepping
+from engine.motion.runs.watching import Observer
 
 # A run is abandoned if this number of steps gains neither a cycle nor this fraction of its time.
 MOST_TIME_STEPS, OF_ITS_TIME = 40_000, 0.01
 
 
-def run_to_end(runs: Progress) -> RunOutcome:
-    """Integrate runs to their end.
-
-    Parameters
-    ----------
-    runs : Progress
-        In the initial state; updated in place.
-    """
+def run_to_end(
+    dynamics: Dynamics,
+    variants: Variants,
+    standing: Standing,
+    ends: Ends,
+    steps: int,
+    stepping: Stepping = ADAPTIVE,
+    observers: Sequence[Observer] = (),
+) -> RunOutcome:
+    """Integrate runs to their end; parameters as for `OneSpeedRuns`."""
     # Infinite or NaN numbers cause a verdict, not a warning.
     with np.errstate(all="ignore"):
-        return _run(runs)
+        runs = _Runs(dynamics, variants, standing, ends, steps, stepping, observers)
+        started = runs.energy()
+        runs.go_to_end()
+        inertia, ended = runs.inertia(np.arange(variants.count), runs.turned), runs.energy()
+        fastest = np.maximum(np.abs(runs.fastest), np.abs(runs.slowest))
+        energy = np.maximum(0.5 * inertia * fastest**2, np.maximum(started, ended))
+    speeds, energies = (runs.slowest, runs.fastest), (started, ended, energy)
+    rest = runs.covered, runs.steep, runs.arrived, runs.changed, runs.known
+    return RunOutcome(runs.verdict, runs.state, *speeds, *energies, *rest)
 
 
-def _run(runs: Progress) -> RunOutcome:
-    started, count = runs.energy(), runs.variants.count
-    set_off(runs, np.flatnonzero((runs.facing == 0.0) & ~runs.done))
-    runs.see_begin()
-    if runs.ends.standing and runs.dynamics.fades:
-        # Torques that vanish with the speed stop no machine in finite time.
-        runs.give_up(np.flatnonzero(~runs.done & np.isinf(runs.ends.time)), Verdict.NO_END)
-    brisk = _brisk(runs)
-    steps, reached, until = np.zeros(count), np.zeros(count), np.zeros(count)
-    while not runs.done.all():
-        fast = np.flatnonzero(brisk & ~runs.done)
+class _Runs(OneSpeedRuns):
+    """Runs that change between both forms of the equation of motion."""
+
+    # Steps without a gain end a run.
+    most_walks = 1_000_000_000
+
+    def go_to_end(self) -> None:
+        """Carry the runs to their end, in place."""
+        count = self.variants.count
+        set_off(self, np.flatnonzero((self.facing == 0.0) & ~self.done))
+        self.see_begin()
+        if self.ends.standing and self.dynamics.fades:
+            # Torques that vanish with the speed stop no machine in finite time.
+            self.give_up(np.flatnonzero(~self.done & np.isinf(self.ends.time)))
+        self._brisk = self._is_brisk()
+        # Steps since the last gain, and the angle and time then.
+        self._steps, self._reached, self._until = np.zeros(count), np.zeros(count), np.zeros(count)
+        super().go_to_end()
+
+    def advance(self, live: np.ndarray) -> None:
+        """Walk over the angle while variants are brisk; then over time, to the next rest or change."""
+        fast = live[self._brisk[live]]
         if fast.size:
-            stretch_over_angle(runs, fast, run_to_end)
-            brisk[fast], runs.pace[fast] = False, np.inf
-        set_off(runs, np.flatnonzero((runs.facing == 0.0) & ~runs.done))
-        slow = np.flatnonzero(~brisk & ~runs.done & (runs.facing != 0.0))
+            stretch_over_angle(self, fast)
+            self._brisk[fast], self.pace[fast] = False, np.inf
+        set_off(self, np.flatnonzero((self.facing == 0.0) & ~self.done))
+        slow = np.flatnonzero(~self._brisk & ~self.done & (self.facing != 0.0))
         if slow.size:
-            runs.known[slow], runs.changed.omega[slow] = False, 0.0
-            brisk[slow], made = stretch_over_time(runs, slow, run_to_end)
-            steps[slow] += made
-            turned, time = runs.state.turned, runs.state.time
-            gained = (turned > reached + runs.dynamics.cycle) | (time > until + OF_ITS_TIME * runs.ends.time)
-            reached[gained], until[gained], steps[gained] = turned[gained], time[gained], 0.0
-            runs.give_up(np.flatnonzero(~runs.done & (steps > MOST_TIME_STEPS)), Verdict.NO_END)
-    return RunOutcome(
-        runs.verdict,
-        runs.state,
-        runs.slowest,
-        runs.fastest,
-        started,
-        runs.energy(),
-        runs.arrived,
-        runs.changed,
-        runs.known,
-        runs.covered,
-        runs.steep,
-    )
+            self.known[slow], self.changed.omega[slow] = False, 0.0
+            self._brisk[slow], made = stretch_over_time(self, slow)
+            self._steps[slow] += made
+            gained = self.turned > self._reached + self.dynamics.cycle
+            gained |= self.time > self._until + OF_ITS_TIME * self.ends.time
+            self._reached[gained], self._until[gained] = self.turned[gained], self.time[gained]
+            self._steps[gained] = 0.0
+            self.give_up(np.flatnonzero(~self.done & (self._steps > MOST_TIME_STEPS)))
 
-
-def _brisk(runs: Progress) -> np.ndarray:
-    """Which variants move forwards with energy that changes slowly."""
-    state = runs.state
-    if runs.dynamics.in_time:
-        return np.zeros(runs.variants.count, bool)
-    brisk, share = state.omega > 0.0, TIMES_TO_THE_END if runs.to_the_end else BRISK_TO_LOOK
-    moving = np.flatnonzero(brisk)
-    omega = state.omega[moving]
-    now = state.turned[moving], omega, (state.time + runs.clock)[moving], np.ones(moving.size)
-    found = runs.equation(moving).along(*now)
-    brisk[moving] = np.abs(found.total) < share * 0.5 * found.inertia * omega**2
-    return brisk
+    def _is_brisk(self) -> np.ndarray:
+        """Which variants move forwards with energy that changes slowly."""
+        if self.dynamics.in_time:
+            return np.zeros(self.variants.count, bool)
+        brisk, share = self.omega > 0.0, TIMES_TO_THE_END if self.to_the_end else BRISK_TO_LOOK
+        moving = np.flatnonzero(brisk)
+        omega = self.omega[moving]
+        now = self.turned[moving], omega, (self.time + self.clock)[moving], np.ones(moving.size)
+        found = self.equation(moving).along(*now)
+        brisk[moving] = np.abs(found.total) < share * 0.5 * found.inertia * omega**2
+        return brisk

@@ -1,38 +1,13 @@
 """Extremes of fields in runs, with the position and the instant of each."""
 
 from collections.abc import Iterable
-from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.running import of_all, over_variants
+from engine.compiling.running import over_variants
 from engine.motion.moments.piecewise import peak_between
-from engine.motion.quantities import Asked
+from engine.motion.quantities import Asked, FieldAnswers
 from engine.motion.runs.watching import Piece, RunFields
-
-
-class FieldAnswers(NamedTuple):
-    """Requested fields of runs, (variants,), by name without the regime's.
-
-    Attributes
-    ----------
-    values : dict of str to ndarray
-    missed : dict of str to ndarray
-        Error estimates due to the behaviour between nodes.
-    scales : dict of str to ndarray
-        Magnitudes to which rounding is relative.
-    rows : dict of str to ndarray (variants, instants)
-        Stored fields.
-    """
-
-    values: dict[str, np.ndarray]
-    missed: dict[str, np.ndarray]
-    scales: dict[str, np.ndarray]
-    rows: dict[str, np.ndarray]
-
-    def over_all(self, who: np.ndarray, count: int) -> "FieldAnswers":
-        """Results of some variants expanded to all `count` of them, NaN for the others."""
-        return FieldAnswers(*({key: of_all(row.T, who, count).T for key, row in rows.items()} for rows in self))
 
 
 class RunExtremes:
@@ -80,7 +55,7 @@ class RunExtremes:
         spacing : ndarray (variants,)
             Distance between nodes [rad].
         """
-        found, cycle = FieldAnswers({}, {}, {}, {}), self.fields.dynamics.cycle
+        found, cycle = FieldAnswers.none(), self.fields.dynamics.cycle
         way, start = self.fields.variants.direction, self.fields.start
         for _, name, statistic in asked:
             i, key = self.names.index(name), f"{name}.{statistic}"

@@ -1,18 +1,16 @@
 """Runs over the crank angle: stretches in the energy form while the energy changes slowly."""
 
-from typing import NamedTuple
-
 import numpy as np
 
-from engine.motion.moments.grid import edges_of
-from engine.motion.runs.run_progress import Progress, State, gathered
-from engine.motion.runs.settled_runs import Carry, pass_mark
+from engine.motion.runs.one_speed_run import OneSpeedRuns
+from engine.motion.runs.run_progress import ABOVE, BELOW, State, gathered
+from engine.motion.runs.settled_runs import pass_mark
 from engine.motion.runs.watching import BetweenNodes, Piece
 from engine.stepping.methods import EIGHT, FOUR, NINE
 from engine.stepping.recorded import read_steps
+from engine.stepping.records import some
 from engine.stepping.system import Walks
 from engine.stepping.walk import Why
-from engine.words.verdicts import Verdict
 
 # Relative energy change per radian above which the energy form is abandoned: near rest 1/ω is singular as the inverse
 # root of the angle. The limit is lower if values within steps are needed, as dense output resolves it less far.
@@ -25,25 +23,12 @@ CLOSELY = 0.5
 FIRST_CYCLES = 8
 # Steps recorded at a time.
 RECORDED = 64
-# Further reasons for the end of a walk, in the order of the guards of the energy form.
-ABOVE, BELOW, SLOW = range(int(Why.GUARD), int(Why.GUARD) + 3)
+# Further reason for the end of a walk: the next guard of the energy form.
+SLOW = BELOW + 1
 ENERGY, TIME = range(2)
 
 
-class Limits(NamedTuple):
-    """Ends of a stretch, each (variants,): angle [rad], time [s], speeds reached from below and above [rad/s]."""
-
-    turned: np.ndarray
-    time: np.ndarray
-    above: np.ndarray
-    below: np.ndarray
-
-    def some(self, chosen: np.ndarray) -> "Limits":
-        """A subset of the variants, by index."""
-        return Limits(*(rows[chosen] for rows in self))
-
-
-def stretch_over_angle(runs: Progress, who: np.ndarray, carry: Carry) -> None:
+def stretch_over_angle(runs: OneSpeedRuns, who: np.ndarray) -> None:
     """Integrate a stretch in the energy form, to an end of the run or until the machine slows down."""
     steep, many = np.zeros(who.size, bool), np.full(who.size, FIRST_CYCLES)
     pace = np.full(who.size, FARTHER * runs.farthest_step)
@@ -59,17 +44,20 @@ def stretch_over_angle(runs: Progress, who: np.ndarray, carry: Carry) -> None:
         to_mark = runs.mark[who] - state.turned + (cycles - 1) * runs.dynamics.cycle
         marked = runs.by_speed[who]
         near = np.minimum(goal, np.where(marked, to_mark, runs.dynamics.cycle if runs.observers else np.inf))
-        ends = Limits(near, runs.ends.time[who] - state.time, runs.above[who], np.maximum(runs.below[who], 0.0))
-        why = _walked(runs, who, steep, ends, pace)
+        why = np.empty(who.size)
+        for implicit in (False, True):
+            own = np.flatnonzero(steep == implicit)
+            if own.size:
+                why[own], pace[own] = _walk(runs, who[own], implicit, near[own], pace[own])
         at_goal = why == Why.GOAL
         onward = at_goal & (near < goal)
-        pass_mark(runs, who[onward & marked], carry)
+        pass_mark(runs, who[onward & marked])
         lost = at_goal & ~onward & (runs.ends.most_turned[who] < runs.ends.turned[who])
         exact = at_goal & ~onward & ~lost
         # Set the angle exactly: sums of steps are rounded.
         runs.state.turned[who[exact]] = (state.turned + goal)[exact]
         runs.done[who[exact | np.isin(why, (Why.OTHER_GOAL, ABOVE, BELOW))]] = True
-        runs.give_up(who[lost], Verdict.NO_END)
+        runs.give_up(who[lost])
         # The others slow down towards rest, and continue in time.
         runs.facing[who[np.isin(why, (SLOW, Why.LOST))]] = 1.0
         onward |= np.isin(why, (Why.STEEP, Why.FULL))
@@ -80,49 +68,34 @@ def stretch_over_angle(runs: Progress, who: np.ndarray, carry: Carry) -> None:
         steep, many, pace, who = (steep | (why == Why.STEEP))[left], many[left], pace[left], who[left]
 
 
-def _walked(runs: Progress, who: np.ndarray, steep: np.ndarray, ends: Limits, pace: np.ndarray) -> np.ndarray:
-    """Walk from the current states, with implicit steps for steep motors; return the reasons, update `pace`."""
-    why = np.empty(who.size)
-    for implicit in (False, True):
-        some = np.flatnonzero(steep == implicit)
-        if some.size:
-            why[some], pace[some] = _walk(runs, who[some], implicit, ends.some(some), pace[some])
-    return why
-
-
 def _walk(
-    runs: Progress, who: np.ndarray, implicit: bool, ends: Limits, pace: np.ndarray
+    runs: OneSpeedRuns, who: np.ndarray, implicit: bool, goal: np.ndarray, pace: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Walk with one method; return the reason for each end, and the length of the next step."""
-    dynamics, system, part = runs.dynamics, runs.dynamics.by_angle, runs.variants.some(who)
-    state, one, sizes = runs.part(who), np.ones(who.size), system.sizes
-    begin = runs.start[who] + part.direction * state.turned
-    method = FOUR if runs.classical else (NINE if implicit else EIGHT)
-    # A speed may be reached within a step and left again.
-    extremes = (runs.extremes and not runs.observers) or bool(np.isfinite(runs.ends.speed).any())
-    task = system.task(dynamics.cycle, method, extremes)
+    """Walk by an angle with one method; return the reason for each end, and the length of the next step."""
+    dynamics, system, state = runs.dynamics, runs.dynamics.by_angle, runs.part(who)
+    direction, classical = runs.variants.direction[who], runs.stepping.classical
+    begin = runs.start[who] + direction * state.turned
+    task = system.task(dynamics.cycle, FOUR if classical else NINE if implicit else EIGHT, runs.finds_extremes)
     brisk = TIMES_TO_THE_END if runs.to_the_end else TIMES_PER_RADIAN
-    limits = {sizes.above: ends.above, sizes.below: ends.below}
-    lanes = {"start": begin, "direction": part.direction, "facing": one, "clock": 0.0, "goal": ends.turned}
-    share = CLOSELY if runs.observers else 1.0 if extremes else FARTHER
-    farthest = runs.farthest_step * (1.0 if runs.classical else share)
-    lanes |= {"other_goal": ends.time, "tolerance": max(runs.over_angle, LEAST), "farthest": farthest}
-    lanes |= {"turned": 0.0, "pace": np.minimum(pace, farthest)}
+    limits = runs.speed_limits(who, system.sizes, np.ones(who.size))
+    limits[system.sizes.below] = np.maximum(limits[system.sizes.below], 0.0)
+    share = CLOSELY if runs.observers else 1.0 if runs.finds_extremes else FARTHER
+    farthest = runs.farthest_step * (1.0 if classical else share)
+    lanes = {"start": begin, "direction": direction, "tolerance": max(runs.over_angle, LEAST), "farthest": farthest}
+    lanes |= {"goal": goal, "other_goal": runs.ends.time[who] - state.time, "pace": np.minimum(pace, farthest)}
     states = np.zeros((len(system.rates), who.size))
     states[ENERGY] = 0.5 * runs.inertia(who, state.turned) * state.omega**2
     numbers = system.limited(dynamics.moving(system, runs.variants, brisk)[:, who], limits)
-    edges = np.concatenate(edges_of(part.direction, part.breaks, dynamics.cycle, begin))
     recorded = RECORDED if runs.observers else 0
-    gone = system.run(task, numbers, edges, np.zeros((0, who.size)), lanes, states, runs.carried[:, who], recorded)
+    gone = system.run(task, numbers, runs.edges(who, begin), None, lanes, states, runs.carried[:, who], recorded)
     moved = np.flatnonzero(gone.steps > 0.0)
     if runs.observers and moved.size:
-        before = State(*(rows[..., moved] for rows in state))
-        runs.see(who[moved], _piece_of(runs, who[moved], before, gone.some(moved), implicit))
+        runs.see(who[moved], _piece_of(runs, who[moved], some(state, moved), some(gone, moved), implicit))
     _take(runs, who, states[ENERGY], gone)
     return gone.why, gone.pace
 
 
-def _take(runs: Progress, who: np.ndarray, before: np.ndarray, gone: Walks) -> None:
+def _take(runs: OneSpeedRuns, who: np.ndarray, before: np.ndarray, gone: Walks) -> None:
     """Store the states at the ends of walks, and their error estimates."""
     state, energy = runs.part(who), gone.states[ENERGY]
     turned = state.turned + gone.turned
@@ -153,7 +126,7 @@ def _take(runs: Progress, who: np.ndarray, before: np.ndarray, gone: Walks) -> N
 # Observation of walks
 
 
-def _piece_of(runs: Progress, who: np.ndarray, before: State, gone: Walks, implicit: bool) -> Piece:
+def _piece_of(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks, implicit: bool) -> Piece:
     """Recorded steps of walks at the nodes of a cycle, up to the end of the walk, which is the last node."""
     begin = runs.start[who] + runs.variants.direction[who] * before.turned
     asked = _nodes(runs, who, before)
@@ -163,7 +136,7 @@ def _piece_of(runs: Progress, who: np.ndarray, before: State, gone: Walks, impli
     def at(columns: np.ndarray, turned: np.ndarray) -> tuple[np.ndarray, ...]:
         found = np.empty((3, turned.size))
         asked = turned.size, gone.recorded, gone.steps, columns.ravel(), turned.ravel()
-        read_steps(*asked, runs.half, found)
+        read_steps(*asked, runs.stepping.coarse, found)
         energy, time, moment = found.reshape(3, *turned.shape)
         own = runs.variants.some(who[columns[-1]])
         inertia = runs.dynamics.inertia(own, begin[columns[-1]] + own.direction * turned)
@@ -175,7 +148,7 @@ def _piece_of(runs: Progress, who: np.ndarray, before: State, gone: Walks, impli
     columns = np.broadcast_to(np.arange(who.size), turned.shape)
     time, whole, omega, moment = at(columns, turned)
     # Interpolation errors must not make time decrease.
-    end = before.time + gone.states[TIME] + (gone.carried_errors[TIME] if runs.half else 0.0)
+    end = before.time + gone.states[TIME] + (gone.carried_errors[TIME] if runs.stepping.coarse else 0.0)
     time = np.minimum(np.maximum.accumulate(time, axis=0), end)
 
     def within(columns: np.ndarray, nodes: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -185,7 +158,7 @@ def _piece_of(runs: Progress, who: np.ndarray, before: State, gone: Walks, impli
     return Piece(time, whole, omega, way, steps, moment, BetweenNodes(False, within))
 
 
-def _nodes(runs: Progress, who: np.ndarray, state: State) -> np.ndarray:
+def _nodes(runs: OneSpeedRuns, who: np.ndarray, state: State) -> np.ndarray:
     """Angles turned from a state (nodes, variants) at which a cycle is evaluated."""
     part, cycle = runs.variants.some(who), runs.dynamics.cycle
     # A force may jump where its torque has only a kink, as at a dead centre, where the velocity is zero.

@@ -3,14 +3,15 @@
 import numpy as np
 
 from engine.motion.moments.breaks import JUMP, beside
-from engine.motion.moments.grid import edges_of
+from engine.motion.runs.one_speed_run import OneSpeedRuns
 from engine.motion.runs.run_in_angle import TIMES_TO_THE_END
-from engine.motion.runs.run_progress import Progress, State, gathered
-from engine.motion.runs.settled_runs import Carry, pass_mark
+from engine.motion.runs.run_progress import BELOW, State, gathered
+from engine.motion.runs.settled_runs import pass_mark
 from engine.motion.runs.watching import BetweenNodes, Piece, side_by_side
 from engine.stepping.methods import EIGHT
-from engine.stepping.recorded import read_steps
-from engine.stepping.system import SHOWN, Walks
+from engine.stepping.recorded import made_steps, read_steps
+from engine.stepping.records import some
+from engine.stepping.system import Walks
 from engine.stepping.walk import Why
 from engine.words.verdicts import Verdict
 
@@ -23,8 +24,6 @@ STRIDE = 20.0
 # Shortest interval between tests, relative to the time: more than the width of a jump.
 AT_ONCE = 1e-9
 HALVINGS = 60
-# Swings that differ by less are equal within the error of the steps [rad].
-SAME_SWING = 1e-6
 # Fraction of the peak speed below which a machine that nothing stops has practically ended its motion.
 FADED = 1e-9
 # The same fraction for a machine that something stops.
@@ -38,12 +37,12 @@ RECORDED = 64
 # Many steps that change neither the angle (in total) nor the time (each) by more than these fractions make no progress:
 # at a dead centre of the driven side the inertia grows without bound.
 NO_ANGLE, NO_TIME = 1e-14, 1e-9
-# Further reasons for the end of a walk, in the order of the guards of the system over time.
-ABOVE, BELOW, TURNS_BRISK, REST = range(int(Why.GUARD), int(Why.GUARD) + 4)
+# Further reasons for the end of a walk: the next guards of the system over time.
+TURNS_BRISK, REST = BELOW + 1, BELOW + 2
 TURNED, SPEED = range(2)
 
 
-def set_off(runs: Progress, who: np.ndarray) -> None:
+def set_off(runs: OneSpeedRuns, who: np.ndarray) -> None:
     """Choose the direction of machines at rest; those that remain at rest have reached their end, or do not start."""
     if not who.size:
         return
@@ -68,7 +67,7 @@ def set_off(runs: Progress, who: np.ndarray) -> None:
         runs.give_up(stays[~waits], Verdict.STALLS)
 
 
-def _next_look(runs: Progress, who: np.ndarray) -> np.ndarray:
+def _next_look(runs: OneSpeedRuns, who: np.ndarray) -> np.ndarray:
     """Time of the next start test of machines at rest; infinite if no torque over time changes any more.
 
     A table changes between its first and last instant; a formula may change at any time.
@@ -76,7 +75,7 @@ def _next_look(runs: Progress, who: np.ndarray) -> np.ndarray:
     begun, instants = runs.clock[who], runs.variants.instants[:, who]
     now = begun + runs.state.time[who]
     first = np.fmin.reduce(instants, axis=0, initial=np.inf)
-    last = np.fmax.reduce(instants, axis=0, initial=-np.inf)
+    last = runs.last_change(who)
     pause = np.where(now < first, first - now, (last - first) / WAITS)
     if runs.dynamics.changing:
         last = begun + _span(runs, who)
@@ -86,15 +85,14 @@ def _next_look(runs: Progress, who: np.ndarray) -> np.ndarray:
     return np.where(now < last, look, np.inf)
 
 
-def _span(runs: Progress, who: np.ndarray) -> np.ndarray:
+def _span(runs: OneSpeedRuns, who: np.ndarray) -> np.ndarray:
     """Time from the start of a run during which a formula over time is followed."""
     speed = np.abs(np.broadcast_to(runs.variants.numbers["input.speed"], runs.start.shape))
     cycle = (runs.spacing * runs.steps / speed)[who]
-    last = np.fmax.reduce(runs.variants.instants[:, who], axis=0, initial=-np.inf)
-    return np.fmin(runs.ends.time[who], np.fmax(last - runs.clock[who], MOST_CYCLES * cycle))
+    return np.fmin(runs.ends.time[who], np.fmax(runs.last_change(who) - runs.clock[who], MOST_CYCLES * cycle))
 
 
-def _starts_by(runs: Progress, who: np.ndarray, look: np.ndarray) -> np.ndarray:
+def _starts_by(runs: OneSpeedRuns, who: np.ndarray, look: np.ndarray) -> np.ndarray:
     """Start time of machines that would start before the next test; its time for the others."""
     form, turned = runs.equation(who), runs.state.turned[who]
 
@@ -109,7 +107,7 @@ def _starts_by(runs: Progress, who: np.ndarray, look: np.ndarray) -> np.ndarray:
     return np.where(started, high, look)
 
 
-def stretch_over_time(runs: Progress, who: np.ndarray, carry: Carry) -> tuple[np.ndarray, np.ndarray]:
+def stretch_over_time(runs: OneSpeedRuns, who: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Integrate a stretch in time in one direction: to an end of the run, to rest, or until the energy changes slowly.
 
     Returns
@@ -126,76 +124,64 @@ def stretch_over_time(runs: Progress, who: np.ndarray, carry: Carry) -> tuple[np
     gone = _walk(runs, who, goal, floor)
     why, moved = gone.why, np.flatnonzero(gone.steps > 0.0)
     if runs.observers and moved.size:
-        before = State(*(rows[..., moved] for rows in state))
-        runs.see(who[moved], _piece_of(runs, who[moved], before, gone.some(moved)))
+        runs.see(who[moved], _piece_of(runs, who[moved], some(state, moved), some(gone, moved)))
     _take(runs, who, state, gone, goal)
     runs.pace[who] = gone.pace
-    # With friction, reactions become infinite or NaN where no equilibrium exists.
-    lost = why == Why.LOST
-    runs.give_up(who[lost], Verdict.NOT_FINITE if not runs.dynamics.rubs else Verdict.JAMS)
-    runs.done[who[np.isin(why, (Why.GOAL, ABOVE, BELOW))]] = True
-    met = (why == Why.OTHER_GOAL) & forward
-    runs.done[who[met & (goal == runs.ends.turned[who])]] = True
+    runs.end(who, why, goal)
+    runs.done[who[why == Why.GOAL]] = True
     runs.arrive(who[(why == Why.RANGE) | (~runs.done[who] & (why != REST) & (runs.ahead(who) <= 0.0))])
     _turn_round(runs, who[why == REST], forward[why == REST])
     speed = np.abs(runs.state.omega[who])
-    _give_up_endless(runs, who[((why == Why.OTHER_GOAL) & ~forward) | ((speed > 0.0) & (speed < floor))])
-    far = np.abs(runs.state.turned[who]) >= runs.ends.most_turned[who]
-    runs.give_up(who[~runs.done[who] & far], Verdict.NO_END)
+    # A machine that has turned a cycle backwards from rest is never slower there again.
+    runs.give_up_endless(who[((why == Why.OTHER_GOAL) & ~forward) | ((speed > 0.0) & (speed < floor))])
     # The steps changed neither the position nor the time.
     stuck = np.abs(runs.state.turned[who] - state.turned) <= NO_ANGLE * np.abs(runs.start[who] + state.turned)
     stuck &= (why == Why.FULL) & (gone.at <= NO_TIME * gone.steps * runs.state.time[who])
     runs.give_up(who[~runs.done[who] & stuck], Verdict.NOT_FINITE)
-    marked = runs.at_mark(who[met & ~runs.done[who]])
+    marked = runs.at_mark(who[(why == Why.OTHER_GOAL) & forward & ~runs.done[who]])
     if marked.size:
-        pass_mark(runs, marked, carry)
+        pass_mark(runs, marked)
     return why == TURNS_BRISK, gone.steps
 
 
-def _forward_goal(runs: Progress, who: np.ndarray) -> np.ndarray:
+def _forward_goal(runs: OneSpeedRuns, who: np.ndarray) -> np.ndarray:
     """Angle turned up to which variants move forwards in one walk."""
     return np.minimum(np.minimum(runs.ends.turned[who], runs.ends.most_turned[who]), runs.mark[who])
 
 
-def _backward_goal(runs: Progress, who: np.ndarray) -> np.ndarray:
+def _backward_goal(runs: OneSpeedRuns, who: np.ndarray) -> np.ndarray:
     """Angle turned down to which variants move backwards in one walk: a cycle from the last reversal."""
     cycle, turned = runs.dynamics.cycle, runs.state.turned[who]
     behind = runs.turned_round[who] - cycle
     return np.maximum(np.where(turned > behind, behind, turned - cycle), -runs.ends.most_turned[who])
 
 
-def _walk(runs: Progress, who: np.ndarray, goal: np.ndarray, floor: np.ndarray) -> Walks:
+def _walk(runs: OneSpeedRuns, who: np.ndarray, goal: np.ndarray, floor: np.ndarray) -> Walks:
     """Walk in time, up to a given angle turned."""
-    dynamics, part, state, facing = runs.dynamics, runs.variants.some(who), runs.part(who), runs.facing[who]
-    system, forward, now = dynamics.by_time, facing > 0.0, runs.clock[who] + state.time
-    brisk = TIMES_TO_THE_END if runs.to_the_end else BRISK_TO_LOOK
-    numbers = np.where(forward, *(dynamics.moving(system, runs.variants, brisk, way)[:, who] for way in (1.0, -1.0)))
-    sizes, (above, below) = system.sizes, (runs.above[who], runs.below[who])
-    limits = {sizes.above: np.where(forward, above, -below), sizes.below: np.where(forward, below, -above)}
-    numbers = system.limited(numbers, limits)
-    bounds = None if dynamics.reduction.has_cycle else runs.bounds[:, who]
-    edges = np.concatenate(edges_of(part.direction, part.breaks, dynamics.cycle, runs.start[who], bounds))
-    # A speed may be reached within a step and left again.
-    extremes = (runs.extremes and not runs.observers) or bool(np.isfinite(runs.ends.speed).any())
+    dynamics, state, facing = runs.dynamics, runs.part(who), runs.facing[who]
+    system, brisk = dynamics.by_time, TIMES_TO_THE_END if runs.to_the_end else BRISK_TO_LOOK
+    ways = (dynamics.moving(system, runs.variants, brisk, way)[:, who] for way in (1.0, -1.0))
+    numbers = np.where(facing > 0.0, *ways)
+    numbers = system.limited(numbers, runs.speed_limits(who, system.sizes, facing))
+    edges = runs.edges(who, runs.start[who], None if dynamics.reduction.has_cycle else runs.bounds[:, who])
     farthest = runs.farthest_step * runs.reach[who]
     if runs.observers:
         farthest = np.fmin(farthest, CLOSELY * runs.longer * runs.reach[who])
     longest = STRIDE * _span(runs, who) / WAITS if dynamics.changing else np.inf
     pace, new = runs.pace[who], np.isinf(runs.pace[who])
     if new.any():
-        first = runs.equation(who).first_step(state.turned, state.omega, now, facing, runs.spacing[who])
+        first = runs.equation(who).first_step(*state[:2], runs.clock[who] + state.time, facing, runs.spacing[who])
         pace = np.where(new, runs.longer * first, pace)
-    lanes = {"start": runs.start[who], "direction": part.direction, "facing": facing, "clock": now}
-    lanes |= {"goal": runs.ends.time[who] - state.time, "other_goal": goal, "tolerance": runs.tolerance}
-    lanes |= {"farthest": farthest, "longest": longest, "floor": floor, "turned": state.turned, "pace": pace}
+    goals = {"goal": runs.ends.time[who] - state.time, "other_goal": goal, "floor": floor}
+    lanes = runs.lanes(who, facing, farthest=farthest, longest=longest, pace=pace, **goals)
     states = np.zeros((len(system.rates), who.size))
     states[TURNED], states[SPEED] = state.turned, np.abs(state.omega)
     recorded = RECORDED if runs.observers else 0
-    task = system.task(dynamics.cycle, EIGHT, extremes, runs.longer)
+    task = system.task(dynamics.cycle, EIGHT, runs.finds_extremes, runs.longer)
     return system.run(task, numbers, edges, runs.variants.instants[:, who], lanes, states, recorded=recorded)
 
 
-def _take(runs: Progress, who: np.ndarray, before: State, gone: Walks, goal: np.ndarray) -> None:
+def _take(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks, goal: np.ndarray) -> None:
     """Store the states at the ends of walks."""
     facing, why, forward = runs.facing[who], gone.why, runs.facing[who] > 0.0
     # Set the end exactly: sums of steps are rounded.
@@ -212,56 +198,28 @@ def _take(runs: Progress, who: np.ndarray, before: State, gone: Walks, goal: np.
     runs.slowest[rest] = np.where(np.abs(runs.slowest[rest]) < 1e-12 * runs.fastest[rest], 0.0, runs.slowest[rest])
 
 
-# Phase curves of an autonomous machine never cross. So a swing that does not exceed the previous one lies within it, as
-# do all later ones; and a machine that has turned a cycle backwards from rest is never slower there again.
-
-
-def _turn_round(runs: Progress, rest: np.ndarray, forward: np.ndarray) -> None:
-    """Let machines that came to rest stay or reverse; those that swing no farther forwards than before never will.
-
-    A run to rest continues as long as its swings decrease.
-    """
+def _turn_round(runs: OneSpeedRuns, rest: np.ndarray, forward: np.ndarray) -> None:
+    """Let machines that came to rest stay or reverse; those that swing no farther forwards than before never will."""
     if runs.ends.reversal:
         runs.done[rest] = True
         return
     runs.facing[rest] = 0.0
     set_off(runs, rest)
-    turned = runs.state.turned[rest]
-    runs.turned_round[rest] = turned
-    same = SAME_SWING * runs.reach[rest]
-    again = turned <= runs.farthest[rest] + same
-    if runs.ends.rest:
-        # The loss in each swing brings it to rest.
-        again &= turned >= runs.farthest[rest] - same
-    again &= forward
-    runs.farthest[rest[forward]] = turned[forward]
-    _give_up_endless(runs, rest[again])
-
-
-def _give_up_endless(runs: Progress, who: np.ndarray) -> None:
-    """Abandon runs that cannot reach their end: backwards for ever, or ever more slowly."""
-    instants, now = runs.variants.instants[:, who], runs.clock[who] + runs.state.time[who]
-    # After the last instant of its tables nothing depends on time; formulas may do so for ever.
-    last = np.fmax.reduce(instants, axis=0, initial=-np.inf)
-    settled = ((now > last) & (len(instants) > 0) | (not runs.dynamics.timed)) & (not runs.dynamics.changing)
-    runs.give_up(who[settled & ~runs.done[who] & np.isinf(runs.ends.time[who])], Verdict.NO_END)
+    runs.turned_round[rest] = runs.turned[rest]
+    runs.compare_swings(rest[forward])
 
 
 # Observation of walks
 
 
-def _piece_of(runs: Progress, who: np.ndarray, before: State, gone: Walks) -> Piece:
+def _piece_of(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks) -> Piece:
     """The recorded steps of walks, each sampled between its ends about as densely as a cycle.
 
     Adjacent steps have separate nodes at their common end, where there may be a jump.
     """
-    made, shown, spacing = gone.steps.astype(int), SHOWN.size, runs.spacing[who]
-    step, column = np.nonzero(np.arange(made.max())[:, None] < made)
-    order = np.lexsort((step, column))
-    step, column = step[order], column[order]
-    at, length, _, *rows = gone.recorded[step, :, column].T
-    first, last = rows[0], rows[shown - 1]
-    reach = np.abs(last - first)
+    column, at, length, samples = made_steps(gone.recorded, gone.steps)
+    first, *_, last = samples[TURNED]
+    reach, spacing = np.abs(last - first), runs.spacing[who]
     # The number of samples depends on the variant only, not on the others in its batch.
     looks = np.maximum(LEAST_LOOKS, np.ceil(reach / spacing[column])).astype(int)
     of = np.repeat(np.arange(looks.size), looks + 1)

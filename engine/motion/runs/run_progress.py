@@ -1,21 +1,27 @@
-"""Progress of runs: their ends, current states, and events so far."""
+"""Runs of machines in progress, at one speed or two: how they begin and end, their steps, and their outcome."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 
-from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.graph.nodes import Given
+from engine.motion.moments.dynamics import Dynamics
 from engine.motion.moments.equation_of_motion import EquationOfMotion
-from engine.motion.one_speed import MachineSystem
+from engine.motion.moments.grid import edges_of
+from engine.motion.one_speed import MachineSystem, Sizes
 from engine.motion.runs.watching import Observer, Piece
-from engine.stepping.walk import LONGER, coarser
+from engine.stepping.runs import WalkedRuns
+from engine.stepping.walk import Why
 from engine.words.verdicts import Verdict
 
 # Tolerance of a step in time, and of a step over the angle, whose errors add up over many cycles; maximum step.
 TOLERANCE, OVER_ANGLE, FARTHEST_STEP = 1e-10, 3e-12, 0.25 * np.pi
-# Fraction of a cycle before a mark within which it counts as passed: rounding.
-AT_MARK = 1e-9
+# Further reasons for the end of a walk: the target speeds, which are the first guards of each system.
+ABOVE, BELOW = Why.GUARD, Why.GUARD + 1
+# Swings that differ by less are equal within the error of the steps [rad].
+SAME_SWING = 1e-6
 
 
 class State(NamedTuple):
@@ -56,42 +62,54 @@ def gathered(
     return np.stack([motors, *loads]), squares
 
 
-class Begin(NamedTuple):
-    """Initial state of runs, (variants,): crank angle [rad], speed in the direction of motion [rad/s], time [s]."""
+class CoupledStanding(NamedTuple):
+    """State of a coupling's shaft between two regimes, (variants,).
+
+    Its speed reduced to the crank, in the direction of motion [rad/s], and the time since the engagement [s].
+    """
+
+    speed: np.ndarray
+    engaged: np.ndarray
+
+
+class Standing(NamedTuple):
+    """State of every variant between two regimes: crank angle [rad], speed [rad/s], time [s], verdict.
+
+    `coupled` is the state of a shaft behind a coupling; None if it turns with the crank.
+    """
 
     angle: np.ndarray
     omega: np.ndarray
     clock: np.ndarray
-
-    def some(self, chosen: np.ndarray) -> "Begin":
-        """A subset of the variants, by index."""
-        return Begin(*(row[chosen] for row in self))
+    verdict: np.ndarray
+    coupled: CoupledStanding | None = None
 
 
 class Ends(NamedTuple):
     """Ends of runs, (variants,): angle turned from the start of the run [rad], time [s], speed [rad/s]; inf for never.
 
     `rest`: the run ends at permanent rest; `reversal`: at any rest, also a momentary one; `arrival`: only at an end of
-    the input's range. At `most_turned` [rad] it is abandoned.
+    the input's range; `lock_up`: when a clutch locks. At `most_turned` [rad] it is abandoned.
     """
 
     turned: np.ndarray
     time: np.ndarray
     speed: np.ndarray
-    rest: bool
     most_turned: np.ndarray
-    arrival: bool = False
+    rest: bool = False
     reversal: bool = False
+    arrival: bool = False
+    lock_up: bool = False
+
+    @classmethod
+    def never(cls, count: int, **given: np.ndarray) -> "Ends":
+        """Ends of runs that nothing ends but what is given."""
+        return cls(**{name: np.full(count, np.inf) for name in cls._fields[:4]} | given)
 
     @property
     def standing(self) -> bool:
         """Whether a run ends at rest, permanent or momentary."""
         return self.rest or self.reversal
-
-    def some(self, chosen: np.ndarray) -> "Ends":
-        """A subset of the variants, by index."""
-        own = {key: getattr(self, key)[chosen] for key in ("turned", "time", "speed", "most_turned")}
-        return self._replace(**own)
 
 
 class Changed(NamedTuple):
@@ -117,18 +135,22 @@ class RunOutcome(NamedTuple):
         Final state; angle and time from the start of the run.
     slowest, fastest : ndarray
         Minimum and maximum speed [rad/s].
-    started, ended : ndarray
-        Initial and final kinetic energy [J].
-    arrived : ndarray of int
-        End of its range at which the input arrived: −1 the lower, 1 the upper, 0 none.
-    changed : Changed
-        Error estimates of these.
-    known : ndarray of bool
-        Whether the error estimates are complete.
+    started, ended, energy : ndarray
+        Initial, final, and approximate maximum kinetic energy [J].
     covered : ndarray (2, variants)
         Minimum and maximum angle turned [rad].
     steep : ndarray
         1 if a steep motor required implicit steps, else 0.
+    arrived : ndarray of int
+        End of its range at which the input arrived: −1 the lower, 1 the upper, 0 none.
+    changed : Changed or None
+        Error estimates of these; None at two speeds.
+    known : ndarray of bool or None
+        Whether the error estimates are complete.
+    coupled : CoupledStanding or None
+        State of the shaft behind a coupling.
+    values : dict of str to ndarray
+        Results of a coupling by their names in a regime, without the prefixes of the coupling and its shaft.
     """
 
     verdict: np.ndarray
@@ -137,39 +159,21 @@ class RunOutcome(NamedTuple):
     fastest: np.ndarray
     started: np.ndarray
     ended: np.ndarray
-    arrived: np.ndarray
-    changed: Changed
-    known: np.ndarray
+    energy: np.ndarray
     covered: np.ndarray
     steep: np.ndarray
+    arrived: np.ndarray
+    changed: Changed | None = None
+    known: np.ndarray | None = None
+    coupled: CoupledStanding | None = None
+    values: Mapping[str, np.ndarray] = MappingProxyType({})
 
     def shifted(self, by: Changed) -> "RunOutcome":
         """The same with its final values changed."""
-        now = self.state
-        state = now._replace(
-            turned=now.turned + by.turned,
-            omega=now.omega + by.omega,
-            time=now.time + by.time,
-            works=now.works + by.works,
-            squares=now.squares + by.squares,
-        )
+        state = {name: getattr(self.state, name) + getattr(by, name) for name in State._fields}
         speeds = self.slowest - by.slowest, self.fastest + by.fastest
-        return self._replace(state=state, ended=self.ended + by.energy, slowest=speeds[0], fastest=speeds[1])
-
-    def with_others(self, who: np.ndarray, others: "RunOutcome") -> "RunOutcome":
-        """The same with the outcome of some variants replaced."""
-
-        def put(mine: np.ndarray, new: np.ndarray) -> np.ndarray:
-            whole = mine.copy()
-            whole[..., who] = new
-            return whole
-
-        def together(mine: tuple, new: tuple) -> tuple:
-            return type(mine)(*(put(*pair) for pair in zip(mine, new, strict=True)))
-
-        parts = {name: together(getattr(self, name), getattr(others, name)) for name in ("state", "changed")}
-        rest = {name: put(getattr(self, name), getattr(others, name)) for name in self._fields if name not in parts}
-        return RunOutcome(**parts, **rest)
+        ended = self.ended + by.energy
+        return self._replace(state=State(**state), ended=ended, slowest=speeds[0], fastest=speeds[1])
 
 
 class Stepping(NamedTuple):
@@ -185,6 +189,8 @@ class Stepping(NamedTuple):
         Whether all steps over the angle have that length, with the classical method of order four.
     extremes : bool
         Whether the minimum and maximum speed are also located within steps.
+    coarse : bool
+        Whether this is a comparison run: looser tolerance and twice the maximum step; equal steps are twice as long.
     """
 
     tolerance: float = TOLERANCE
@@ -192,144 +198,77 @@ class Stepping(NamedTuple):
     farthest: float = FARTHEST_STEP
     classical: bool = False
     extremes: bool = True
+    coarse: bool = False
 
 
 ADAPTIVE = Stepping()
 
 
-class Progress:
-    """Runs of a set of variants in progress; both forms of the equation of motion update them.
+class MachineRuns(WalkedRuns):
+    """Runs of machines: what one speed and two have in common.
 
     Parameters
     ----------
-    dynamics : Dynamics
-    variants : Variants
-    begin : Begin
+    form : EquationOfMotion
+        Of the crank, with the initial crank angles.
+    standing : Standing
+        Initial state.
     ends : Ends
-    steps : int
-        Number of samples in a cycle for observers.
-    half : bool
-        Whether this is a comparison run: looser tolerance and twice the maximum step; equal steps are twice as long.
-    observers : sequence of Observer
     stepping : Stepping
+    observers : sequence of Observer
 
     Attributes
     ----------
-    start, clock : ndarray
-        Initial crank angle [rad] and time [s].
-    state : State
-        Current state; angle and time from the start of the run.
-    verdict, slowest, fastest, covered, steep : ndarray
-        As in `RunOutcome`, so far.
-    done : ndarray of bool
-        Whether the run is over.
-    pace : ndarray
-        Length of the next step in time [s]; infinite if not yet known.
-    tolerance, over_angle, farthest_step : float
-        Relative tolerance of a step in time and over the angle, and maximum step in units of `reach`.
+    turned, omega, time : ndarray
+        Angle turned by the crank from the start of the run [rad], its speed in the direction of motion [rad/s], and
+        time from the start [s]: views of the current state.
+    clock : ndarray
+        Time at the start [s].
+    farthest_step : float
+        Maximum step, in units of `reach`.
     reach : ndarray
         Unit of angle: one radian or, for an input of limited range, its range divided by 2π.
-    spacing : ndarray
-        Distance between samples.
-    bounds : ndarray (2, variants)
-        Angle turned at the ends of the input's range, backwards and forwards; infinite if it rotates fully.
-    arrived : ndarray of int
-        As in `RunOutcome`, so far.
-    classical, extremes : bool
-        As in `Stepping`.
-    to_the_end : bool
-        Whether no values within steps are needed.
-    facing : ndarray
-        +1 or −1, the direction of motion in time; 0 at rest.
     above, below : ndarray
         Target speed [rad/s], to be reached from below or from above; infinite if not applicable.
-    carried : ndarray (rows of the system by angle, variants)
-        Error estimates of kinetic energy [J], time [s] and integrals so far, from steps over the angle.
-    changed : Changed
-        Error estimates of the ends, as in `RunOutcome`.
-    known : ndarray of bool
-        Whether these are complete: steps in time and equal steps require a comparison run.
-    turned_round, farthest : ndarray
-        Angle turned at the last rest, and at the last reversal from forward motion [rad].
-    by_speed : ndarray of bool
-        Whether only a speed or rest ends the run, so that comparing cycles may show that it never ends.
-    mark, omega_at_mark : ndarray
-        Angle turned at which the speed is next compared with that of previous cycles [rad], and that speed, NaN if it
-        is not comparable [rad/s].
-    marks : ndarray of int
-        Number of marks passed.
+    covered, steep : ndarray
+        As in `RunOutcome`, so far.
+    farthest_swing : ndarray
+        Angle turned at the last reversal from forward motion [rad].
     """
+
+    turned: np.ndarray
+    omega: np.ndarray
+    time: np.ndarray
 
     def __init__(
         self,
-        dynamics: Dynamics,
-        variants: Variants,
-        begin: Begin,
+        form: EquationOfMotion,
+        standing: Standing,
         ends: Ends,
-        steps: int,
-        half: bool = False,
-        observers: Sequence[Observer] = (),
-        stepping: Stepping = ADAPTIVE,
+        stepping: Stepping,
+        observers: Sequence[Observer],
     ) -> None:
-        self.dynamics, self.variants = dynamics, variants
-        self.start, omega, self.clock = begin
-        self.ends, self.steps, self.half, self.observers = ends, steps, half, observers
-        count, channels = variants.count, len(dynamics.channels)
-        low, high = dynamics.reduction.range_of(variants.numbers, count)
-        self.spacing = (high - low) / steps
-        self.reach, self.bounds = np.ones(count), np.array([[-np.inf], [np.inf]]) * np.ones(count)
-        if not dynamics.reduction.has_cycle:
-            self.reach = (high - low) / (2.0 * np.pi)
-            self.bounds = np.sort(variants.direction * (np.array([low, high]) - self.start), axis=0)
-        self.arrived, self.carried = np.zeros(count, int), np.zeros((0, count))
-        self.known = np.full(count, not stepping.classical)
-        nothing = {name: np.zeros(count) for name in Changed._fields}
-        self.changed = Changed(**nothing | {"works": np.zeros((channels + 1, count))})
-        works = np.zeros((channels + 1, count))
-        self.state = State(np.zeros(count), omega.astype(float), np.zeros(count), works, np.zeros(count))
-        self.verdict = np.full(count, Verdict.OK, np.uint8)
-        self.slowest, self.fastest = self.state.omega.copy(), self.state.omega.copy()
-        self.covered, self.steep = np.zeros((2, count)), np.zeros(count)
-        self.pace = np.full(count, np.inf)
-        self.classical, self.extremes = stepping.classical, stepping.extremes
-        self.to_the_end = not (stepping.classical or observers)
-        # A looser tolerance alone may leave the steps unchanged; lengthen them, too.
-        self.longer = LONGER if half else 1.0
-        self.farthest_step = stepping.farthest * self.longer
-        self.tolerance, self.over_angle = (coarser(share) if half else share for share in stepping[:2])
-        self.done = np.zeros(count, bool)
+        self.form, self.dynamics, self.variants, self.start = form, form.dynamics, form.variants, form.start
+        count, omega = self.variants.count, standing.omega
+        super().__init__(count, stepping.tolerance, stepping.coarse)
+        self.clock, self.ends, self.stepping, self.observers = standing.clock, ends, stepping, observers
+        self.farthest_step, self.reach = stepping.farthest * self.longer, np.ones(count)
         # A target speed is above or below the initial speed.
         self.above = np.where(ends.speed > omega, ends.speed, np.inf)
         self.below = np.where(ends.speed < omega, ends.speed, -np.inf)
-        self.facing = np.sign(self.state.omega)
         self.done |= ends.speed == omega
-        self.turned_round, self.farthest = np.zeros(count), np.full(count, np.nan)
-        endless = np.isinf(ends.turned) & np.isinf(ends.time)
-        self.by_speed = endless & dynamics.reduction.has_cycle & (not dynamics.changing)
-        self.mark = np.where(self.by_speed, dynamics.cycle, np.inf)
-        self.omega_at_mark = np.full(count, np.nan) if dynamics.timed else self.state.omega.copy()
-        self.marks = np.zeros(count, int)
+        self.covered, self.steep = np.zeros((2, count)), np.zeros(count)
+        self.farthest_swing = np.full(count, np.nan)
         self._last_inertia = np.zeros(0, int), np.zeros(0), np.zeros(0)
-        self.arrive(np.flatnonzero((self.facing != 0.0) & (self.ahead(np.arange(count)) <= 0.0)))
 
-    def ahead(self, who: np.ndarray) -> np.ndarray:
-        """Distance of variants to the end of the input's range in the direction they face."""
-        (low, high), turned = self.bounds[:, who], self.state.turned[who]
-        return np.where(self.facing[who] < 0.0, turned - low, high - turned)
-
-    def arrive(self, who: np.ndarray) -> None:
-        """End the runs of variants at the end of the range that they face."""
-        way = np.where(self.facing[who] < 0.0, -1, 1)
-        self.state.turned[who] = np.where(way < 0, *self.bounds[:, who])
-        self.arrived[who] = way * self.variants.direction[who].astype(int)
-        self.done[who] = True
-        if not (self.ends.arrival or self.ends.standing):
-            early = np.isfinite(self.ends.speed[who]) | np.isfinite(self.ends.turned[who])
-            self.verdict[who[early]] = Verdict.NO_END
+    def see(self, who: np.ndarray, piece: Piece) -> None:
+        """Pass a piece of the motion of variants to all observers."""
+        for observer in self.observers:
+            observer.see(who, piece)
 
     def energy(self) -> np.ndarray:
         """Current kinetic energy [J]."""
-        return 0.5 * self.inertia(np.arange(self.variants.count), self.state.turned) * self.state.omega**2
+        return 0.5 * self.inertia(np.arange(self.turned.size), self.turned) * self.omega**2
 
     def inertia(self, who: np.ndarray, turned: np.ndarray) -> np.ndarray:
         """Reduced inertia of variants at given angles turned [kg·m²].
@@ -344,58 +283,76 @@ class Progress:
         self._last_inertia = who, turned.copy(), found
         return found
 
-    def see(self, who: np.ndarray, piece: Piece) -> None:
-        """Pass a piece of the motion of variants to all observers."""
-        for observer in self.observers:
-            observer.see(who, piece)
+    def cover(self, who: np.ndarray) -> None:
+        """Count the current angles of variants among those covered."""
+        self.covered[0, who] = np.fmin(self.covered[0, who], self.turned[who])
+        self.covered[1, who] = np.fmax(self.covered[1, who], self.turned[who])
 
-    def see_begin(self) -> None:
-        """Pass the initial states to all observers; a machine at rest faces forwards."""
-        if self.observers:
-            state, facing = self.state, np.where(self.facing < 0.0, -1.0, 1.0)
-            every = np.arange(facing.size)
-            # At a jump, evaluate the torques after it.
-            turned = state.turned + facing * self.equation(every).beside(state.turned)
-            now = [x[None].copy() for x in (state.time, turned, state.omega)]
-            self.see(every, Piece(*now, facing, np.empty((0, facing.size)), np.full_like(now[0], np.nan)))
+    def speed_limits(self, who: np.ndarray, sizes: Sizes, facing: np.ndarray) -> dict[Given, np.ndarray]:
+        """The target speeds for motion in given directions."""
+        forward, above, below = facing > 0.0, self.above[who], self.below[who]
+        return {sizes.above: np.where(forward, above, -below), sizes.below: np.where(forward, below, -above)}
 
-    def give_up(self, who: np.ndarray, verdict: Verdict) -> None:
-        """End the runs of variants with a verdict."""
-        self.verdict[who], self.done[who] = verdict, True
+    def edges(self, who: np.ndarray, start: np.ndarray, bounds: np.ndarray | None = None) -> np.ndarray:
+        """Breaks of the torques of variants from given crank angles on, as for a walk."""
+        own = self.variants.some(who)
+        return np.concatenate(edges_of(own.direction, own.breaks, self.dynamics.cycle, start, bounds))
 
-    def begin_cycles(self, who: np.ndarray) -> None:
-        """Set the first mark of variants that have not yet completed a cycle."""
-        first = who[self.by_speed[who] & (self.mark[who] <= self.dynamics.cycle)]
-        self.mark[first] = self.state.turned[first] + self.dynamics.cycle
-        self.omega_at_mark[first] = self.state.omega[first]
+    def lanes(self, who: np.ndarray, facing: np.ndarray, **others: np.ndarray | float) -> dict[str, np.ndarray | float]:
+        """Numbers of a walk over time from the current states, in the directions faced."""
+        own = {"start": self.start[who], "direction": self.variants.direction[who], "facing": facing}
+        own |= {"clock": self.clock[who] + self.time[who], "tolerance": self.tolerance, "turned": self.turned[who]}
+        return own | others
 
-    def at_mark(self, who: np.ndarray) -> np.ndarray:
-        """Which variants are at their marks, by index."""
-        return who[self.state.turned[who] >= self.mark[who] - AT_MARK * self.dynamics.cycle]
+    def end(self, who: np.ndarray, why: np.ndarray, goal: np.ndarray) -> None:
+        """End the runs whose walks over time met an end of all runs, or turned too far, or can't move on.
+
+        Parameters
+        ----------
+        who : ndarray of int
+        why : ndarray
+            Why their walks ended.
+        goal : ndarray
+            Angle turned up to which they walked [rad].
+        """
+        self.jammed(who[why == Why.LOST])
+        met = (why == Why.OTHER_GOAL) & (goal == self.ends.turned[who])
+        self.done[who[met | np.isin(why, (ABOVE, BELOW))]] = True
+        far = who[np.abs(self.turned[who]) >= self.ends.most_turned[who]]
+        self.give_up(far[~self.done[far]])
+
+    def jammed(self, who: np.ndarray) -> None:
+        """End runs that can't move on; with friction, where no equilibrium exists, reactions are infinite or NaN."""
+        self.give_up(who, Verdict.JAMS if self.dynamics.rubs else Verdict.NOT_FINITE)
+
+    def last_change(self, who: np.ndarray) -> np.ndarray:
+        """Clock time of the last change of a torque by a table over time [s]."""
+        return np.fmax.reduce(self.variants.instants[:, who], axis=0, initial=-np.inf)
 
     def past_tables(self, who: np.ndarray) -> np.ndarray:
         """Whether the last instant is over, after which no table depends on time."""
-        last = np.fmax.reduce(self.variants.instants[:, who], axis=0, initial=-np.inf)
-        return self.clock[who] + self.state.time[who] > last
+        return self.last_change(who) <= (self.clock[who] + self.time[who]) * (1.0 + 1e-15)
 
-    def set_marks(self, who: np.ndarray) -> None:
-        """Set the marks of variants ahead of them, by whole cycles."""
-        behind = np.floor((self.state.turned[who] - self.mark[who]) / self.dynamics.cycle + AT_MARK)
-        self.mark[who] += np.maximum(behind + 1.0, 0.0) * self.dynamics.cycle
+    def never_changes(self, who: np.ndarray) -> np.ndarray:
+        """Whether nothing depends on time any more, and no time ends the run; a formula may change at any time."""
+        return self.past_tables(who) & np.isinf(self.ends.time[who]) & (not self.dynamics.changing)
 
-    def put(self, who: np.ndarray, state: State) -> None:
-        """Store the new state of variants."""
-        for mine, new in zip(self.state, state, strict=True):
-            mine[..., who] = new
-        self.slowest[who] = np.minimum(self.slowest[who], state.omega)
-        self.fastest[who] = np.maximum(self.fastest[who], state.omega)
-        self.covered[0, who] = np.fmin(self.covered[0, who], state.turned)
-        self.covered[1, who] = np.fmax(self.covered[1, who], state.turned)
+    def give_up_endless(self, who: np.ndarray) -> None:
+        """Abandon runs that cannot reach their end unless something changes."""
+        self.give_up(who[~self.done[who] & self.never_changes(who)])
 
-    def part(self, who: np.ndarray) -> State:
-        """State of a subset of the variants."""
-        return State(*(x[..., who] for x in self.state))
+    # Phase curves of an autonomous machine never cross. So a swing that does not exceed the previous one lies within
+    # it, as do all later ones.
 
-    def equation(self, who: np.ndarray) -> EquationOfMotion:
-        """The equation of motion of a subset of the variants."""
-        return EquationOfMotion(self.dynamics, self.variants, self.start, who)
+    def compare_swings(self, rest: np.ndarray) -> None:
+        """Abandon runs of machines that came to rest no farther forwards than at the last swing.
+
+        A run to rest continues as long as its swings decrease.
+        """
+        rest = rest[~self.done[rest] & self.never_changes(rest)]
+        turned, before, same = self.turned[rest], self.farthest_swing[rest], SAME_SWING * self.reach[rest]
+        again = turned <= before + same
+        if self.ends.rest:
+            again &= turned >= before - same
+        self.farthest_swing[rest] = turned
+        self.give_up(rest[again])

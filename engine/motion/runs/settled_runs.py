@@ -6,30 +6,20 @@ settles. If a second motion starts faster, also misses the target and is not fas
 motion for ever.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
-from engine.motion.runs.run_progress import Begin, Progress, RunOutcome, Stepping
+from engine.motion.runs.one_speed_run import OneSpeedRuns
+from engine.motion.runs.run_progress import Standing
+from engine.stepping.records import some
 from engine.words.verdicts import Verdict
 
 # Starting speeds of the second motion, as fractions of the distance to the target speed: the first detects early if
 # there is no other steady motion between, the second if there is a speed from which the machine would stall.
 SHARES = (0.9, 0.1)
 
-Carry = Callable[[Progress], RunOutcome]
 
-
-def pass_mark(runs: Progress, who: np.ndarray, carry: Carry) -> None:
-    """Abandon those of the variants at their marks that never reach their ends.
-
-    Parameters
-    ----------
-    runs : Progress
-    who : ndarray of int
-    carry : callable
-        Integrates runs to their ends.
-    """
+def pass_mark(runs: OneSpeedRuns, who: np.ndarray) -> None:
+    """Abandon those of the variants at their marks that never reach their ends."""
     omega, before = runs.state.omega[who], runs.omega_at_mark[who]
     # A decelerating machine may still stall.
     endless = (omega == before) | ((omega > before) & ~np.isfinite(runs.above[who]))
@@ -38,14 +28,14 @@ def pass_mark(runs: Progress, who: np.ndarray, carry: Carry) -> None:
     power_of_two = runs.marks[who] & (runs.marks[who] - 1) == 0
     doubtful = np.flatnonzero(~endless & np.isfinite(before) & power_of_two)
     if doubtful.size:
-        some, rising = who[doubtful], (omega > before)[doubtful]
-        endless[doubtful] = np.any([_held_back(runs, some, rising, share, carry) for share in SHARES], axis=0)
-    runs.give_up(who[endless], Verdict.NO_END)
+        others, rising = who[doubtful], (omega > before)[doubtful]
+        endless[doubtful] = np.any([_held_back(runs, others, rising, share) for share in SHARES], axis=0)
+    runs.give_up(who[endless])
     runs.omega_at_mark[who] = np.where(runs.past_tables(who), omega, np.nan)
     runs.set_marks(who)
 
 
-def _held_back(runs: Progress, who: np.ndarray, rising: np.ndarray, share: float, carry: Carry) -> np.ndarray:
+def _held_back(runs: OneSpeedRuns, who: np.ndarray, rising: np.ndarray, share: float) -> np.ndarray:
     """Which variants, accelerating or decelerating, never reach their ends, by a second motion ahead by `share`."""
     omega, cycle = runs.state.omega[who], runs.dynamics.cycle
     # Speeds of neighbouring motions stay roughly proportional.
@@ -54,11 +44,14 @@ def _held_back(runs: Progress, who: np.ndarray, rising: np.ndarray, share: float
         rising, runs.above[who] / runs.fastest[who], below / np.where(below > 0.0, runs.slowest[who], 1.0)
     )
     begin = omega * (1.0 + share * (to_end - 1.0))
-    way = runs.variants.direction[who]
-    ends = runs.ends.some(who)._replace(turned=np.full(who.size, cycle), most_turned=np.full(who.size, np.inf))
-    stepping = Stepping(runs.tolerance, runs.over_angle, runs.farthest_step, runs.classical, False)
-    here = runs.start[who] + way * runs.state.turned[who], begin, runs.clock[who] + runs.state.time[who]
-    ahead = Progress(runs.dynamics, runs.variants.some(who), Begin(*here), ends, runs.steps, stepping=stepping)
-    gone = carry(ahead)
-    whole = (gone.verdict == Verdict.OK) & (gone.state.turned >= cycle * (1.0 - 1e-12))
-    return whole & np.where(rising, gone.state.omega <= begin, gone.state.omega >= begin)
+    cycles, never = np.full(who.size, cycle), np.full(who.size, np.inf)
+    ends = some(runs.ends, who)._replace(turned=cycles, most_turned=never)
+    place = runs.start[who] + runs.variants.direction[who] * runs.turned[who]
+    here = Standing(place, begin, runs.clock[who] + runs.time[who], np.zeros(who.size, np.uint8))
+    # The same tolerances and steps as in these runs, also if they are for comparison.
+    own = runs.stepping._replace(tolerance=runs.tolerance, over_angle=runs.over_angle, coarse=False)
+    stepping = own._replace(farthest=runs.farthest_step, extremes=False)
+    ahead = type(runs)(runs.dynamics, runs.variants.some(who), here, ends, runs.steps, stepping)
+    ahead.go_to_end()
+    whole = (ahead.verdict == Verdict.OK) & (ahead.turned >= cycle * (1.0 - 1e-12))
+    return whole & np.where(rising, ahead.omega <= begin, ahead.omega >= begin)

@@ -1,43 +1,38 @@
 """Propagation of errors from a motion's own numbers to its results."""
 
 from collections.abc import Callable
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
+from engine.motion.runs.run_progress import Changed, RunOutcome
+from engine.motion.settled.steady import Steady
 
-class Shiftable(Protocol):
-    """A motion whose numbers can be changed."""
-
-    def shifted(self, by: tuple) -> "Shiftable":
-        """The same with its numbers changed."""
-
-
-Motion = TypeVar("Motion", bound=Shiftable)
+Motion = TypeVar("Motion", RunOutcome, Steady)
+# Fields that don't enter the results.
+SKIPPED = ("verdict", "record", "steep")
 
 
 def spread_errors(
-    motion: Motion, errors: tuple, results_of: Callable[[Motion], dict[str, np.ndarray]]
+    motion: Motion, errors: Changed | Steady, results_of: Callable[[Motion], dict[str, np.ndarray]]
 ) -> dict[str, np.ndarray]:
     """Error estimates of results: the sum of the changes due to the error of each of a motion's own numbers.
 
     Parameters
     ----------
-    motion : with `shifted`
-    errors : named tuple of ndarray
-        Error estimates of its numbers; `works` has one row for each work. `verdict`, `steep` and `record` are skipped.
+    motion : RunOutcome or Steady
+    errors : Changed or Steady
+        Error estimates of its numbers; works have one row each.
     results_of : callable
         Computes the results of a motion.
     """
     known, nothing = results_of(motion), type(errors)(*(np.zeros_like(x) for x in errors))
     off = {name: np.zeros_like(value) for name, value in known.items()}
-    names = [name for name in errors._fields if name not in ("verdict", "works", "record", "steep")]
-    alone = [nothing._replace(**{name: getattr(errors, name)}) for name in names]
-    for i, work in enumerate(errors.works):
-        works = nothing.works.copy()
-        works[i] = work
-        alone.append(nothing._replace(works=works))
-    for change in alone:
-        for name, value in results_of(motion.shifted(change)).items():
-            off[name] += np.abs(value - known[name])
+    for name in errors._fields:
+        rows = getattr(errors, name)
+        for i in np.ndindex(rows.shape[:-1]) if name not in SKIPPED else ():
+            alone = np.zeros_like(rows)
+            alone[i] = rows[i]
+            for result, value in results_of(motion.shifted(nothing._replace(**{name: alone}))).items():
+                off[result] += np.abs(value - known[result])
     return off

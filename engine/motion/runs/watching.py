@@ -3,7 +3,7 @@
 A piece is smooth except where two nodes coincide, on either side of a jump. Observers do not affect the steps.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -44,17 +44,10 @@ class Piece(NamedTuple):
     moment: np.ndarray
     within: "BetweenNodes | None" = None
 
-    def goes_as(self, other: "Piece") -> bool:
-        """Whether variants move in the same directions as on another piece."""
-        return np.array_equal(self.facing, other.facing)
-
-    @staticmethod
-    def in_one(pieces: "Sequence[Piece]") -> "Piece":
-        """Join pieces of the same directions, to evaluate fields at their nodes."""
-        every = ([getattr(piece, name) for piece in pieces] for name in ("time", "turned", "omega", "moment"))
-        time, turned, omega, moment = (np.concatenate(rows) for rows in every)
-        facing = pieces[0].facing
-        return Piece(time, turned, omega, facing, np.empty((0, facing.size)), moment)
+    @property
+    def held(self) -> tuple[np.ndarray, ...]:
+        """What is the same for the whole piece, (variants,) each."""
+        return (self.facing,)
 
 
 class BetweenNodes(NamedTuple):

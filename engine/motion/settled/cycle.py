@@ -9,14 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.running import of_all, over_variants
+from engine.compiling.running import over_variants
 from engine.motion.loads import PairLoads
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.moments.grid import NODES, Grid
 from engine.motion.moments.piecewise import integral, peak_between
 from engine.motion.one_speed import CHANNELS
-from engine.motion.quantities import EFFICIENCY_NOW, INSTANT, Asked
+from engine.motion.quantities import EFFICIENCY_NOW, INSTANT, Asked, FieldAnswers
 from engine.motion.settled.steady import Steady
 
 
@@ -147,29 +147,7 @@ def power_rows(motors: np.ndarray, loads: np.ndarray, heat: np.ndarray | float =
     }
 
 
-class CycleAnswers(NamedTuple):
-    """Requested fields of a cycle (variants, equal steps), and statistics (variants,), by names without the regime's.
-
-    Attributes
-    ----------
-    fields, values : dict of str to ndarray
-    missed : dict of str to ndarray
-        Error estimates due to the behaviour between nodes.
-    scales : dict of str to ndarray
-        Magnitudes to which rounding is relative.
-    """
-
-    fields: dict[str, np.ndarray]
-    values: dict[str, np.ndarray]
-    missed: dict[str, np.ndarray]
-    scales: dict[str, np.ndarray]
-
-    def over_all(self, who: np.ndarray, count: int) -> "CycleAnswers":
-        """Results of some variants expanded to all `count` of them, NaN for the others."""
-        return CycleAnswers(*({key: of_all(row.T, who, count).T for key, row in rows.items()} for rows in self))
-
-
-def answers_of(cycle: Cycle, asked: Iterable[Asked], period: float) -> CycleAnswers:
+def answers_of(cycle: Cycle, asked: Iterable[Asked], period: float) -> FieldAnswers:
     """Requested results of a steady cycle.
 
     Parameters
@@ -179,11 +157,11 @@ def answers_of(cycle: Cycle, asked: Iterable[Asked], period: float) -> CycleAnsw
     period : float
         Period of the crank angle [rad].
     """
-    found = CycleAnswers({}, {}, {}, {})
+    found = FieldAnswers.none()
     known: dict[str, tuple[dict[str, np.ndarray], dict[str, np.ndarray]]] = {}
     for _, name, statistic in asked:
         if not statistic:
-            found.fields[name] = cycle.field(name)
+            found.rows[name] = cycle.field(name)
             continue
         if name not in known:
             known[name] = statistics_of(cycle, name, period)

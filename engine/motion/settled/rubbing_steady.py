@@ -1,11 +1,15 @@
 """Steady running of machines with friction in their pairs: the fixed point of a cycle run in time, by secants."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.quantities import INSTANT
 from engine.motion.runs.run import run_to_end
-from engine.motion.runs.run_progress import Begin, Ends, Progress, RunOutcome
-from engine.motion.runs.watching import Piece, RunFields
+from engine.motion.runs.run_instants import RunInstants
+from engine.motion.runs.run_progress import ADAPTIVE, Ends, RunOutcome, Standing
+from engine.motion.runs.watching import Observer, RunFields
 from engine.motion.settled.steady import Steady, steady_motion
 from engine.words.verdicts import Verdict
 
@@ -97,7 +101,9 @@ def _measured(
     good = np.flatnonzero(verdict == Verdict.OK)
     if good.size:
         part, zero = variants.some(good), np.zeros(good.size)
-        seen = _Nodes(RunFields(dynamics, part, zero, zero, None, frozenset())) if nodes else None
+        along = RunFields(dynamics, part, zero, zero, None, frozenset())
+        names = ("kinetic_energy", INSTANT)
+        seen = RunInstants(along, names, asked[:, good], over_time=False) if nodes else None
         omega = np.sqrt(2.0 * energy[good] / inertia[good])
         outcome = _cycle(dynamics, part, omega, doubtful, [seen] if nodes else [])
         state = outcome.state
@@ -105,9 +111,8 @@ def _measured(
         own = (energy[good], outcome.ended, residual, state.time, outcome.slowest, outcome.fastest, state.squares)
         rows[:, good], works[:, good] = own, state.works
         if nodes:
-            square, time = seen.at(np.ascontiguousarray(asked[:, good]))
-            turning = dynamics.inertia(part, part.direction * asked[:, good])
-            record[0][:, good], record[1][:, good] = 0.5 * turning * square, time
+            seen.finish(outcome)
+            record[:2, :, good] = [seen.rows[name].T for name in names]
     begun, ended, residual, period, slowest, fastest, squares = rows
     multiplier = np.where(verdict == Verdict.OK, multiplier, np.nan)
     fluctuation = 2.0 * (fastest - slowest) / (fastest + slowest)
@@ -116,44 +121,10 @@ def _measured(
 
 
 def _cycle(
-    dynamics: Dynamics, variants: Variants, omega: np.ndarray, doubtful: bool, observers: "list[_Nodes] | None" = None
+    dynamics: Dynamics, variants: Variants, omega: np.ndarray, doubtful: bool, observers: Sequence[Observer] = ()
 ) -> RunOutcome:
     """A cycle from a given speed at φ = 0."""
-    zero, never = np.zeros(variants.count), np.full(variants.count, np.inf)
-    ends = Ends(np.full(variants.count, dynamics.cycle), never, never, False, never)
-    return run_to_end(Progress(dynamics, variants, Begin(zero, omega, zero), ends, STEPS, doubtful, observers or ()))
-
-
-class _Nodes:
-    """Stores squared speed and time at the nodes of a cycle, for interpolation at any angle."""
-
-    def __init__(self, along: RunFields) -> None:
-        self.along = along
-        self._kept: list[list[np.ndarray]] = [[] for _ in range(along.variants.count)]
-
-    def see(self, who: np.ndarray, piece: Piece) -> None:
-        """Store angle, speed, acceleration and time at the nodes of a piece."""
-        epsilon = self.along(who, piece)["acceleration"] * self.along.variants.direction[who]
-        rows = np.stack((piece.turned, piece.omega, epsilon, piece.time))
-        for column, v in enumerate(who):
-            self._kept[v].append(rows[:, :, column])
-
-    def at(self, asked: np.ndarray) -> np.ndarray:
-        """Squared speed and time at angles turned (angles, variants), by cubics between nodes, (2, angles, …)."""
-        found = np.empty((2, *asked.shape))
-        for v, pieces in enumerate(self._kept):
-            turned, omega, epsilon, time = np.concatenate(pieces, axis=1)
-            k = np.clip(np.searchsorted(turned, asked[:, v], side="right") - 1, 0, turned.size - 2)
-            h = turned[k + 1] - turned[k]
-            share = np.clip(np.where(h > 0.0, (asked[:, v] - turned[k]) / h, 1.0), 0.0, 1.0)
-            for row, (value, slope) in enumerate(((omega * omega, 2.0 * epsilon), (time, 1.0 / omega))):
-                found[row, :, v] = _hermite(share, h, value[k], value[k + 1], slope[k], slope[k + 1])
-        return found
-
-
-def _hermite(
-    share: np.ndarray, h: np.ndarray, near: np.ndarray, far: np.ndarray, leaves: np.ndarray, comes: np.ndarray
-) -> np.ndarray:
-    """The cubic with given values and slopes at both ends, at a fraction `share` of the interval."""
-    chord, rest = far - near, 1.0 - share
-    return near + share * chord + share * rest * (rest * (h * leaves - chord) - share * (h * comes - chord))
+    zero = np.zeros(variants.count)
+    ends = Ends.never(variants.count, turned=np.full(variants.count, dynamics.cycle))
+    begin, stepping = Standing(zero, omega, zero, zero.astype(np.uint8)), ADAPTIVE._replace(coarse=doubtful)
+    return run_to_end(dynamics, variants, begin, ends, STEPS, stepping, observers)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from motion_scenes import INERTIA, ask, dc_moment, pendulum, reduced, rotor, run, slider_crank, steady
+from motion_scenes import BY_ANGLE, INERTIA, ask, dc_moment, pendulum, reduced, rotor, run, slider_crank, steady
 from scipy.integrate import solve_ivp
 
 from engine import AskError, Machine, Scene, SceneError
@@ -199,6 +199,17 @@ def test_jump__the_row_on_it_is_that_after_it():
 
 
 # Variants
+
+
+def test_jump_at_the_end__the_row_there_is_that_before_it():
+    """A run over time from the jump of a moment, a whole turn to that jump: its speed is that of the moment's work."""
+    go = run("by_angle nothing", from_speed=5.0, from_angle=1.0, cycles=1.0, at={"angles": [2.0 * math.pi]})
+    rows, found = kept(rotor({"go": go}), "instant")
+    angles, moments = BY_ANGLE
+    work = sum(0.5 * (moments[i] + moments[i + 1]) * (angles[i + 1] - angles[i]) for i in range(len(angles) - 1))
+    assert rows["speed"][0] == pytest.approx(math.sqrt(25.0 + 2.0 * work / INERTIA), rel=1e-9)
+    assert rows["load_moment"][0] == pytest.approx(2.0, rel=1e-9)
+    assert rows["instant"][0] == pytest.approx(found["go.time"], rel=1e-12)
 
 
 def test_variants__as_many_instants_in_a_piece_as_there_are_variants_may_all_be_of_one():

@@ -44,8 +44,8 @@ def test_error_figures__hold_for_nearly_all_of_200_random_machines(monkeypatch):
     machines = random_machines(200, 7)
     scene = slider_crank(REGIMES)
     found = ask(scene, " ".join(NAMES), 120, varied=machines)
-    monkeypatch.setattr("engine.motion.regimes_in_order.RUN_TOLERANCE", 1e-13)
-    monkeypatch.setattr("engine.motion.regimes_in_order.TOLERANCE", 1e-12)
+    monkeypatch.setattr("engine.motion.asked_regimes.RUN_TOLERANCE", 1e-13)
+    monkeypatch.setattr("engine.motion.asked_regimes.TOLERANCE", 1e-12)
     exact = ask(scene, " ".join(NAMES), 120, varied=machines)
     sound = np.array([a == b == Verdict.OK for a, b in zip(found.status, exact.status, strict=True)])
     assert sound.mean() > 0.95
@@ -76,7 +76,7 @@ def test_figures_of_runs_that_forget__cover_what_their_last_steps_miss(monkeypat
     }
     scene = slider_crank({"go": run("induction cut gravity", from_speed=25.0, cycles=1.6)}, flywheel=0.0)
     found = ask(scene, "go.final_speed", 120, varied=machines)
-    monkeypatch.setattr("engine.motion.regimes_in_order.RUN_TOLERANCE", 1e-14)
+    monkeypatch.setattr("engine.motion.asked_regimes.RUN_TOLERANCE", 1e-14)
     exact = ask(scene, "go.final_speed", 120, varied=machines).values["go.final_speed"]
     assert set(found.status) == {Verdict.OK}
     value, figure = found.values["go.final_speed"], found.errors["go.final_speed"]
@@ -94,7 +94,7 @@ def test_errors_carried_along__cover_what_the_ends_of_runs_miss(end, monkeypatch
     names = "time angle final_speed motor_moment_rms energy_change motor_work useful_work harmful_work motor_power"
     asked, scene = " ".join(f"go.{name}" for name in names.split()), slider_crank(regimes)
     exact = ask(scene, asked, 120, varied=machines)
-    monkeypatch.setattr("engine.motion.regimes_in_order.RUN_TOLERANCE", 1e-4)
+    monkeypatch.setattr("engine.motion.asked_regimes.RUN_TOLERANCE", 1e-4)
     rough = ask(scene, asked, 120, varied=machines)
     sound = np.array([verdict == Verdict.OK for verdict in rough.status])
     # Not all of them slow down to that speed.
@@ -152,7 +152,7 @@ def test_extremes_of_steady_motion_with_steep_motors__as_with_shorter_steps(monk
     scene = slider_crank({"on": steady("induction by_angle gravity")}, flywheel=0.0)
     names = ["on.speed_min", "on.speed_max"]
     found = ask(scene, " ".join(names), 120, varied=machines)
-    monkeypatch.setattr("engine.motion.regimes_in_order.TOLERANCE", 1e-13)
+    monkeypatch.setattr("engine.motion.asked_regimes.TOLERANCE", 1e-13)
     exact = ask(scene, " ".join(names), 120, varied=machines)
     assert found.status == exact.status
     sound = np.array([status == Verdict.OK for status in found.status])

@@ -64,7 +64,7 @@ def steps_and_errors(name: str, more: str, monkeypatch: pytest.MonkeyPatch) -> d
     """Relative errors by tolerance, within their figures."""
     errors = {"omega": [], "time": []}
     for tolerance in TOLERANCES:
-        monkeypatch.setattr("engine.motion.regimes_in_order.RUN_TOLERANCE", tolerance)
+        monkeypatch.setattr("engine.motion.asked_regimes.RUN_TOLERANCE", tolerance)
         found = three_turns(name, 120, more)
         for key, seen in errors.items():
             true = float(REFERENCE[name][key])

@@ -1,0 +1,49 @@
+"""Records of arrays whose last axis counts the variants: subsets of the variants, and results scattered over all."""
+
+from collections.abc import Callable
+from typing import TypeVar
+
+import numpy as np
+
+from engine.words.verdicts import Verdict
+
+Record = TypeVar("Record")
+
+
+def on_arrays(change: Callable[..., np.ndarray], *records: Record) -> Record:
+    """Apply a function to the arrays of records of one type, at any depth; all else is kept from the first record."""
+    first = records[0]
+    if isinstance(first, np.ndarray):
+        return change(*records)
+    if isinstance(first, dict):
+        return {key: on_arrays(change, *(record[key] for record in records)) for key in first}
+    if isinstance(first, tuple):
+        return type(first)(*(on_arrays(change, *parts) for parts in zip(*records, strict=True)))
+    return first
+
+
+def some(record: Record, chosen: np.ndarray) -> Record:
+    """A subset of the variants, by index."""
+    return on_arrays(lambda row: row[..., chosen], record)
+
+
+def over_all(record: Record, who: np.ndarray, count: int) -> Record:
+    """Results of the variants `who` among all `count` of them; verdicts of the others are OK, their numbers NaN."""
+
+    def spread(row: np.ndarray) -> np.ndarray:
+        others, kind = (Verdict.OK, np.uint8) if row.dtype == np.uint8 else (np.nan, float)
+        whole = np.full((*row.shape[:-1], count), others, kind)
+        whole[..., who] = row
+        return whole
+
+    return on_arrays(spread, record)
+
+
+def put(record: Record, who: np.ndarray, others: Record) -> None:
+    """Replace the numbers of the variants `who`, in place."""
+
+    def replace(row: np.ndarray, new: np.ndarray) -> np.ndarray:
+        row[..., who] = new
+        return row
+
+    on_arrays(replace, record, others)
