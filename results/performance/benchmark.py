@@ -1,4 +1,4 @@
-"""Speed and error of the engine against hand-written C++, what compiling and starting cost; writes performance.md.
+"""Speed and error of the engine against hand-written C++; writes performance.md.
 
     python results/performance/benchmark.py
     python results/performance/benchmark.py --before ../version-0.1
@@ -32,7 +32,7 @@ os.environ["OMP_WAIT_POLICY"] = "passive"
 import numpy as np
 from machines import BASELINE_PATHS, CASES, all_numbers, sample
 
-from engine import Machine, Scene, scene_numbers
+from engine import Machine, scene_numbers
 
 HERE = Path(__file__).parent
 # As many variants as `sweeps run` evaluates at once.
@@ -219,31 +219,6 @@ def race_reactions(baseline: ctypes.CDLL) -> Contest:
 # What runs in a child of its own: `--child WORD …` prints what it measured
 
 
-def rubbing(scene: Scene) -> Scene:
-    """The machine with friction in the inner pair and in that of its output."""
-    pairs = {"g.inner": {"diameter": 0.02}, "g.first": {"diameter": 0.02}}
-    friction = {f"f{i}": {"pair": pair, "coefficient": 0.08, **size} for i, (pair, size) in enumerate(pairs.items())}
-    return Scene.model_validate({**scene.model_dump(exclude_unset=True), "friction": friction})
-
-
-def compiled(name: str, *more: str) -> Machine:
-    """A machine of the benchmark for a flywheel study, with reactions too, with friction too."""
-    scene = rubbing(CASES[name].scene) if "friction" in more else CASES[name].scene
-    names = asked(name)
-    if "reactions" in more:
-        names += [f"{pair}.reaction.max" for pair in ("input", "g.first", "g.inner", "g.second")]
-    if "friction" in more:
-        names += ["friction_loss", "mechanical_efficiency", "jamming_margin"]
-    return Machine(scene, names)
-
-
-def child_compile(*words: str) -> float:
-    """Processor seconds until a machine has evaluated its first variant."""
-    begin = time.process_time()
-    compiled(*words).evaluate({})
-    return time.process_time() - begin
-
-
 def child_study(name: str) -> dict[str, float]:
     """A bundled study: processor time of a variant [µs], and until the first [s]; in version 0.1 too."""
     import sweeps
@@ -289,14 +264,12 @@ def child_memory() -> list[float]:
     return [seconds, before / 1024, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024]
 
 
-CHILDREN = {"compile": child_compile, "study": child_study, "memory": child_memory}
+CHILDREN = {"study": child_study, "memory": child_memory}
 
 
-def in_child(*words: str, cache: str | None = None, sources: Path | None = None) -> object:
-    """What a child measures, with a kernel cache or sources of its own."""
+def in_child(*words: str, sources: Path | None = None) -> object:
+    """What a child measures, with sources of its own."""
     environment = dict(os.environ)
-    if cache:
-        environment["XDG_CACHE_HOME"] = cache
     root = (sources or HERE.parents[1]).resolve()
     environment["PYTHONPATH"] = str(root)
     command = [sys.executable, str(HERE / "benchmark.py"), "--child", *words]
@@ -306,57 +279,11 @@ def in_child(*words: str, cache: str | None = None, sources: Path | None = None)
     return json.loads(done.stdout.splitlines()[-1])
 
 
-def processor_time(command: list[str]) -> float:
-    """Processor seconds of a command, the median of several."""
-    times = []
-    for _ in range(5):
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        subprocess.run(command, capture_output=True, check=True)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        times.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
-    return float(np.median(times))
-
-
 # The report
 
 
 def title(name: str) -> str:
     return name.replace("_", "-")
-
-
-def compile_lines() -> list[str]:
-    """What is compiled once for an installation, and for a new structure."""
-    lines = ["| first variant of | processor time [s] |", "|---|---|"]
-
-    def measure(label: str, folder: str, *words: str) -> None:
-        lines.append(f"| {label} | {in_child('compile', *words, cache=folder):.1f} |")
-        print(lines[-1], flush=True)
-
-    with tempfile.TemporaryDirectory() as folder:
-        measure("the first machine of an installation: press, flywheel study", folder, "press")
-        measure("the same again, in a new process", folder, "press")
-        measure("a new structure, flywheel study: four-bar", folder, "four_bar")
-        measure("a new structure, flywheel study: six-bar", folder, "six_bar")
-        measure("four-bar with reactions, for the first time", folder, "four_bar", "reactions")
-        measure("six-bar with reactions", folder, "six_bar", "reactions")
-        measure("four-bar with reactions and friction, for the first time", folder, "four_bar", "reactions", "friction")
-        measure("six-bar with reactions and friction", folder, "six_bar", "reactions", "friction")
-    return [*lines, ""]
-
-
-def start_lines() -> list[str]:
-    """What starting costs."""
-    python = [sys.executable, "-c"]
-    sweeps = [sys.executable, "-m", "sweeps"]
-    commands = {
-        "`python -c pass`": [*python, "pass"],
-        "`import engine`": [*python, "import engine"],
-        "`from engine import Machine`": [*python, "from engine import Machine"],
-        "`sweeps --help`": [*sweeps, "--help"],
-        "`sweeps list`": [*sweeps, "list"],
-    }
-    lines = ["| | processor time [s] |", "|---|---|"]
-    return [*lines, *(f"| {label} | {processor_time(command):.2f} |" for label, command in commands.items()), ""]
 
 
 def before_lines(before: Path | None) -> list[str]:
@@ -443,12 +370,6 @@ def report(before: Path | None) -> str:
     lines += ["", f"| fields | {head}", "|---|---|---|---|---|", *(race.row() for race in fields), ""]
     lines += ["The engine's times hold the evaluation of each variant's cycle, from which its verdict follows:", cycles]
     lines += ["for I, dI/dφ and M. The C++ judges nothing and checks nothing.", ""]
-    lines += [
-        "## Compiling",
-        "",
-        "Each in a process of its own, one after another, with a kernel cache that was empty at first.",
-    ]
-    lines += ["", *compile_lines(), "## Starting", "", "Medians of five.", "", *start_lines()]
     lines += ["## Bundled studies", "", STUDY_TEXT, "", *before_lines(before), "## Memory", ""]
     seconds, first, peak = in_child("memory")
     text = (
