@@ -201,7 +201,7 @@ def move_to_dips(function: int, samples: Samples, moved: Row) -> bool:
     bool
         Whether any position moved.
     """
-    q, any_moved = in_lanes(samples.place[0]), 0.0
+    q, any_moved = in_lanes(samples.place[0]), False
     values, slopes = in_lanes(samples.tile[2 * function]), in_lanes(samples.tile[2 * function + 1])
     for lane in range(LANES):
         moved[lane] = 0.0
@@ -218,8 +218,8 @@ def move_to_dips(function: int, samples: Samples, moved: Row) -> bool:
             moves = (low > 0.0) & (high > 0.0) & ((before >= 0.0) | (after >= 0.0))
             q[k, lane] += move if moves else 0.0
             moved[lane] = 1.0 if moves else 0.0
-            any_moved += moved[lane]
-    return any_moved > 0.0
+        any_moved |= any_positive(moved)
+    return any_moved
 
 
 @routine
