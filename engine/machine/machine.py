@@ -12,7 +12,7 @@ from engine.compiling.threads import on_all_threads, threads
 from engine.compiling.widths import LANES
 from engine.cycle.measured import UNKNOWN_ROOT, Measured
 from engine.elements.element import Rank
-from engine.graph.nodes import Found, Node, reached
+from engine.graph.nodes import Found, Node, Return, reached
 from engine.machine.checks import (
     allowed_share,
     check_names,
@@ -315,6 +315,11 @@ class Machine:
         kept = [field_node(c) for c in self._kept_curves.values()]
         return Measuring(self.mechanics, expressions, kept, followed, grid, self.accuracy, self._moving)
 
+    @cached_property
+    def _closing(self) -> list[Return]:
+        """Conditions on which the cycle closes."""
+        return self.mechanics.closing([*self._measuring.curves, *self._moving])
+
     @property
     def _moving(self) -> list[Node]:
         """Position-dependent nodes required by regimes and elastic drives."""
@@ -382,7 +387,7 @@ class Machine:
         """
         arrays, status = given_numbers(self._limits, self.varied, varied, drop)
         variants, whole = status.size, Numbers(self._limits, arrays)
-        closes = self.mechanics.closes(whole, [*self._measuring.curves, *self._moving])
+        closes = self.mechanics.closes(whole, self._closing)
         status[(status == Verdict.OK) & ~np.asarray(closes)] = Verdict.DOES_NOT_CLOSE
         keep = np.flatnonzero(status == Verdict.OK)
         room = front_of(self.new_buffer(variants) if buffer is None else buffer, variants)

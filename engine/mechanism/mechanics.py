@@ -94,20 +94,25 @@ class Mechanics:
 
     # Whether the cycle closes
 
-    def closes(self, numbers: Mapping[str, float | np.ndarray], nodes: Iterable[Node] = ()) -> bool | np.ndarray:
-        """Whether all parts, and the given nodes, return to their initial positions and values after a cycle.
+    def closing(self, nodes: Iterable[Node]) -> list[Return]:
+        """Conditions on which all parts, and the given nodes, return to their initial values after a cycle."""
+        return list(dict.fromkeys([*self._returns, *self.graph.returns_behind(nodes)]))
+
+    @staticmethod
+    def closes(numbers: Mapping[str, float | np.ndarray], conditions: Iterable[Return]) -> bool | np.ndarray:
+        """Whether conditions of `closing` hold.
 
         Parameters
         ----------
         numbers : mapping of path to float or ndarray (variants,)
-        nodes : iterable of Node
+        conditions : iterable of Return
 
         Returns
         -------
         bool or ndarray (variants,) of bool
         """
         closed: bool | np.ndarray = True
-        for condition in dict.fromkeys([*self._returns, *self.graph.returns_behind(nodes)]):
+        for condition in conditions:
             closed = closed & _holds(condition, value_of(condition.turns, numbers))
         return closed
 

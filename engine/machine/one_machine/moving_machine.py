@@ -332,7 +332,7 @@ class MovingMachine:
     def _verdict(self, nodes: Iterable[Node]) -> Verdict:
         """OK if the nodes are defined at all examined positions of the cycle, else the reason."""
         m, of, nodes = self.mechanics, self._variant, list(nodes)
-        if self._given != Verdict.OK or not m.closes(self.numbers, nodes):
+        if self._given != Verdict.OK or not m.closes(self.numbers, m.closing(nodes)):
             return Verdict(self._given or Verdict.DOES_NOT_CLOSE)
         margins = [*margins_against_jamming(m, nodes), *margins_at_cams(m, nodes)]
         groups = taking_part(m, [*nodes, *(margin.curve for margin in margins)])
