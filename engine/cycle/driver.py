@@ -43,7 +43,7 @@ from engine.cycle.measures.magnitudes import Parts, integrate_roots
 from engine.cycle.measures.spaced import fill_spaced
 from engine.cycle.measures.unloaded_arcs import Stretches, find_unloaded_arcs
 from engine.cycle.measures.works import WorkSums, add_work
-from engine.cycle.panels.chebyshev import MIDDLE, POSITIONS
+from engine.cycle.panels.chebyshev import POSITIONS
 from engine.cycle.panels.directions import change_by_rounding, panel_positions
 from engine.cycle.panels.integrals import IntegralRows, add_panels
 from engine.cycle.panels.lanes import Panels, any_positive, fill, in_panels, many, new_record, one, rows, tiles
@@ -123,6 +123,7 @@ class Task(NamedTuple):
     arcs: np.ndarray
     spaced: np.ndarray
     intervals: int
+    degree: int
     tolerance: np.ndarray
     only_integrals: np.ndarray
     longest: float
@@ -274,18 +275,18 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
         search=search,
         ends=new_record(SpeedEnds),
         parts=new_record(Parts, edges=1),
-        record=room_for(task.kept.size + len(task.works) + len(task.angles) + task.speeds.size, steps),
+        record=room_for(task.kept.size + len(task.works) + len(task.angles) + task.speeds.size, steps, task.degree),
     )
 
 
 @routine
-def mark_broken(curves: int, tile: Panels, q: Rows, walk: Walk, broken_at: Row) -> None:
+def mark_broken(curves: int, degree: int, tile: Panels, q: Rows, walk: Walk, broken_at: Row) -> None:
     """Record the first position at which a curve is NaN or infinite, in lanes that have none yet."""
     for lane in range(LANES):
         if walk.accepted[lane] == 0.0 or not math.isnan(broken_at[lane]):
             continue
-        for i in range(POSITIONS):
-            j = POSITIONS - 1 - i
+        for i in range(degree + 1):
+            j = degree - i
             for c in range(curves):
                 if not abs(tile[c, j, lane]) < math.inf:
                     broken_at[lane] = q[j, lane]
@@ -365,41 +366,43 @@ def cut(functions: MachineFunctions, task: Task, given: GivenNumbers, work: Work
 @routine
 def follow(functions: MachineFunctions, task: Task, given: GivenNumbers, edges: int, work: Workspace) -> bool:
     """Walk over each lane's range, integrate and keep curves; returns False if the record has no room for a step."""
-    count, kept, walk, record, place = task.tolerance.shape[0], task.kept.shape[0], work.walk, work.record, work.place
+    count, kept, degree = task.tolerance.shape[0], task.kept.shape[0], task.degree
+    walk, record, place, middle = work.walk, work.record, work.place, task.degree // 2
     block, tile, figures, scales = in_lanes(given.block), in_panels(work.tile), work.figures, work.scales
     q, cos_q, sin_q = in_lanes(place[0]), in_lanes(place[1]), in_lanes(place[2])
     any_lost = any_positive(work.too_many)
     while next_panels(work.edges, edges, walk):
-        panel_positions(walk.middle, walk.half, q, cos_q, sin_q)
+        panel_positions(walk.middle, walk.half, degree, q, cos_q, sin_q)
         if task.states.shape[0] > 0:
-            middle_q, middle_cos = place[0, MIDDLE : MIDDLE + 1], place[1, MIDDLE : MIDDLE + 1]
-            middle_sin = place[2, MIDDLE : MIDDLE + 1]
+            middle_q, middle_cos = place[0, middle : middle + 1], place[1, middle : middle + 1]
+            middle_sin = place[2, middle : middle + 1]
             functions.states(given.block, given.tables, middle_q, middle_cos, middle_sin, work.state_tile)
             copy_rows(in_lanes(work.state_tile), task.states, block)
-        functions.curves(given.block, given.tables, place[0], place[1], place[2], work.tile)
+        rows_q, rows_cos, rows_sin = place[0, : degree + 1], place[1, : degree + 1], place[2, : degree + 1]
+        functions.curves(given.block, given.tables, rows_q, rows_cos, rows_sin, work.tile)
         if any_lost:
             spoil(count, work.too_many, tile)
         broken = False
         for c in range(count):
-            panel_figures(tile[c], work.search.zero, figures[c])
-            note_rounding(tile[c], scales[c], walk)
+            panel_figures(tile[c], degree, work.search.zero, figures[c])
+            note_rounding(tile[c], degree, scales[c], walk)
             broken |= compare_with_tolerance(figures[c], task.tolerance[c], task.only_integrals[c], scales[c], walk)
         for k in range(task.rooted.shape[0]):
             c = task.rooted[k]
-            compare_root(tile[c], figures[c], task.tolerance[c], scales[c], walk)
+            compare_root(tile[c], degree, figures[c], task.tolerance[c], scales[c], walk)
         for k in range(task.kinks.shape[0]):
-            find_kink(tile[task.kinks[k]], walk)
-        if not judge(task.longest, walk):
+            find_kink(tile[task.kinks[k]], degree, walk)
+        if not judge(task.longest, degree, walk):
             continue
         if broken:
-            mark_broken(count, tile, q, walk, work.broken_at)
+            mark_broken(count, degree, tile, q, walk, work.broken_at)
         # Kinks are located only as closely as panels require. Where one is left inside, estimate errors as for a kink.
         if any_positive(walk.bent):
             for c in range(count):
-                panel_figures(tile[c], walk.bent, figures[c])
+                panel_figures(tile[c], degree, walk.bent, figures[c])
         for k in range(task.integrals.shape[0]):
             c = task.integrals[k]
-            add_panels(tile[c], figures[c], walk, work.integrals[k])
+            add_panels(tile[c], degree, figures[c], walk, work.integrals[k])
         if kept > 0:
             step = record.steps[0]
             if step == record.most_steps:

@@ -44,9 +44,11 @@ from engine.cycle.measures.averages import Averages
 from engine.cycle.measures.extremes import BOTH, ExtremeRows
 from engine.cycle.measures.fluctuation import Fluctuation
 from engine.cycle.measures.unloaded_arcs import Arc, new_stretches
+from engine.cycle.panels.chebyshev import DEGREE
 
-# Fields that are equal in a plan and its task.
+# Fields that are equal in a plan and its task: as arrays, and as they are.
 _SHARED = ("ends", "levels", "states", "cuts", "kinks", "integrals", "rooted", "speeds")
+_SAME = ("scan", "looks", "intervals", "degree", "longest", "period", "turn")
 # Initial room for steps of the walk, plus two for each crossing; blocks that need more are evaluated again.
 _STEPS = 24
 # Doublings of the scan positions and of the room for roots, after which a variant that needs more has no results.
@@ -106,6 +108,8 @@ class Plan:
         Number of intervals into which those positions divide the range, and number of positions.
     arcs : sequence of tuples
         Curves with the components and the squared magnitudes of forces whose unloaded arcs are wanted.
+    degree : int
+        Degree of the panels: DEGREE, or COARSE if little accuracy is requested.
     tolerance : float or sequence of float
         Admissible remainder of each curve beyond its series, relative to its maximum magnitude.
     longest : float
@@ -144,6 +148,7 @@ class Plan:
     intervals: int = 1
     positions: int = 0
     arcs: Sequence[tuple[int, int, int]] = ()
+    degree: int = DEGREE
     tolerance: float | Sequence[float] = 1e-10
     longest: float = 1.26
     period: float = math.inf
@@ -327,7 +332,7 @@ class CycleMachine:
         same = {name: _integers(getattr(plan, name)) for name in _SHARED}
         task = Task(
             **same,
-            **{name: getattr(plan, name) for name in ("scan", "looks", "intervals", "longest", "period", "turn")},
+            **{name: getattr(plan, name) for name in _SAME},
             landmarks=_integers(plan.landmarks, 4),
             crossings=np.array(plan.crossings, float).reshape(-1, 3),
             most_roots=MOST_ROOTS * plan.turns,

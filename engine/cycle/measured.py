@@ -33,7 +33,8 @@ class Measured:
     __array_ufunc__ = None
 
     def __init__(self, value: object, error: object = 0.0) -> None:
-        self.value = np.asarray(value, dtype=complex if np.iscomplexobj(value) else float)
+        value = np.asarray(value)
+        self.value = value.astype(complex if value.dtype.kind == "c" else float, copy=False)
         error = np.asarray(error, dtype=float)
         self.error = error if error.shape == self.value.shape else np.broadcast_to(error, self.value.shape)
 

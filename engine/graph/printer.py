@@ -245,8 +245,8 @@ def in_lanes(
     stage : Stage
         Stage of the outputs; nodes that change less often are read from P.
     positions : int or None
-        Number of positions of the tile. A constant lets compilers infer that the tile's rows don't overlap. If None,
-        the number varies, and rows are copied from an array where the compiler can infer it.
+        Room of the tile for positions. A constant lets compilers infer that the tile's rows don't overlap. If None,
+        the room varies, and rows are copied from an array where the compiler can infer it.
     inline_held : bool
         Whether held nodes are computed at each position instead of being read from P.
 
@@ -273,7 +273,7 @@ def in_lanes(
         at = [f"{which} = {which}_row[l]" for which in used]
     else:
         lines += ["    t = tile.ravel()", *(f"    {which}_at = {which}.ravel()" for which in used)]
-        lines += [f"    for k in range({positions}):"]
+        lines += [f"    for k in range({'q.shape[0]' if positions > 1 else 1}):"]
         at = [f"i = k * {LANES} + l", *(f"{which} = {which}_at[i]" for which in used)]
     if looked_up:
         first = [*at, *(f"{text} = p[{rows[n] * LANES} + l]" for n, text in before.reads.items())]

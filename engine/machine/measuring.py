@@ -16,6 +16,7 @@ from engine.compiling.printed import load_printed
 from engine.cycle import machine as cycle
 from engine.cycle.measured import Measured, maximum, where
 from engine.cycle.measures.extremes import BOTH, EACH_TURN, GREATEST, LEAST, LEAST_MAGNITUDE
+from engine.cycle.panels.chebyshev import COARSE, DEGREE
 from engine.graph.functions import Functions, functions_of
 from engine.graph.nodes import Constant, Node, Stage, reached
 from engine.laws.rounding import EPS
@@ -62,6 +63,8 @@ NEGLIGIBLE = 1e-9
 SCANNED, SCANNED_PER_TURN = 36, 18
 # Requested accuracy from which panels of a quarter turn are tried: they usually suffice.
 COARSELY = 1e-4
+# Requested accuracy from which a cycle with cuts has panels of lower degree: its pieces are short.
+VERY_COARSELY = 1e-3
 # Tolerance of curves for which panels are not refined.
 ANY = 1e30
 
@@ -188,6 +191,7 @@ class Measuring:
         # An extreme that lasts, as in a cam's dwell, has no definite position: its error estimate covers the dwell.
         closes = self.mechanics.has_cycle and not self.mechanics.scene.cams
         turns = getattr(self.mechanics.scene.input, "revolutions", 1)
+        share = 0.0 if accuracy is None else accuracy
         self.plan = cycle.Plan(
             ends=(row[self.mechanics.first], row[self.mechanics.last]),
             curves=len(curve),
@@ -211,12 +215,13 @@ class Measuring:
             spaced=[self._place_of(s) for s in self._spaced],
             scan=SCANNED + SCANNED_PER_TURN * max(0, turns - 2),
             turns=turns,
-            longest=0.25 * FULL_TURN if accuracy is not None and accuracy >= COARSELY else cycle.Plan.longest,
+            longest=0.25 * FULL_TURN if share >= COARSELY else cycle.Plan.longest,
             period=FULL_TURN * self.mechanics.scene.input.revolutions if closes else math.inf,
             turn=FULL_TURN if closes else math.inf,
             intervals=self._grid[0],
             positions=self._grid[1],
             arcs=[(curve[force.x], curve[force.y], curve[square]) for force, square in self._arcs],
+            degree=COARSE if share >= VERY_COARSELY and (f.crossings or self._kinks) else DEGREE,
             tolerance=[self._tolerance(c, accuracy, unresolved) for c in curve],
         )
 
@@ -254,7 +259,7 @@ class Measuring:
             return ANY
         if accuracy is None and any(m.curve is curve and m.verdict == Verdict.JAMS for m in self.margins):
             return LOOSELY
-        asked = CLOSELY if accuracy is None else min(1e-2 * accuracy, 1e-4)
+        asked = CLOSELY if accuracy is None else 1e-2 * accuracy
         finest = FINELY if self._asked or self._followed else CLOSELY
         return min(asked, max(finest, asked / FINER)) if curve in self._sines else asked
 

@@ -356,17 +356,18 @@ class Evaluation:
 
     def __init__(self, measured: Callable[[Measurement], Measured]) -> None:
         self._measured = measured
-        self._known: dict[int, Measured] = {}
+        self._known: dict[Measurement | int, Measured] = {}
 
     def __call__(self, expression: Expression) -> Measured:
         """Value and error estimate of an expression."""
         if isinstance(expression, Exactly):
             return Measured(expression.value)
-        if isinstance(expression, Measurement):
-            return self._measured(expression)
-        if id(expression) not in self._known:
-            self._known[id(expression)] = expression.does(*(self(o) for o in expression.operands))
-        return self._known[id(expression)]
+        measures = isinstance(expression, Measurement)
+        key = expression if measures else id(expression)
+        if key not in self._known:
+            known = self._measured(expression) if measures else expression.does(*map(self, expression.operands))
+            self._known[key] = known
+        return self._known[key]
 
 
 FULL_TURN = 2.0 * math.pi

@@ -12,7 +12,7 @@ import numpy as np
 from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.widths import LANES
-from engine.cycle.panels.chebyshev import PLACES, POSITIONS
+from engine.cycle.panels.chebyshev import DEGREE, PLACES
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.record import Record, keep_derived, known_slot
 from engine.cycle.panels.series import TINY, larger, series_at, smaller
@@ -101,11 +101,11 @@ def turn_to(x: float, y: float, x_after: float, y_after: float) -> float:
 
 
 @routine
-def _follow(of_x: Rows, of_y: Rows, half: Row, angle: Rows, state: FollowedAngle) -> None:
+def _follow(of_x: Rows, of_y: Rows, degree: int, half: Row, angle: Rows, state: FollowedAngle) -> None:
     """Compute the angles at the positions of a step; lanes without a panel keep theirs."""
     for lane in range(LANES):
         state.shortest[lane], state.sharpest[lane] = np.inf, 0.0
-    for j in range(POSITIONS):
+    for j in range(degree + 1):
         for lane in range(LANES):
             x, y, x_before, y_before = of_x[j, lane], of_y[j, lane], state.x[lane], state.y[lane]
             reached, shortest, size = state.reached[lane], state.shortest[lane], np.sqrt(x * x + y * y)
@@ -123,14 +123,16 @@ def _follow(of_x: Rows, of_y: Rows, half: Row, angle: Rows, state: FollowedAngle
 
 
 @routine
-def _pass_dips(vector: VectorSeries, of_x: Rows, of_y: Rows, angle: Rows, state: FollowedAngle) -> None:
+def _pass_dips(vector: VectorSeries, of_x: Rows, of_y: Rows, degree: int, angle: Rows, state: FollowedAngle) -> None:
     """Correct a lane's angles in a panel where the vector passes zero on the other side between two positions."""
-    lane, shift = vector.lane, 0.0
-    for j in range(1, POSITIONS):
+    lane, shift, stride = vector.lane, 0.0, DEGREE // degree
+    for j in range(1, degree + 1):
         x, y, x_after, y_after = of_x[j - 1, lane], of_y[j - 1, lane], of_x[j, lane], of_y[j, lane]
         turned = turn_to(x, y, x_after, y_after)
         if abs(turned) > SHARP:
-            dip_x, dip_y, _, _ = vector_at(vector, place_where(vector, PLACES[j - 1], PLACES[j], IS_LEAST))
+            dip_x, dip_y, _, _ = vector_at(
+                vector, place_where(vector, PLACES[stride * (j - 1)], PLACES[stride * j], IS_LEAST)
+            )
             past = turn_to(x, y, dip_x, dip_y) + turn_to(dip_x, dip_y, x_after, y_after)
             shift += math.floor((past - turned) / TURN + 0.5) * TURN
             if dip_x * dip_x + dip_y * dip_y <= state.off[lane] * state.off[lane]:
@@ -161,7 +163,7 @@ def add_angle(record: Record, x: int, y: int, angle: int, state: FollowedAngle) 
     for step in range(record.steps[0]):
         slot, half = step * record.curves, record.panels[step].half
         tail_x, tail_y, tail = record.left[slot + x].tail, record.left[slot + y].tail, record.left[slot + angle].tail
-        _follow(values[slot + x], values[slot + y], half, values[slot + angle], state)
+        _follow(values[slot + x], values[slot + y], record.degree, half, values[slot + angle], state)
         for lane in range(LANES):
             rounding = ROUNDING * larger(of_x.scale[lane], of_y.scale[lane])
             rounding += of_x.offset[lane] + of_y.offset[lane]
@@ -171,7 +173,8 @@ def add_angle(record: Record, x: int, y: int, angle: int, state: FollowedAngle) 
             if half[lane] != 0.0 and state.sharpest[lane] > SHARP:
                 vector_x, vector_y = known_slot(record, x, step), known_slot(record, y, step)
                 vector = VectorSeries(record.coefficients[vector_x], record.coefficients[vector_y], lane)
-                _pass_dips(vector, values[slot + x], values[slot + y], values[slot + angle], state)
+                of_angle = values[slot + angle]
+                _pass_dips(vector, values[slot + x], values[slot + y], record.degree, of_angle, state)
         keep_derived(record, step, angle)
         for lane in range(LANES):
             both, shortest = tail_x[lane] + tail_y[lane], larger(state.shortest[lane], TINY)

@@ -5,7 +5,6 @@ from typing import NamedTuple
 from engine.compiling.blocks import Row
 from engine.compiling.decorators import routine
 from engine.compiling.widths import LANES
-from engine.cycle.panels.chebyshev import POSITIONS
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import fill
 from engine.cycle.panels.record import Record
@@ -57,14 +56,14 @@ def find_averages(record: Record, curve: int, result: Averages) -> None:
         for lane in range(LANES):
             offset[lane] = whole.offset[lane] + tail[lane] + ROUNDING * whole.scale[lane]
             result.length[lane] += 2.0 * half[lane]
-        panel_figures(values, bent, figures)
+        panel_figures(values, record.degree, bent, figures)
         _add(half, figures, offset, result.mean, result.mean_error)
-        for j in range(POSITIONS):
+        for j in range(record.degree + 1):
             for lane in range(LANES):
                 shifted[j, lane] = values[j, lane] * values[j, lane]
         for lane in range(LANES):
             offset[lane] *= 2.0 * whole.scale[lane]
-        panel_figures(shifted, bent, figures)
+        panel_figures(shifted, record.degree, bent, figures)
         _add(half, figures, offset, result.square, result.square_error)
     for lane in range(LANES):
         length = result.length[lane]

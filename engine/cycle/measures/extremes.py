@@ -16,8 +16,9 @@ import numpy as np
 
 from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import inlined, routine
+from engine.compiling.instructions import fused
 from engine.compiling.widths import LANES
-from engine.cycle.panels.chebyshev import DEGREE, MIDDLE, PLACES, POSITIONS
+from engine.cycle.panels.chebyshev import COARSE, DEGREE, PLACES
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import any_positive, many, one
 from engine.cycle.panels.record import Record, known_slot
@@ -171,7 +172,7 @@ class Search(NamedTuple):
     down: Row
 
 
-def _beyond() -> tuple[np.ndarray, np.ndarray]:
+def _beyond(degree: int) -> tuple[np.ndarray, np.ndarray]:
     """Bound of a curve's rise above a position, as fractions of its fall to the left and right neighbours.
 
     The bound is twice the rise of the parabola through the three points. With distances g and h to the neighbours, and
@@ -179,15 +180,16 @@ def _beyond() -> tuple[np.ndarray, np.ndarray]:
     an end of a panel, the fall from the neighbour to the next position replaces the missing one, with the fraction
     g²/(4 h (g + h)).
     """
-    gap = np.diff(PLACES)
+    gap = np.diff(PLACES[:: DEGREE // degree])
     g, h = gap[:-1], gap[1:]
-    left, right = np.zeros(POSITIONS), np.zeros(POSITIONS)
+    left, right = np.zeros(degree + 1), np.zeros(degree + 1)
     left[1:-1], right[1:-1] = h**2 / (g * (g + h)), g**2 / (h * (g + h))
     left[0] = right[-1] = gap[0] ** 2 / (gap[1] * (gap[0] + gap[1]))
     return 0.5 * left, 0.5 * right
 
 
-LEFT, RIGHT = _beyond()
+_LEFT, _RIGHT = _beyond(DEGREE)
+_COARSE_LEFT, _COARSE_RIGHT = _beyond(COARSE)
 # Last Newton step, as a fraction of half the panel; the remaining error is its square.
 FOUND = 1e-5
 MOST_TOPS, MOST_STEPS = 8, 40
@@ -204,6 +206,23 @@ def combined(of_a: Rows, of_b: Rows, factor: float, sign: float, j: int, lane: i
 @routine
 def scan(record: Record, sought: SoughtExtreme, step: int, candidate: Candidate, search: Climb) -> None:
     """Find the candidates in the panels of a step, and update the maximum over all positions."""
+    if record.degree == DEGREE:
+        _scan(record, DEGREE, (_LEFT, _RIGHT), sought, step, candidate, search)
+    else:
+        _scan(record, COARSE, (_COARSE_LEFT, _COARSE_RIGHT), sought, step, candidate, search)
+
+
+@inlined
+def _scan(
+    record: Record,
+    degree: int,
+    rises: tuple[np.ndarray, np.ndarray],
+    sought: SoughtExtreme,
+    step: int,
+    candidate: Candidate,
+    search: Climb,
+) -> None:
+    left, right = rises
     slot, base, half = step * record.curves, record.whole[sought.b].first, record.panels[step].half
     of_a, of_b = record.values[slot + sought.a], record.values[slot + sought.b]
     for lane in range(LANES):
@@ -212,24 +231,24 @@ def scan(record: Record, sought: SoughtExtreme, step: int, candidate: Candidate,
         fall = larger(after - combined(of_a, of_b, c, s, 2, lane), 0.0)
         best, reach, next_reach, position = here, -math.inf, -math.inf, NONE
         # Two loops, each short enough for the compiler to unroll.
-        for j in range(MIDDLE):
+        for j in range(degree // 2):
             after = combined(of_a, of_b, c, s, j + 1, lane)
             rise = here - after
-            mine = here + (LEFT[j] * fall + RIGHT[j] * rise) if (fall >= 0.0) & (rise >= 0.0) else -math.inf
+            mine = here + (left[j] * fall + right[j] * rise) if (fall >= 0.0) & (rise >= 0.0) else -math.inf
             next_reach = larger(smaller(mine, reach), next_reach)
             position = float(j) if mine > reach else position
             best, reach, here, fall = larger(after, best), larger(mine, reach), after, -rise
-        for j in range(MIDDLE, DEGREE):
+        for j in range(degree // 2, degree):
             after = combined(of_a, of_b, c, s, j + 1, lane)
             rise = here - after
-            mine = here + (LEFT[j] * fall + RIGHT[j] * rise) if (fall >= 0.0) & (rise >= 0.0) else -math.inf
+            mine = here + (left[j] * fall + right[j] * rise) if (fall >= 0.0) & (rise >= 0.0) else -math.inf
             next_reach = larger(smaller(mine, reach), next_reach)
             position = float(j) if mine > reach else position
             best, reach, here, fall = larger(after, best), larger(mine, reach), after, -rise
-        rise = larger(here - fall - combined(of_a, of_b, c, s, DEGREE - 2, lane), 0.0)
-        mine = here + RIGHT[DEGREE] * rise if fall >= 0.0 else -math.inf
+        rise = larger(here - fall - combined(of_a, of_b, c, s, degree - 2, lane), 0.0)
+        mine = here + right[degree] * rise if fall >= 0.0 else -math.inf
         next_reach = larger(smaller(mine, reach), next_reach)
-        position, reach = float(DEGREE) if mine > reach else position, larger(mine, reach)
+        position, reach = float(degree) if mine > reach else position, larger(mine, reach)
         taken, shift = half[lane] != 0.0, s * c * base[lane]
         candidate.reach[lane] = reach + shift if taken else -math.inf
         candidate.next_reach[lane] = next_reach + shift if taken else -math.inf
@@ -259,19 +278,22 @@ def take_farthest(steps: int, candidates: Rows, search: Climb, found: ExtremeRow
 
 
 @routine
-def leave_next(of_a: Rows, of_b: Rows, sought: SoughtExtreme, lane: int, candidate: Candidate, search: Climb) -> None:
+def leave_next(
+    of_a: Rows, of_b: Rows, degree: int, sought: SoughtExtreme, lane: int, candidate: Candidate, search: Climb
+) -> None:
     """After a lane's best candidate of a step is taken, promote the second best; no third is known."""
     c, s = sought.factor[lane], sought.sign[lane]
+    left, right = (_LEFT, _RIGHT) if degree == DEGREE else (_COARSE_LEFT, _COARSE_RIGHT)
     reach, position, done = -math.inf, NONE, int(search.at_position[lane])
-    for j in range(POSITIONS):
+    for j in range(degree + 1):
         # At an end of the panel, use the fall from the neighbour to the next position.
         inner = 1 if j == 0 else j
         fall = combined(of_a, of_b, c, s, inner, lane) - combined(of_a, of_b, c, s, 2 if j == 0 else j - 1, lane)
-        inner = DEGREE - 1 if j == DEGREE else j
+        inner = degree - 1 if j == degree else j
         rise = combined(of_a, of_b, c, s, inner, lane)
-        rise -= combined(of_a, of_b, c, s, DEGREE - 2 if j == DEGREE else j + 1, lane)
-        fall, rise = max(fall, 0.0) if j == 0 else fall, max(rise, 0.0) if j == DEGREE else rise
-        mine = combined(of_a, of_b, c, s, j, lane) + (LEFT[j] * fall + RIGHT[j] * rise)
+        rise -= combined(of_a, of_b, c, s, degree - 2 if j == degree else j + 1, lane)
+        fall, rise = max(fall, 0.0) if j == 0 else fall, max(rise, 0.0) if j == degree else rise
+        mine = combined(of_a, of_b, c, s, j, lane) + (left[j] * fall + right[j] * rise)
         if j != done and fall >= 0.0 and rise >= 0.0 and mine > reach:
             reach, position = mine, float(j)
     candidate.reach[lane], candidate.position[lane] = candidate.next_reach[lane], position
@@ -282,16 +304,18 @@ def leave_next(of_a: Rows, of_b: Rows, sought: SoughtExtreme, lane: int, candida
 def fetch(record: Record, sought: SoughtExtreme, work: Search) -> None:
     """Copy the panel and series of each lane's candidate to the search, and remove the candidate."""
     search, series, other, base = work.climb, work.series, work.other_series, record.whole[sought.b].first
+    alone = sought.a == sought.b
     for lane in range(LANES):
         if search.step[lane] < 0.0:
             continue
         step, c, s = int(search.step[lane]), sought.factor[lane], sought.sign[lane]
         slot_a, slot_b = known_slot(record, sought.a, step), known_slot(record, sought.b, step)
-        for k in range(POSITIONS):
-            of_b = record.coefficients[slot_b, k, lane]
+        for k in range(record.degree + 1):
+            of_b = 0.0 if alone else record.coefficients[slot_b, k, lane]
             other[k, lane] = of_b
             series[k, lane] = s * (record.coefficients[slot_a, k, lane] - c * of_b)
-        series[0, lane] += s * c * base[lane]
+        # Rounded in the same way in any surrounding code.
+        series[0, lane] = fused(s, s * series[0, lane], s * c * base[lane])
         panels, candidate = record.panels[step], work.candidates[step]
         search.beyond_series[lane] = record.left[slot_a].tail[lane] + abs(c) * record.left[slot_b].tail[lane]
         search.half[lane], search.middle[lane] = panels.half[lane], panels.middle[lane]
@@ -300,7 +324,8 @@ def fetch(record: Record, sought: SoughtExtreme, work: Search) -> None:
         search.at_position[lane] = candidate.position[lane]
         candidate.reach[lane] = -math.inf
         if candidate.next_reach[lane] > search.best[lane]:
-            leave_next(record.values[slot_a], record.values[slot_b], sought, lane, candidate, search)
+            values_a, values_b = record.values[slot_a], record.values[slot_b]
+            leave_next(values_a, values_b, record.degree, sought, lane, candidate, search)
 
 
 @routine
@@ -337,13 +362,14 @@ def improve(search: Climb) -> bool:
 
 
 @routine
-def climb(series: Rows, search: Climb) -> None:
+def climb(series: Rows, degree: int, search: Climb) -> None:
     """Climb from the candidates' positions to the peaks next to them."""
+    stride = DEGREE // degree
     for lane in range(LANES):
         taken = search.step[lane] >= 0.0
         j = int(search.at_position[lane]) if taken else 0
-        search.x[lane], search.length[lane] = PLACES[j], 2.0 if taken else 0.0
-        search.low[lane], search.high[lane] = PLACES[max(j - 1, 0)], PLACES[min(j + 1, DEGREE)]
+        search.x[lane], search.length[lane] = PLACES[stride * j], 2.0 if taken else 0.0
+        search.low[lane], search.high[lane] = PLACES[stride * max(j - 1, 0)], PLACES[stride * min(j + 1, degree)]
     evaluate(series, search)
     for lane in range(LANES):
         search.start[lane] = search.top[lane] = search.here[lane]
@@ -366,11 +392,11 @@ def compare(record: Record, sought: SoughtExtreme, work: Search, found: ExtremeR
         half, middle = search.half[lane], search.middle[lane]
         # A rise above the position within rounding isn't significant.
         value, place = top if top > start + noise else start, middle + half * x
-        # Between the positions, coefficient 16 + m leaves an error of 2 |sin 16θ sin mθ| times it, where x = cos θ.
+        # Between the positions, coefficient n + m leaves an error of 2 |sin nθ sin mθ| times it, where x = cos θ.
         cosine = 2.0 * x * x - 1.0
         cosine = 2.0 * cosine * cosine - 1.0
         cosine = 2.0 * cosine * cosine - 1.0
-        cosine = 2.0 * cosine * cosine - 1.0
+        cosine = 2.0 * cosine * cosine - 1.0 if record.degree == DEGREE else cosine
         # Near a kink the curve leaves the series at the positions, too.
         beyond = larger(math.sqrt(larger(1.0 - cosine * cosine, 0.0)), search.bent[lane])
         value_error = noise + offset + 2.0 * tail * beyond
@@ -379,7 +405,7 @@ def compare(record: Record, sought: SoughtExtreme, work: Search, found: ExtremeR
         value_error += cut * abs(search.slope[lane] / half)
         across = larger(math.sqrt(larger(1.0 - x * x, 0.0)), STEEPEST)
         bend = larger(-search.top_bend[lane], TINY)
-        x_error = (2.0 * DEGREE * tail + 8.0 * (noise + offset) / across) / bend
+        x_error = (2.0 * record.degree * tail + 8.0 * (noise + offset) / across) / bend
         x_error += search.length[lane] * search.length[lane]
         place_error = ROUNDING * abs(place) + (abs(half) * smaller(x_error, 1.0) if abs(x) < 1.0 else cut)
         # Of two equal peaks, either may be the extreme; where the cycle closes, they may be neighbours.
@@ -429,7 +455,7 @@ def find_extreme(record: Record, sought: SoughtExtreme, work: Search, found: Ext
         if not take_farthest(steps, candidates, search, found):
             break
         fetch(record, sought, work)
-        climb(work.series, search)
+        climb(work.series, record.degree, search)
         for lane in range(LANES):
             search.here[lane] = series_value(work.other_series, lane, search.x[lane])
         compare(record, sought, work, found)

@@ -18,7 +18,6 @@ from engine.compiling.blocks import Row
 from engine.compiling.decorators import routine
 from engine.compiling.widths import LANES
 from engine.cycle.measures.extremes import ExtremeRows, Search, SoughtExtreme, find_extreme
-from engine.cycle.panels.chebyshev import POSITIONS
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import any_positive, fill, one
 from engine.cycle.panels.record import Record, keep_derived
@@ -187,7 +186,7 @@ def add_speed(record: Record, steady: SteadyWheel, ends: SpeedEnds, result: Fluc
         work_tail, inertia_tail = record.left[slot + steady.work].tail, record.left[slot + steady.inertia].tail
         for lane in range(LANES):
             slowest[lane] = math.inf
-        for j in range(POSITIONS):
+        for j in range(record.degree + 1):
             for lane in range(LANES):
                 fastest = omega[lane] * (1.0 + 0.5 * result.delta[lane])
                 first = 0.5 * fastest * fastest * (inertia.first[lane] + flywheel[lane]) - result.top[lane]

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import routine
 from engine.compiling.widths import LANES
-from engine.cycle.panels.chebyshev import DEGREE, PLACES, POSITIONS
+from engine.cycle.panels.chebyshev import DEGREE, PLACES
 from engine.cycle.panels.integrals import ROUNDING, IntegralRows
 from engine.cycle.panels.lanes import any_positive, fill, many, one
 from engine.cycle.panels.record import Record, known_slot
@@ -63,19 +63,20 @@ class Parts(NamedTuple):
 
 
 @routine
-def _roots_at_positions(values: Rows, roots: Rows) -> None:
+def _roots_at_positions(values: Rows, degree: int, roots: Rows) -> None:
     """Square roots of the values at a panel's positions."""
-    for j in range(POSITIONS):
+    for j in range(degree + 1):
         for lane in range(LANES):
             roots[j, lane] = math.sqrt(values[j, lane])
 
 
 @routine
-def _roots_in_part(series: Rows, walk: Walk, roots: Rows, slopes: Rows) -> None:
+def _roots_in_part(series: Rows, degree: int, walk: Walk, roots: Rows, slopes: Rows) -> None:
     """Square roots of the series, and its slopes, at the positions of each lane's part of the panel."""
-    for j in range(POSITIONS):
+    for j in range(degree + 1):
+        place = PLACES[DEGREE // degree * j]
         for lane in range(LANES):
-            square, slope, _ = series_at(series, lane, walk.middle[lane] + walk.half[lane] * PLACES[j])
+            square, slope, _ = series_at(series, lane, walk.middle[lane] + walk.half[lane] * place)
             roots[j, lane], slopes[j, lane] = math.sqrt(0.0 if square < 0.0 else square), slope
 
 
@@ -84,7 +85,7 @@ def _add_converged(record: Record, curve: int, step: int, tolerance: float, part
     """Add the panels in which the root's own series converges; returns whether any doesn't."""
     slot, panels, own = step * record.curves + curve, record.panels[step], record.whole[curve]
     roots, figures = record.work.shifted, record.figures
-    last, tail = record.values[slot, DEGREE], record.left[slot].tail
+    last, tail = record.values[slot, record.degree], record.left[slot].tail
     for lane in range(LANES):
         half, middle = panels.half[lane], panels.middle[lane]
         scale = math.sqrt(own.scale[lane])
@@ -114,9 +115,9 @@ def _add_parts(record: Record, half_length: Row, parts: Parts, sums: IntegralRow
         off, least = parts.off[lane], math.sqrt(parts.off[lane])
         # An error of the square causes an error of the root, larger where the root is smaller.
         total = 0.0
-        for j in range(POSITIONS):
+        for j in range(record.degree + 1):
             total += off / larger(roots[j, lane], least)
-        missed = abs(half) * (OF_ROOT * figures.missing[lane] + 2.0 * total / POSITIONS)
+        missed = abs(half) * (OF_ROOT * figures.missing[lane] + 2.0 * total / (record.degree + 1))
         sums.value[lane] += half * figures.sum[lane] if accepted else 0.0
         sums.error[lane] += missed if accepted else 0.0
 
@@ -142,8 +143,8 @@ def integrate_roots(record: Record, curve: int, tolerance: float, parts: Parts, 
     fill(sums, _ROWS, 0.0)
     for step in range(record.steps[0]):
         slot = step * record.curves + curve
-        _roots_at_positions(record.values[slot], roots)
-        panel_figures(roots, record.panels[step].bent, figures)
+        _roots_at_positions(record.values[slot], record.degree, roots)
+        panel_figures(roots, record.degree, record.panels[step].bent, figures)
         if not _add_converged(record, curve, step, fine, parts, sums):
             continue
         series = record.coefficients[known_slot(record, curve, step)]
@@ -152,11 +153,11 @@ def integrate_roots(record: Record, curve: int, tolerance: float, parts: Parts, 
             scales.greatest[lane] = math.sqrt(record.whole[curve].scale[lane])
             scales.rounding[lane] = 0.0
         while next_panels(parts.edges, 0, walk):
-            _roots_in_part(series, walk, roots, slopes)
-            panel_figures(roots, parts.none, figures)
-            note_rounding(roots, scales, walk)
+            _roots_in_part(series, record.degree, walk, roots, slopes)
+            panel_figures(roots, record.degree, parts.none, figures)
+            note_rounding(roots, record.degree, scales, walk)
             compare_with_tolerance(figures, fine, 1.0, scales, walk)
             # End parts at the minimum of the square: a part that happens to converge could hide a dip.
-            find_kink(slopes, walk)
-            if judge(2.0, walk):
+            find_kink(slopes, record.degree, walk)
+            if judge(2.0, record.degree, walk):
                 _add_parts(record, record.panels[step].half, parts, sums)

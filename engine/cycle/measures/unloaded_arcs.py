@@ -31,7 +31,7 @@ from engine.cycle.measures.angles import (
     vector_at,
 )
 from engine.cycle.measures.extremes import ExtremeRows
-from engine.cycle.panels.chebyshev import DEGREE, PLACES, POSITIONS
+from engine.cycle.panels.chebyshev import DEGREE, PLACES
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import new_record, one
 from engine.cycle.panels.record import Record, known_slot
@@ -151,7 +151,7 @@ def find_stretches(record: Record, force: Force, stretches: Stretches) -> int:
         of_x, of_y = record.values[step * record.curves + force.x], record.values[step * record.curves + force.y]
         loaded, angle = False, 0.0
         x_before = y_before = 0.0
-        for j in range(POSITIONS):
+        for j in range(record.degree + 1):
             fx, fy = of_x[j, lane], of_y[j, lane]
             counts = fx * fx + fy * fy >= least * least
             turned = turn_to(x_before, y_before, fx, fy)
@@ -230,18 +230,20 @@ def extend(record: Record, force: Force, stretches: Stretches, i: int, side: int
     whole_x, whole_y = record.whole[force.x], record.whole[force.y]
     off = record.left[slot_x].tail[lane] + record.left[slot_y].tail[lane] + force.least_error
     off += ROUNDING * (whole_x.scale[lane] + whole_y.scale[lane]) + whole_x.offset[lane] + whole_y.offset[lane]
-    j = stretches.places[i, side]
+    j, stride = stretches.places[i, side], DEGREE // record.degree
     farthest, sensitivity = 0.0, 1.0 / math.sqrt(of_x[j, lane] ** 2 + of_y[j, lane] ** 2)
     for way in (-1, 1):
         j, reached, before = stretches.places[i, side], 0.0, SHARP
-        while 0 <= j + way <= DEGREE:
+        while 0 <= j + way <= record.degree:
             fx, fy, gx, gy = of_x[j, lane], of_y[j, lane], of_x[j + way, lane], of_y[j + way, lane]
             turned = turn_to(fx, fy, gx, gy)
             if not apart and (gx * gx + gy * gy < least * least or abs(turned) > SHARP):
                 break
             # Between positions it may turn on as far as it turns beside them.
             if apart or max(reached, reached + turned * sense) + max(before, abs(turned)) > farthest:
-                further, sensitivity_there = farthest_turn(series, PLACES[j], PLACES[j + way], sense, least)
+                further, sensitivity_there = farthest_turn(
+                    series, PLACES[stride * j], PLACES[stride * (j + way)], sense, least
+                )
                 if reached + further > farthest:
                     farthest, sensitivity = reached + further, sensitivity_there
             if apart:

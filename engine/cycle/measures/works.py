@@ -8,7 +8,7 @@ from typing import NamedTuple
 from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import routine
 from engine.compiling.widths import LANES
-from engine.cycle.panels.chebyshev import DEGREE, PLACES, POSITIONS
+from engine.cycle.panels.chebyshev import DEGREE, PLACES
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.record import Record
 from engine.cycle.panels.series import larger
@@ -43,28 +43,29 @@ class WorkSums(NamedTuple):
 
 
 @routine
-def _less_first(values: Rows, first: Row, shifted: Rows) -> None:
-    for j in range(POSITIONS):
+def _less_first(values: Rows, degree: int, first: Row, shifted: Rows) -> None:
+    for j in range(degree + 1):
         for lane in range(LANES):
             shifted[j, lane] = values[j, lane] - first[lane]
 
 
 @routine
-def _add_total(integrals: Rows, half: Row, sums: WorkSums) -> None:
+def _add_total(whole: Row, half: Row, sums: WorkSums) -> None:
     for lane in range(LANES):
-        sums.total[lane] += half[lane] * integrals[DEGREE, lane] if half[lane] != 0.0 else 0.0
+        sums.total[lane] += half[lane] * whole[lane] if half[lane] != 0.0 else 0.0
         sums.length[lane] += 2.0 * half[lane]
 
 
 @routine
-def _from_first(integrals: Rows, half: Row, sums: WorkSums) -> None:
+def _from_first(integrals: Rows, degree: int, half: Row, sums: WorkSums) -> None:
     """Turn integrals over [−1, x] of a panel into running integrals of the curve minus its mean."""
-    for j in range(POSITIONS):
+    for j in range(degree + 1):
+        share = 1.0 + PLACES[DEGREE // degree * j]
         for lane in range(LANES):
-            work = half[lane] * (integrals[j, lane] - sums.mean[lane] * (1.0 + PLACES[j]))
+            work = half[lane] * (integrals[j, lane] - sums.mean[lane] * share)
             integrals[j, lane] = sums.reached[lane] + (work if half[lane] != 0.0 else 0.0)
     for lane in range(LANES):
-        sums.reached[lane] = integrals[DEGREE, lane]
+        sums.reached[lane] = integrals[degree, lane]
 
 
 @routine
@@ -78,13 +79,13 @@ def _errors(record: Record, step: int, moment: int, work: int, sums: WorkSums) -
     scale, offset = record.whole[moment].scale, record.whole[work].offset
     for lane in range(LANES):
         half, ended = abs(panels.half[lane]), sums.ended[lane]
-        tail = half * left.tail[lane] / DEGREE
+        tail = half * left.tail[lane] / record.degree
         of_work.tail[lane] = tail
         sums.within[lane] = larger(tail, sums.within[lane]) if half > 0.0 else sums.within[lane]
         off = half * (left.missing[lane] + 2.0 * ROUNDING * scale[lane])
         off += abs(values[0, lane] - ended) * panels.opened[lane]
         offset[lane] += off if half > 0.0 else 0.0
-        sums.ended[lane] = values[DEGREE, lane] if half > 0.0 else ended
+        sums.ended[lane] = values[record.degree, lane] if half > 0.0 else ended
 
 
 @routine
@@ -109,14 +110,14 @@ def add_work(record: Record, moment: int, about_mean: int, work: int, sums: Work
         sums.ended[lane] = sums.within[lane] = 0.0
     for step in range(record.steps[0]):
         slot = step * record.curves
-        _less_first(record.values[slot + moment], first, tiles.shifted)
+        _less_first(record.values[slot + moment], record.degree, first, tiles.shifted)
         to_integrals(record.to_integrals, tiles, record.values[slot + work])
-        _add_total(record.values[slot + work], record.panels[step].half, sums)
+        _add_total(record.values[slot + work, record.degree], record.panels[step].half, sums)
     for lane in range(LANES):
         mean = sums.total[lane] / sums.length[lane]
         sums.mean[lane] = mean if about_mean == 1 else -first[lane]
     for step in range(record.steps[0]):
-        _from_first(record.values[step * record.curves + work], record.panels[step].half, sums)
+        _from_first(record.values[step * record.curves + work], record.degree, record.panels[step].half, sums)
         _errors(record, step, moment, work, sums)
     for lane in range(LANES):
         offset[lane] += sums.within[lane]

@@ -5,7 +5,7 @@ import numpy as np
 from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.widths import LANES
-from engine.cycle.panels.chebyshev import DEGREE, MIDDLE, PLACES
+from engine.cycle.panels.chebyshev import COARSE, DEGREE, PLACES
 from engine.laws.elementary import direction_near_zero, direction_of
 
 # Relative perturbation by which the effect of a position's rounding is measured.
@@ -28,35 +28,40 @@ def directions(count: int, q: Rows, cos_q: Rows, sin_q: Rows) -> None:
 
 
 @inlined
-def _mirrored(first: int, last: int, half: Row, q: Rows, cos_q: Rows, sin_q: Rows) -> None:
+def _mirrored(first: int, last: int, degree: int, half: Row, q: Rows, cos_q: Rows, sin_q: Rows) -> None:
     """Compute positions `first` … `last` − 1 of each panel and their mirror images by the addition theorems."""
     for lane in range(LANES):
-        middle, c, s = q[MIDDLE, lane], cos_q[MIDDLE, lane], sin_q[MIDDLE, lane]
+        middle, c, s = q[degree // 2, lane], cos_q[degree // 2, lane], sin_q[degree // 2, lane]
         for j in range(first, last):
-            distance = half[lane] * PLACES[DEGREE - j]
+            distance = half[lane] * PLACES[DEGREE - DEGREE // degree * j]
             cosine, sine = direction_near_zero(distance)
             cc, ss, sc, cs = c * cosine, s * sine, s * cosine, c * sine
             q[j, lane], cos_q[j, lane], sin_q[j, lane] = middle - distance, cc + ss, sc - cs
-            q[DEGREE - j, lane], cos_q[DEGREE - j, lane], sin_q[DEGREE - j, lane] = middle + distance, cc - ss, sc + cs
+            q[degree - j, lane], cos_q[degree - j, lane], sin_q[degree - j, lane] = middle + distance, cc - ss, sc + cs
 
 
 @routine
-def panel_positions(middle: Row, half: Row, q: Rows, cos_q: Rows, sin_q: Rows) -> None:
+def panel_positions(middle: Row, half: Row, degree: int, q: Rows, cos_q: Rows, sin_q: Rows) -> None:
     """Compute the positions of each lane's panel with cosine and sine; a panel over an angle is at most π/2 long.
 
     Parameters
     ----------
     middle, half : row (LANES,)
         Middle and half length of the panel, negative if the input runs backwards.
-    q, cos_q, sin_q : rows (POSITIONS, LANES)
+    degree : int
+        DEGREE or COARSE.
+    q, cos_q, sin_q : rows (degree + 1, LANES)
         Outputs.
     """
     for lane in range(LANES):
-        q[MIDDLE, lane] = middle[lane]
-        cos_q[MIDDLE, lane], sin_q[MIDDLE, lane] = direction_of(middle[lane])
+        q[degree // 2, lane] = middle[lane]
+        cos_q[degree // 2, lane], sin_q[degree // 2, lane] = direction_of(middle[lane])
     # Two calls, because the compiler unrolls no longer inner loop, and vectorises over the lanes only what it unrolls.
-    _mirrored(0, 4, half, q, cos_q, sin_q)
-    _mirrored(4, 8, half, q, cos_q, sin_q)
+    if degree == DEGREE:
+        _mirrored(0, 4, DEGREE, half, q, cos_q, sin_q)
+        _mirrored(4, 8, DEGREE, half, q, cos_q, sin_q)
+    else:
+        _mirrored(0, 4, COARSE, half, q, cos_q, sin_q)
 
 
 @routine

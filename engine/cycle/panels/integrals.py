@@ -8,7 +8,6 @@ from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import routine
 from engine.compiling.instructions import chosen
 from engine.compiling.widths import LANES
-from engine.cycle.panels.chebyshev import DEGREE
 from engine.cycle.panels.series import Figures
 from engine.cycle.panels.walk import Walk
 
@@ -33,14 +32,15 @@ ROUNDING = 12.0 * np.finfo(np.float64).eps
 
 
 @routine
-def add_panels(curve: Rows, figures: Figures, walk: Walk, integral: IntegralRows) -> None:
+def add_panels(curve: Rows, degree: int, figures: Figures, walk: Walk, integral: IntegralRows) -> None:
     """Add the accepted panels to the integral of a curve.
 
     A jump of the curve at an edge contributes the error of the edge's position.
 
     Parameters
     ----------
-    curve : rows (POSITIONS, LANES)
+    curve : rows (degree + 1, LANES)
+    degree : int
     figures : Figures
     walk : Walk
     integral : IntegralRows
@@ -55,4 +55,4 @@ def add_panels(curve: Rows, figures: Figures, walk: Walk, integral: IntegralRows
         # Selected before the addition, so that the sum is rounded in the same way in any surrounding code.
         integral.value[lane] += chosen(accepted, share, 0.0)
         integral.error[lane] += chosen(accepted, off, 0.0)
-        integral.end[lane] = curve[DEGREE, lane] if accepted else integral.end[lane]
+        integral.end[lane] = curve[degree, lane] if accepted else integral.end[lane]

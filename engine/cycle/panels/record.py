@@ -12,7 +12,7 @@ from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.memory import Memory
 from engine.compiling.widths import LANES
-from engine.cycle.panels.chebyshev import DEGREE, MIDDLE, POSITIONS, TO_COEFFICIENTS, TO_INTEGRALS
+from engine.cycle.panels.chebyshev import MATRICES, POSITIONS
 from engine.cycle.panels.lanes import Panels, many, new_record, one
 from engine.cycle.panels.series import Figures, larger, panel_figures
 from engine.cycle.panels.transforms import Tiles, to_coefficients
@@ -78,6 +78,8 @@ class Record(NamedTuple):
 
     Attributes
     ----------
+    degree : int
+        Degree of the panels; the last rows of a panel stay 0 if it is COARSE.
     curves : int
         Number of kept curves.
     most_steps : int
@@ -100,9 +102,10 @@ class Record(NamedTuple):
     known : ndarray (slots,) of int
         1 where the coefficients are known.
     to_coefficients, to_integrals : ndarray
-        The matrices of `engine.cycle.panels.chebyshev`.
+        The matrices of its `engine.cycle.panels.chebyshev.PanelMatrices`.
     """
 
+    degree: int
     curves: int
     most_steps: int
     steps: np.ndarray
@@ -118,11 +121,12 @@ class Record(NamedTuple):
     to_integrals: np.ndarray
 
 
-def room_for(curves: int, steps: int) -> Record:
-    """Allocate a record of `curves` curves and `steps` steps."""
+def room_for(curves: int, steps: int, degree: int) -> Record:
+    """Allocate a record of `curves` curves and `steps` steps of panels of a degree."""
     slots = curves * steps
     return new_record(
         Record,
+        degree=degree,
         curves=curves,
         most_steps=steps,
         steps=np.zeros(1, np.int64),
@@ -132,8 +136,8 @@ def room_for(curves: int, steps: int) -> Record:
         panels=steps,
         whole=curves,
         known=np.zeros(slots, np.int64),
-        to_coefficients=TO_COEFFICIENTS,
-        to_integrals=TO_INTEGRALS,
+        to_coefficients=MATRICES[degree].to_coefficients,
+        to_integrals=MATRICES[degree].to_integrals,
     )
 
 
@@ -174,16 +178,16 @@ def keep_curve(curve: Rows, figures: Figures, walk: Walk, record: Record, step: 
 
     Parameters
     ----------
-    curve : rows (POSITIONS, LANES)
+    curve : rows (degree + 1, LANES)
     figures : Figures
     walk : Walk
     record : Record
     step, kept : int
         Step and curve of the record.
     """
-    slot, whole = step * record.curves + kept, record.whole[kept]
+    slot, whole, degree = step * record.curves + kept, record.whole[kept], record.degree
     values, left = record.values[slot], record.left[slot]
-    for j in range(POSITIONS):
+    for j in range(degree + 1):
         for lane in range(LANES):
             values[j, lane] = curve[j, lane]
     for lane in range(LANES):
@@ -192,8 +196,8 @@ def keep_curve(curve: Rows, figures: Figures, walk: Walk, record: Record, step: 
         whole.scale[lane] = _scale(figures, whole, lane, accepted)
         # A function that starts or ends at a cut shifts with the cut's position.
         moved = larger(walk.opened[lane], walk.next_opened[lane]) / abs(walk.half[lane])
-        middle = curve[MIDDLE, lane]
-        moved *= larger(abs(curve[0, lane] - middle), abs(curve[DEGREE, lane] - middle))
+        middle = curve[degree // 2, lane]
+        moved *= larger(abs(curve[0, lane] - middle), abs(curve[degree, lane] - middle))
         offset = larger(moved, whole.offset[lane])
         whole.offset[lane] = offset if accepted else whole.offset[lane]
         whole.first[lane] = curve[0, lane] if accepted & first else whole.first[lane]
@@ -212,7 +216,7 @@ def keep_derived(record: Record, step: int, curve: int) -> None:
     """Store the figures of a curve whose values in a step were computed from those of other curves."""
     slot, whole, figures = step * record.curves + curve, record.whole[curve], record.figures
     left, panels = record.left[slot], record.panels[step]
-    panel_figures(record.values[slot], panels.bent, figures)
+    panel_figures(record.values[slot], record.degree, panels.bent, figures)
     for lane in range(LANES):
         left.tail[lane], left.missing[lane] = figures.tail[lane], figures.missing[lane]
         whole.scale[lane] = _scale(figures, whole, lane, panels.half[lane] != 0.0)

@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.blocks import Rows
-from engine.compiling.decorators import routine
+from engine.compiling.decorators import inlined, routine
 from engine.compiling.widths import LANES
-from engine.cycle.panels.chebyshev import DEGREE, MIDDLE, PLACES
+from engine.cycle.panels.chebyshev import COARSE, DEGREE, PLACES
 
 
 class Tiles(NamedTuple):
@@ -29,25 +29,33 @@ class Tiles(NamedTuple):
 
 
 @routine
-def _folded(values: Rows, folded: Rows) -> None:
+def _folded(half: int, values: Rows, folded: Rows) -> None:
     """Sums of mirrored values minus twice the middle one, then differences of mirrored values."""
-    for j in range(MIDDLE):
+    for j in range(half):
         for lane in range(LANES):
-            left, right, middle = values[j, lane], values[DEGREE - j, lane], values[MIDDLE, lane]
+            left, right, middle = values[j, lane], values[2 * half - j, lane], values[half, lane]
             folded[j, lane] = (left - middle) + (right - middle)
-            folded[MIDDLE + j, lane] = left - right
+            folded[half + j, lane] = left - right
 
 
 @routine
 def _product(matrix: np.ndarray, folded: Rows, result: Rows) -> None:
     """Multiply the sums by the first half of the matrix's rows, and the differences by the rest."""
-    # Loop lengths come from the matrix: the compiler would fully unroll loops of constant length.
-    size = matrix.shape[0]
-    for i in range(size):
-        first = 0 if i < (size + 1) // 2 else MIDDLE
+    # The compiler vectorises over the lanes only what it unrolls.
+    if matrix.shape[1] == DEGREE // 2:
+        _sums(matrix, DEGREE // 2, folded, result)
+    else:
+        _sums(matrix, COARSE // 2, folded, result)
+
+
+@inlined
+def _sums(matrix: np.ndarray, half: int, folded: Rows, result: Rows) -> None:
+    # The number of rows comes from the matrix: the compiler would unroll this loop, too.
+    for i in range(matrix.shape[0]):
+        first = 0 if i <= half else half
         for lane in range(LANES):
             total = 0.0
-            for j in range(MIDDLE):
+            for j in range(half):
                 total += matrix[i, j] * folded[first + j, lane]
             result[i, lane] = total
 
@@ -58,25 +66,25 @@ def to_coefficients(matrix: np.ndarray, values: Rows, work: Tiles, coefficients:
 
     Parameters
     ----------
-    matrix : ndarray (POSITIONS, MIDDLE)
-        `chebyshev.TO_COEFFICIENTS`.
-    values : rows (POSITIONS, LANES)
+    matrix : ndarray (degree + 1, degree / 2)
+        `chebyshev.PanelMatrices.to_coefficients`.
+    values : rows (degree + 1, LANES)
     work : Tiles
         Scratch.
-    coefficients : rows (POSITIONS, LANES)
+    coefficients : rows (degree + 1, LANES)
         Output.
     """
-    product = work.product
-    _folded(values, work.folded)
+    product, half = work.product, matrix.shape[1]
+    _folded(half, values, work.folded)
     _product(matrix, work.folded, product)
-    for i in range(MIDDLE):
+    for i in range(half):
         for lane in range(LANES):
             coefficients[2 * i, lane] = product[i, lane]
         for lane in range(LANES):
-            coefficients[2 * i + 1, lane] = product[MIDDLE + 1 + i, lane]
+            coefficients[2 * i + 1, lane] = product[half + 1 + i, lane]
     for lane in range(LANES):
-        coefficients[0, lane] += values[MIDDLE, lane]
-        coefficients[DEGREE, lane] = product[MIDDLE, lane]
+        coefficients[0, lane] += values[half, lane]
+        coefficients[2 * half, lane] = product[half, lane]
 
 
 @routine
@@ -85,21 +93,22 @@ def to_integrals(matrix: np.ndarray, work: Tiles, integrals: Rows) -> None:
 
     Parameters
     ----------
-    matrix : ndarray (POSITIONS, MIDDLE)
-        `chebyshev.TO_INTEGRALS`.
+    matrix : ndarray (degree + 1, degree / 2)
+        `chebyshev.PanelMatrices.to_integrals`.
     work : Tiles
-    integrals : rows (POSITIONS, LANES)
+    integrals : rows (degree + 1, LANES)
         Output.
     """
-    product = work.product
-    _folded(work.shifted, work.folded)
+    product, half = work.product, matrix.shape[1]
+    stride = DEGREE // (2 * half)
+    _folded(half, work.shifted, work.folded)
     _product(matrix, work.folded, product)
     # Integrals from the middle of the sums' part and of the constant are odd; that of the differences' part is even.
     for lane in range(LANES):
-        first = product[0, lane] + PLACES[0] * work.shifted[MIDDLE, lane] + product[MIDDLE + 1, lane]
-        integrals[MIDDLE, lane] = -first
-    for j in range(MIDDLE):
+        first = product[0, lane] + PLACES[0] * work.shifted[half, lane] + product[half + 1, lane]
+        integrals[half, lane] = -first
+    for j in range(half):
         for lane in range(LANES):
-            odd = product[j, lane] + PLACES[j] * work.shifted[MIDDLE, lane]
-            even = product[MIDDLE + 1 + j, lane] + integrals[MIDDLE, lane]
-            integrals[j, lane], integrals[DEGREE - j, lane] = even + odd, even - odd
+            odd = product[j, lane] + PLACES[stride * j] * work.shifted[half, lane]
+            even = product[half + 1 + j, lane] + integrals[half, lane]
+            integrals[j, lane], integrals[2 * half - j, lane] = even + odd, even - odd

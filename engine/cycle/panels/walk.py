@@ -1,9 +1,9 @@
 """Adaptive panels: each lane walks over its range, from edge to edge, in panels as long as its curves allow.
 
 All lanes take their next panel together. A lane whose series leaves too large a remainder retries from the same
-position with a shorter panel in the next step, while the others advance. The remainder is proportional to the 17th
-power of a panel's length, which gives the length of the next panel. The distance to the next edge is divided into equal
-panels.
+position with a shorter panel in the next step, while the others advance. The remainder beyond degree n is proportional
+to the power n + 1 of a panel's length, which gives the length of the next panel. The distance to the next edge is
+divided into equal panels.
 
 A lane's panels don't depend on other lanes.
 """
@@ -16,7 +16,7 @@ import numpy as np
 from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.widths import LANES
-from engine.cycle.panels.chebyshev import DEGREE, PLACES, POSITIONS
+from engine.cycle.panels.chebyshev import DEGREE, PLACES
 from engine.cycle.panels.lanes import any_positive
 from engine.cycle.panels.series import TINY, Figures, larger, smaller
 
@@ -213,31 +213,35 @@ def next_panels(edges: Rows, count: int, walk: Walk) -> bool:
 
 
 @routine
-def find_kink(curve: Rows, walk: Walk) -> None:
+def find_kink(curve: Rows, degree: int, walk: Walk) -> None:
     """Find the first sign change of a kink curve in each lane's panel.
 
     Parameters
     ----------
-    curve : rows (POSITIONS, LANES)
+    curve : rows (degree + 1, LANES)
         Curve at whose zeros other curves have kinks.
+    degree : int
     walk : Walk
     """
-    for i in range(DEGREE):
-        j = DEGREE - 1 - i
+    stride = DEGREE // degree
+    for i in range(degree):
+        j = degree - 1 - i
+        before, after = PLACES[stride * j], PLACES[stride * (j + 1)]
         for lane in range(LANES):
             here, there, known = curve[j, lane], curve[j + 1, lane], walk.sign[lane]
-            place = PLACES[j] + (PLACES[j + 1] - PLACES[j]) * (here / (here - there))
+            place = before + (after - before) * (here / (here - there))
             walk.sign[lane] = place if (here * there < 0.0) & (place < known) else known
             walk.bent[lane] = 1.0 if here * there < 0.0 else walk.bent[lane]
 
 
 @routine
-def note_rounding(curve: Rows, scales: Scales, walk: Walk) -> None:
+def note_rounding(curve: Rows, degree: int, scales: Scales, walk: Walk) -> None:
     """Update the measured rounding of a curve by the difference of its values where the panel meets the one before.
 
     Parameters
     ----------
-    curve : rows (POSITIONS, LANES)
+    curve : rows (degree + 1, LANES)
+    degree : int
     scales : Scales
     walk : Walk
     """
@@ -248,7 +252,7 @@ def note_rounding(curve: Rows, scales: Scales, walk: Walk) -> None:
         unknown = (accepted < 0.0) | (walk.opened[lane] > 0.0) | (walk.active[lane] == 0.0)
         here, known = curve[0, lane], scales.rounding[lane]
         scales.rounding[lane] = larger(0.0 if unknown else abs(here - before), known)
-        scales.at_begin[lane], scales.at_end[lane] = here, curve[DEGREE, lane]
+        scales.at_begin[lane], scales.at_end[lane] = here, curve[degree, lane]
 
 
 @routine
@@ -291,21 +295,22 @@ def compare_with_tolerance(
 
 
 @routine
-def compare_root(curve: Rows, figures: Figures, tolerance: float, scales: Scales, walk: Walk) -> None:
+def compare_root(curve: Rows, degree: int, figures: Figures, tolerance: float, scales: Scales, walk: Walk) -> None:
     """Raise each lane's excess to that of the square root of a nonnegative curve.
 
     The error of the root grows as the curve falls.
 
     Parameters
     ----------
-    curve : rows (POSITIONS, LANES)
+    curve : rows (degree + 1, LANES)
+    degree : int
     figures, tolerance, scales, walk
         As in `compare_with_tolerance`, which must be called before.
     """
     for lane in range(LANES):
         scale, whole = scales.greatest[lane], figures.tail[lane]
         least = scale
-        for j in range(POSITIONS):
+        for j in range(degree + 1):
             least = smaller(curve[j, lane], least)
         left = larger(whole - larger(NOTHING * scale, LEFT_BY_ROUNDING * scales.rounding[lane]), 0.0)
         off = left / (2.0 * math.sqrt(larger(least, larger(left, TINY))))
@@ -315,13 +320,14 @@ def compare_root(curve: Rows, figures: Figures, tolerance: float, scales: Scales
 
 
 @inlined
-def sixteenth_root(x: float) -> float:
-    """Return x to the power 1/16."""
-    return math.sqrt(math.sqrt(math.sqrt(math.sqrt(x))))
+def root_of_degree(x: float, degree: int) -> float:
+    """Return x to the power 1/16, or 1/8 for COARSE."""
+    root = math.sqrt(math.sqrt(math.sqrt(x)))
+    return math.sqrt(root) if degree == DEGREE else root
 
 
 @routine
-def judge(longest: float, walk: Walk) -> bool:
+def judge(longest: float, degree: int, walk: Walk) -> bool:
     """Accept or reject each lane's panel, advance accepted ones, and choose the next length from the excess.
 
     Returns
@@ -336,7 +342,7 @@ def judge(longest: float, walk: Walk) -> bool:
         enough = ((falling <= 1.0) & (level <= 1.0)) | shortest | (walk.taken[lane] >= MOST)
         # Level coefficients within the tolerance are rounding, and say nothing about the panel's length.
         excess = falling if level <= 1.0 else larger(falling, level)
-        factor = larger(smaller(sixteenth_root(AIM / larger(excess, 1e-9)), LONGER), SHORTER)
+        factor = larger(smaller(root_of_degree(AIM / larger(excess, 1e-9), degree), LONGER), SHORTER)
         wanted = larger(length * factor, least)
         # If a panel is rejected and has a kink inside, the next one ends at the kink.
         sign, tries = walk.sign[lane], walk.tried[lane]

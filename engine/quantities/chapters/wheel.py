@@ -1,6 +1,8 @@
 """The flywheel as a wheel: size, mass and stress."""
 
 from collections.abc import Callable
+from functools import cache
+from operator import itemgetter
 
 import numpy as np
 
@@ -39,25 +41,30 @@ def declare(mechanics: Mechanics) -> Declared:
         return
     if flywheel.inertia is None and flywheel.speed_fluctuation is None:
         return
+
+    @cache
+    def sizes() -> Expression:
+        """All sizes of the wheel with the required inertia at the peak speed, along a first axis."""
+        paths = [path for path in scene_numbers(mechanics.scene) if path.startswith("flywheel.wheel.")]
+        given = [VariantNumber(mechanics.graph.number(path)) for path in paths]
+        operands = (steady_cycle(mechanics, "flywheel_used"), steady_cycle(mechanics, "speed_max"), *given)
+        return Formula(_sizes_of(flywheel.wheel, paths), operands)
+
     for key, (words, unit) in (_SIZES if flywheel.wheel.strength is None else _SIZES | _BURSTING).items():
         rank = Rank.ANSWER if key in _ANSWERS else Rank.FURTHER
-        yield Summary(f"wheel_{key}", words, unit, lambda key=key: _size(mechanics, key), rank=rank)
+        yield Summary(f"wheel_{key}", words, unit, lambda key=key: Formula(_size(key), (sizes(),)), rank=rank)
 
 
-def _size(m: Mechanics, key: str) -> Expression:
-    """A size of the wheel with the required inertia at the peak speed."""
-    paths = [path for path in scene_numbers(m.scene) if path.startswith("flywheel.wheel.")]
-    given = [VariantNumber(m.graph.number(path)) for path in paths]
-    operands = (steady_cycle(m, "flywheel_used"), steady_cycle(m, "speed_max"), *given)
-    return Formula(_made(m.scene.flywheel.wheel, paths, key), operands)
+def _size(key: str) -> Callable[[Measured], Measured]:
+    return itemgetter(elements.flywheel_wheels.Wheel._fields.index(key))
 
 
-def _made(form: object, paths: list[str], key: str) -> Callable[..., Measured]:
-    def size(inertia: Measured, speed: Measured, *numbers: Measured) -> Measured:
+def _sizes_of(form: object, paths: list[str]) -> Callable[..., Measured]:
+    def sizes(inertia: Measured, speed: Measured, *numbers: Measured) -> Measured:
         known = {path: number.value for path, number in zip(paths, numbers, strict=True)}
 
         def made(of: np.ndarray, at: np.ndarray) -> np.ndarray:
-            return getattr(elements.flywheel_wheels.make_wheel(form, of, at, known), key)
+            return np.array(elements.flywheel_wheels.make_wheel(form, of, at, known))
 
         value = made(inertia.value, speed.value)
         heavier, faster = (
@@ -66,4 +73,4 @@ def _made(form: object, paths: list[str], key: str) -> Callable[..., Measured]:
         )
         return Measured(value, np.abs(heavier - value) + np.abs(faster - value) + 1e-15 * np.abs(value))
 
-    return size
+    return sizes
