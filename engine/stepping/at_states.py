@@ -13,7 +13,7 @@ from engine.stepping.walk import Printed, Room, WalkTask, look, rate, rows_of, s
 
 
 class GivenStates(NamedTuple):
-    """GivenStates of a number of points, and the results asked for.
+    """States of a number of points, and the results asked for.
 
     Attributes
     ----------
