@@ -24,8 +24,13 @@ def _layout(value: object) -> Hashable:
         return value.dtype, value.ndim, value.flags.num & ~_OWNS_DATA
     if isinstance(value, tuple):
         return type(value), tuple(map(_layout, value))
-    # Each signature is made once; comparing signatures takes long.
-    return id(value.signature()) if isinstance(value, TypedFunction) else type(value)
+    if isinstance(value, TypedFunction):
+        # Each signature is made once; comparing signatures takes long.
+        return id(value.signature())
+    if callable(value):
+        # Each function has a type of its own in Numba.
+        raise TypeError(f"{value} must be passed as a TypedFunction")
+    return type(value)
 
 
 def run_piece(compiled: Callable, piece: tuple[int, int], arguments: tuple) -> None:

@@ -11,7 +11,7 @@ from engine.compiling.blocks import copy_rows, gather, in_lanes
 from engine.compiling.decorators import driver, routine
 from engine.compiling.printed import load_printed
 from engine.compiling.running import spread
-from engine.compiling.tiles import TypedFunction, field_signature
+from engine.compiling.tiles import TileFunction, TypedFunction, field_signature
 from engine.compiling.widths import LANES
 from engine.cycle.machine import Extremes
 from engine.graph.functions import Functions, field_function
@@ -55,7 +55,7 @@ class KeptFields:
     def __init__(
         self, curves: Sequence[Node | Angle], functions: Functions, levels: Callable, dtype: np.dtype, title: str
     ) -> None:
-        self._functions, self._levels, self._dtype = functions, levels, np.dtype(dtype)
+        self._functions, self._levels, self._dtype = functions, TileFunction(levels), np.dtype(dtype)
         self.count = len(curves)
         self._followed = np.array([i for i, curve in enumerate(curves) if isinstance(curve, Angle)], np.intp)
         self.text = field_function(title, [field_node(curve) for curve in curves], functions.rows, self._dtype)

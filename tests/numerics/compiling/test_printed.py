@@ -138,13 +138,24 @@ def test_broken_driver__is_recovered(kind, fresh_cache):
     for turn in range(3):
         found = np.zeros(9)
         own = driver(counted)
-
         spread(own, 9, lambda found=found: (found,))
         assert (found == np.arange(9)).all()
         spoilt = list(fresh_cache.rglob(f"*counted*.{kind}"))
         assert spoilt
         for path in spoilt if turn == 0 else []:
             path.write_bytes(b"\x07rubbish" * 9)
+
+
+def called(begin, end, function, found):
+    for i in range(begin, end):
+        function(found)
+
+
+def test_function_without_its_type__is_refused():
+    """Two such functions have two types in Numba; code compiled for one would be run with the other."""
+    plain = driver(counted)
+    with pytest.raises(TypeError, match="TypedFunction"):
+        spread(driver(called), 1, lambda: (plain, np.zeros(1)))
 
 
 @pytest.mark.parametrize("variable", ["XDG_CACHE_HOME", "HOME"])
