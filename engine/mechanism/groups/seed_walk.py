@@ -285,7 +285,9 @@ def _store(first: int, paths: _Paths, scratch: _Scratch) -> bool:
 @driver
 def _walk(begin: int, end: int, group: _Group, paths: _Paths, scratch: _Scratch) -> None:
     """Fill the tables of blocks `begin` … `end` − 1 of LANES variants; see `SeedWalk`."""
-    fill, memory, given, count = group.fill, group.memory, group.given, group.given.size
+    # Apart, because Numba warns about functions in tuples.
+    fill = group.fill
+    memory, given, count = group.memory, group.given, group.given.size
     block, at, half_way, path, tile = scratch.block, scratch.at, scratch.half_way, scratch.path, scratch.tile
     ahead = scratch.ahead
     for b in range(begin, end):
