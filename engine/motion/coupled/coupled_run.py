@@ -262,8 +262,8 @@ class CoupledRuns(MachineRuns):
         crank, shaft = found.crank.epsilon, found.shaft.epsilon
         speed = np.maximum(np.abs(moving[CRANK_SPEED]), np.abs(moving[SHAFT_SPEED]))
         change = np.maximum(np.abs(crank), np.abs(shaft))
-        # A hundredth of the time per radian; less where torques pull the speeds together.
-        first = 0.01 / np.fmax(np.maximum(speed, np.sqrt(change)), np.abs(found.steepness))
+        # A hundredth of the time per radian.
+        first = 0.01 / np.maximum(speed, np.sqrt(change))
         if not sides.is_elastic:
             return first
         # Within a backlash, a quarter of the time it takes to cross it, at most.

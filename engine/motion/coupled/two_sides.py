@@ -276,14 +276,11 @@ class Pull(NamedTuple):
     ----------
     moment : ndarray
         Torque of the coupling on the crank [N·m]; for locked sides the torque required.
-    steepness : ndarray
-        Largest rate at which torques change the speeds [1/s].
     crank, shaft : MotionAt
         Both with the inertia of the crank.
     """
 
     moment: np.ndarray
-    steepness: np.ndarray
     crank: MotionAt
     shaft: MotionAt
 
@@ -310,16 +307,16 @@ def coupling_pull(
     places = sides.crank.start + sides.crank.variants.direction * turned
     names = ["inertia", "acceleration", "motors", *sides.two.crank.channels]
     wanted = [system.shown[f"{side} {name}"] for side in ("crank", "shaft") for name in names]
-    wanted += [system.shown["coupling"], system.shown["steepness"]]
+    wanted.append(system.shown["coupling"])
     states = turned, faced[0] * w1, other, faced[1] * w2
-    *found, moment, steepness = system.at(numbers, places, states, wanted, joined.clock + time)
+    *found, moment = system.at(numbers, places, states, wanted, joined.clock + time)
     crank, shaft = (
         MotionAt(inertia, way * epsilon, way * motors, way * np.array(loads))
         for way, (inertia, epsilon, motors, *loads) in zip(
             faced, (found[: len(names)], found[len(names) :]), strict=True
         )
     )
-    return Pull(moment, steepness, crank, shaft)
+    return Pull(moment, crank, shaft)
 
 
 class OnElasticShaft:
