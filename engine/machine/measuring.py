@@ -192,6 +192,8 @@ class Measuring:
         closes = self.mechanics.has_cycle and not self.mechanics.scene.cams
         turns = getattr(self.mechanics.scene.input, "revolutions", 1)
         share = 0.0 if accuracy is None else accuracy
+        # The direction of a force that nearly vanishes turns over within a panel; few positions don't show it.
+        coarsely = share >= VERY_COARSELY and (f.crossings or self._kinks) and not (self._angles or self._arcs)
         self.plan = cycle.Plan(
             ends=(row[self.mechanics.first], row[self.mechanics.last]),
             curves=len(curve),
@@ -221,7 +223,7 @@ class Measuring:
             intervals=self._grid[0],
             positions=self._grid[1],
             arcs=[(curve[force.x], curve[force.y], curve[square]) for force, square in self._arcs],
-            degree=COARSE if share >= VERY_COARSELY and (f.crossings or self._kinks) else DEGREE,
+            degree=COARSE if coarsely else DEGREE,
             tolerance=[self._tolerance(c, accuracy, unresolved) for c in curve],
         )
 
