@@ -16,8 +16,6 @@ _ROWS = types.float64[:, ::1]
 # (P, T, q, cos_q, sin_q, tile): numbers (numbers, lanes), all tables, three arrays (positions, lanes), and the tile
 # (curves, positions, lanes).
 TILE_SIGNATURE = types.void(_ROWS, types.float64[::1], _ROWS, _ROWS, _ROWS, types.float64[:, :, ::1])
-# Type of a driver's parameter that takes such a function.
-FILLS_TILE = types.FunctionType(TILE_SIGNATURE)
 TILE_OPTIONS = {"error_model": "numpy", "fastmath": set(RULES), "nogil": True, "pipeline_class": Apart}
 
 

@@ -20,11 +20,11 @@ from engine.cycle.roots import GivenNumbers, Samples, new_samples, sample
 
 # A slope's extreme is close to 0 if it is below this fraction of the larger slope at the ends.
 CLOSE = 0.1
-# A slope is flat at its zero if it changes there by less than this fraction of its change over the interval, or if it
-# changes over the interval by less than this fraction of what it does per length beside.
+# A slope is flat at its zero if its derivative there, times the interval, is below this fraction of its change over the
+# interval, or if that change is below this fraction of the change over as long an interval beside.
 FLAT = 0.75
-# Between slopes of one sign an extreme may escape the approximation if the slope changes over the interval by less than
-# the first, and is smaller at an end than the second fraction of what it changes per length beside.
+# Let c be the change of the slope over as long an interval beside. Between slopes of one sign the approximation may
+# miss an extreme if the slope changes by less than EVEN · c over the interval, and is below SMALL · c at an end.
 EVEN, SMALL = 0.3, 0.1
 # How far outside its interval the extreme of an approximation may lie, as a fraction of the interval.
 OUTSIDE = 0.1
@@ -92,7 +92,7 @@ class IntervalMarks(NamedTuple):
     Attributes
     ----------
     share : row
-        Where an interval is to be divided, from 0 to 1; −1 if it isn't suspected.
+        Fraction of an interval at which to divide it; −1 if it isn't suspected.
     left, right : row
         Change of the slope per length on either side of it.
     found : row

@@ -27,7 +27,7 @@ def flywheel_by_merzalov(energy_range: Value, energy: Value, constant_inertia: V
     energy : Measured or float
         δ ω².
     constant_inertia : Measured or float
-        Inertia that turns with the crank, part of what is needed [kg·m²].
+        Constant part of I, which already does a share of the flywheel's work [kg·m²].
     """
     return energy_range / energy - constant_inertia
 
