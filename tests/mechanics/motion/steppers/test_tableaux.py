@@ -90,18 +90,52 @@ def test_embedded_formulas__have_their_orders_and_no_more(row: int, order: int):
 
 def estimated(weights: np.ndarray, slopes: np.ndarray, length: float) -> float:
     """As of DOP853, with the root of the squares of all formulas of order five."""
-    fine = length * np.hypot(*(w @ slopes for w in weights)) if len(weights) > 1 else length * (weights[0] @ slopes)
+    fine = length * np.linalg.norm(weights @ slopes)
     (coarse,) = length * (ORDER_EIGHT.coarse @ slopes)
     return fine**2 / np.hypot(fine, coarse)
 
 
-def test_formula_besides__is_of_order_five_and_independent_of_the_first():
-    first_formula, besides = ORDER_EIGHT.fine
-    assert missed(DORMAND_PRINCE.matrix, DORMAND_PRINCE.weights - besides, 5) < ROUNDED
-    of_six = np.array([elementary(DORMAND_PRINCE.matrix, tree) / symmetry(tree) for tree in trees(6)])
-    first, second = of_six @ first_formula, of_six @ besides
+def weighed(vertices: int) -> np.ndarray:
+    """Rows by which a formula's error of an order follows from its weights, one for each tree."""
+    return np.array([elementary(DORMAND_PRINCE.matrix, tree) / symmetry(tree) for tree in trees(vertices)])
+
+
+def test_second_formula__is_of_order_five_and_independent_of_the_first():
+    first_formula, second_formula, _ = ORDER_EIGHT.fine
+    assert missed(DORMAND_PRINCE.matrix, DORMAND_PRINCE.weights - second_formula, 5) < ROUNDED
+    first, second = weighed(6) @ first_formula, weighed(6) @ second_formula
     assert np.isclose(first @ first, second @ second, rtol=1e-9)
     assert abs(first @ second) < 1e-9 * (first @ first)
+
+
+def test_third_formula__is_of_order_six_and_as_large_as_the_first_at_the_next():
+    first_formula, _, third_formula = ORDER_EIGHT.fine
+    assert missed(DORMAND_PRINCE.matrix, DORMAND_PRINCE.weights - third_formula, 6) < ROUNDED
+    first, third = (np.linalg.norm(weighed(7) @ formula) for formula in (first_formula, third_formula))
+    assert np.isclose(first, third, rtol=1e-9)
+
+
+def test_estimated_error__hardly_vanishes_where_a_rate_depends_on_the_angle_alone():
+    # The work of a trapezium's flank against a link's velocity, say: two formulas of order five vanish together at
+    # zeros of the fifth derivative. ∫ dφ/(a + cos φ) = 2 atan(√((a-1)/(a+1)) tan(φ/2))/√(a² - 1).
+    few, all_three = [], []
+    for a in (1.3, 2.0, 4.0):
+        root = math.sqrt(a * a - 1.0)
+
+        def integral(phi: float, a: float = a, root: float = root) -> float:
+            return 2.0 * math.atan(math.sqrt((a - 1.0) / (a + 1.0)) * math.tan(0.5 * phi)) / root
+
+        for begin in np.linspace(-3.0, 2.2, 200):
+            for length in np.geomspace(0.2, 0.8, 20):
+                slopes = 1.0 / (a + np.cos(begin + length * NODES[: ORDER_EIGHT.stages]))
+                error = abs(length * (DORMAND_PRINCE.weights @ slopes) - integral(begin + length) + integral(begin))
+                if error > 1e-13:
+                    few.append(estimated(ORDER_EIGHT.fine[:2], slopes, length) / error)
+                    all_three.append(estimated(ORDER_EIGHT.fine, slopes, length) / error)
+    # Two alone fall short twentyfold, all three by less than half, at hardly larger estimates.
+    assert min(few) < 0.05
+    assert min(all_three) > 0.5
+    assert np.median(all_three) < 2.0 * np.median(few)
 
 
 def symmetry(tree: Tree) -> int:
