@@ -55,9 +55,10 @@ ROOT, MOST_TRIALS = 4e-16, 60
 TINY = 1e-292
 # Below this fraction of its final value a guard is too small for the secant; try this fraction of the step instead.
 NEXT_TO_NOTHING, LEAP = 1e-3, 0.1
-# An extreme of the speed is found once the slope is below the fraction FLAT of its terms: the speed is flat there. To
-# bracket it, a trial step overshoots by the fraction BEYOND of the bracket, the second by BEHIND of its own distance.
-FLAT, BEYOND, BEHIND = 1e-5, 1e-5, 0.2
+# An extreme of the speed is found once the slope is below the fraction FLAT √tolerance of its terms: the speed misses
+# the extreme by the square of that. To bracket it, a trial step overshoots by the fraction BEYOND of the bracket, the
+# second by BEHIND of its own distance.
+FLAT, BEYOND, BEHIND = 0.1, 1e-5, 0.2
 # Errors below this fraction of a state are rounding; so is a distance to an edge.
 ROUNDED = 4.0 * float(np.finfo(float).eps)
 # A cycle that ends this close to the goal, as a fraction of the cycle, ends at it.
@@ -233,6 +234,8 @@ class Lane(NamedTuple):
         Number of the edge behind, and the angle turned at which its cycle starts.
     low, high, begins, ends : row
         Limits of the angle turned and of the time at which a step evaluates its stages.
+    behind, ahead : row
+        Distances from the start and the end of a step along the angle to these limits, where it meets an edge [rad].
     short, long, trials, side : row
         Bracket of step lengths around a guard's root, number of trials, and side of the last one: −1 before the root,
         +1 beyond.
@@ -287,6 +290,8 @@ class Lane(NamedTuple):
     base: Row
     low: Row
     high: Row
+    behind: Row
+    ahead: Row
     begins: Row
     ends: Row
     short: Row
@@ -330,6 +335,7 @@ class Room(NamedTuple):
     before: np.ndarray
     guards: np.ndarray
     lengths: np.ndarray
+    limits: np.ndarray
     places: np.ndarray
 
 
@@ -353,6 +359,7 @@ def new_room(task: WalkTask, numbers: int, edges: int, instants: int, repeats: b
         rows(2 * (2 * task.width + 1)),
         rows(2 * (FIRST + task.guards)),
         rows(laid),
+        rows(2 * laid),
         rows(laid * (task.stages + 1) * max(task.places, 1)),
     )
 
@@ -1087,7 +1094,17 @@ def is_flat(lane: int, task: WalkTask, room: Room) -> bool:
     for g in range(FIRST + task.guards):
         if g != RISE and is_crossed(g, lane, task, room):
             return False
-    return abs(watched[end + SLOPE, lane]) <= FLAT * (abs(watched[SLOPE, lane]) + watched[SIZE, lane])
+    flat = FLAT * math.sqrt(rows_of(room.lane).tolerance[lane])
+    return abs(watched[end + SLOPE, lane]) <= flat * (abs(watched[SLOPE, lane]) + watched[SIZE, lane])
+
+
+@inlined
+def missed_top(lane: int, task: WalkTask, room: Room) -> float:
+    """Speed by which a step that ends at an extreme of the speed misses it: twice the height of the parabola there."""
+    own, near = rows_of(room.lane), in_lanes(room.guards)[RISE, lane]
+    far = guard(RISE, lane, 1, task, room)
+    found = own.trials[lane] > 0.0 and near > 0.0 and far < 0.0
+    return far * far * (own.length[lane] - own.short[lane]) / (near - far) if found else 0.0
 
 
 @inlined
@@ -1122,23 +1139,30 @@ def carry_errors(task: WalkTask, room: Room) -> None:
     """Propagate the error estimates of the energy and the integrals over the step, and add those of the step.
 
     An error of the energy grows or fades as neighbouring motions diverge or converge, by exp ∫∂M/∂E dφ; those of the
-    integrals follow by their derivatives. Every step adds rounding. All are magnitudes, so none cancel. Source:
-    E. Hairer, S. P. Nørsett and G. Wanner, Solving Ordinary Differential Equations I, section I.14.
+    integrals follow by their derivatives. Every step adds rounding, and at an edge the change of the rates up to where
+    they are evaluated. All are magnitudes, so none cancel. Source: E. Hairer, S. P. Nørsett and G. Wanner, Solving
+    Ordinary Differential Equations I, section I.14.
     """
-    own, watched = rows_of(room.lane), in_lanes(room.watched)
+    own, watched, k = rows_of(room.lane), in_lanes(room.watched), in_lanes(room.rates)
     carried_errors, errors, begin, end = (
         in_lanes(room.carried_errors),
         in_lanes(room.errors),
         in_lanes(room.begin),
         task.watched,
     )
+    width, last = task.width, (task.stages - 1) * task.width
+    for q in range(width):
+        for lane in range(LANES):
+            behind = own.behind[lane] * abs(k[width + q, lane] - k[q, lane])
+            ahead = own.ahead[lane] * abs(k[last + q, lane] - k[last - width + q, lane])
+            errors[q, lane] = abs(errors[q, lane]) + behind + ahead
     most, rounded = (-3.0, 4.0 * FOUND_TO) if task.implicit else (-1.0, 0.25 * EPS)
     for lane in range(LANES):
         grows = 0.5 * own.length[lane] * (watched[STEEPNESS, lane] + watched[end + STEEPNESS, lane])
         # A step damps an error no more than its method does.
         grows = grows if grows > most else most
         own.carried_error[lane] = carried_errors[0, lane]
-        step = abs(errors[0, lane]) + rounded * begin[0, lane]
+        step = errors[0, lane] + rounded * begin[0, lane]
         after = own.carried_error[lane] * exponential(grows) + step
         carried_errors[0, lane] = after if own.taken[lane] > 0.0 else carried_errors[0, lane]
     for q in range(1, task.width):
@@ -1148,7 +1172,7 @@ def carry_errors(task: WalkTask, room: Room) -> None:
                 abs(watched[row, lane]) * own.carried_error[lane]
                 + abs(watched[end + row, lane]) * carried_errors[0, lane]
             )
-            more = carried_errors[q, lane] + 0.5 * own.length[lane] * follows + abs(errors[q, lane])
+            more = carried_errors[q, lane] + 0.5 * own.length[lane] * follows + errors[q, lane]
             carried_errors[q, lane] = more if own.taken[lane] > 0.0 else carried_errors[q, lane]
 
 
@@ -1165,6 +1189,7 @@ def advance(task: WalkTask, room: Room) -> None:
     for lane in range(LANES):
         speed, took = watched[row, lane], own.taken[lane] > 0.0
         off = 0.5 * speed * carried_errors[0, lane] / begin[0, lane] if task.carries else math.nan
+        off += missed_top(lane, task, room)
         slower, faster = took and speed < own.slowest[lane], took and speed > own.fastest[lane]
         own.slowest[lane] = speed if slower else own.slowest[lane]
         own.slow_off[lane] = off if slower else own.slow_off[lane]
@@ -1308,13 +1333,15 @@ def lay(first: int, printed: Printed, batch: WalkBatch, task: WalkTask, room: Ro
 @routine
 def lay_steps(first: int, printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> None:
     """Make new steps up to each lane's halt, and store them in lanes that keep them."""
-    own, lengths = rows_of(room.lane), in_lanes(room.lengths)
+    own, lengths, limits = rows_of(room.lane), in_lanes(room.lengths), in_lanes(room.limits)
     slots, edges, records = room.lengths.shape[0], batch.edges.shape[0] // 2, batch.recorded.shape[0] > 0
     most_steps = batch.recorded.shape[0] if records else MOST_STEPS
     while choose(edges, batch.instants.shape[0], most_steps, task, room):
         keeps = False
         for lane in range(LANES):
             keeps |= own.kept[lane] >= 0.0 and own.length[lane] > 0.0
+            end = own.at[lane] + own.length[lane]
+            own.behind[lane], own.ahead[lane] = max(own.low[lane] - own.at[lane], 0.0), max(end - own.high[lane], 0.0)
         attempt(-1, keeps, printed, task, room)
         took = decide_steps(task, room)
         if records and took:
@@ -1324,6 +1351,7 @@ def lay_steps(first: int, printed: Printed, batch: WalkBatch, task: WalkTask, ro
                 slot = int(own.kept[lane])
                 if slot < slots:
                     lengths[slot, lane] = own.length[lane]
+                    limits[2 * slot, lane], limits[2 * slot + 1, lane] = own.behind[lane], own.ahead[lane]
                     own.kept[lane] += 1.0
                 else:
                     own.halt[lane], own.kept[lane] = math.inf, -1.0
@@ -1400,13 +1428,14 @@ def repeat(printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> No
 @routine
 def repeat_steps(slots: int, printed: Printed, task: WalkTask, room: Room) -> None:
     """Repeat the stored steps in lanes that are `able`; a lane with too large an error no longer is."""
-    own, lengths = rows_of(room.lane), in_lanes(room.lengths)
+    own, lengths, limits = rows_of(room.lane), in_lanes(room.lengths), in_lanes(room.limits)
     for lane in range(LANES):
         own.worst[lane] = 0.0
     for slot in range(slots):
         for lane in range(LANES):
             goes = own.able[lane] > 0.0 and slot < own.kept[lane]
             own.length[lane] = lengths[slot, lane] if goes else 0.0
+            own.behind[lane], own.ahead[lane] = limits[2 * slot, lane], limits[2 * slot + 1, lane]
         attempt(slot, False, printed, task, room)
         fires(False, task, room)
         for lane in range(LANES):

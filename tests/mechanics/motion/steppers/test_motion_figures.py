@@ -58,8 +58,7 @@ def test_error_figures__hold_for_nearly_all_of_200_random_machines(monkeypatch):
         # Rounding of many steps is estimated roughly.
         told = error > 1e-12 * np.abs(value)
         ratios[name] = np.median(figure[told] / error[told]) if told.any() else 1.0
-    assert np.mean([*shares.values()]) >= 0.97, shares
-    assert min(shares.values()) >= 0.97, shares
+    assert min(shares.values()) >= 0.995, shares
     # What is estimated is a formula of lower order: with steps as small as these it errs some thousand times as much.
     assert all(1 <= ratio <= 1e5 for ratio in ratios.values()), ratios
 
