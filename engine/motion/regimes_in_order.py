@@ -1,7 +1,7 @@
 """A schedule: the regimes of a scene in order, for many variants, with an error estimate for every number.
 
 Runs over the crank angle and steady running propagate the errors of their steps; fields of steady running are evaluated
-again with these errors added, at half the positions. All other motions run twice, the second time with 64 times the
+again with these errors added, at half the positions. All other motions run twice, the second time with 128 times the
 tolerance and twice the maximum step. The error estimate is the larger of the propagated error and the change, plus the
 rounding of the energies.
 """

@@ -35,9 +35,10 @@ SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
 # Limit of |h ∂f/∂y| for an explicit step. Along time, a step spans at most the fraction AT_ONCE of the interval between
 # two edges, unless that is less than the fraction NARROW of the longest step.
 STEEPEST, AT_ONCE, NARROW = 5.0, 0.25, 1e-3
-# A comparison walk uses steps LONGER times as long and a tolerance COARSER times as large, but at most COARSEST, beyond
-# which it says nothing. All its steps differ, whatever limits them, so the difference of the walks estimates the error.
-LONGER, COARSER, COARSEST = 2.0, 2.0**7, 1e-2
+# A comparison walk uses steps LONGER times as long, which grow LONGER times as fast, and a tolerance COARSER times as
+# large, but at most COARSEST, beyond which it says nothing. Its steps differ even where growth, an instant or a longest
+# step limits them, so the difference of the walks estimates the error.
+LONGER, COARSER, COARSEST = 2.0, 2.0**7, 1e-1
 # After MANY steps an implicit method pays where steps are shorter than the fraction WORTH_SOLVING of the longest step
 # and |h ∂f/∂y| exceeds FADES.
 MANY, WORTH_SOLVING, FADES = 100, 0.05, 0.3
@@ -847,6 +848,14 @@ def next_instant(lane: int, count: int, room: Room) -> float:
     return after
 
 
+@inlined
+def behind_instant(lane: int, count: int, room: Room) -> bool:
+    """Whether a lane's step starts at an instant at which a function of time jumps or bends."""
+    own = rows_of(room.lane)
+    now = own.clock[lane] + own.at[lane]
+    return count > 0 and now - own.begins[lane] <= ROUNDED * abs(now)
+
+
 # Step lengths and decisions
 
 
@@ -878,14 +887,15 @@ def choose(edges: int, instants: int, most_steps: int, task: WalkTask, room: Roo
             freely = between < NARROW * own.farthest[lane] or own.farthest[lane] < between
             farthest = own.farthest[lane] if freely else between
             most = most if most * speed < farthest else farthest / speed
-            most = most if most < own.longest[lane] else own.longest[lane]
+            longest = task.longer * own.longest[lane]
+            most = most if most < longest else longest
         else:
             until, most = min(until, edge_ahead(lane, room)), min(most, own.farthest[lane])
         rest = until - own.at[lane]
         # A distance of too many steps isn't divided.
         parts = math.ceil(rest / most * (1.0 - 1e-9)) if rest < MOST_PARTS * most else 0
-        if task.along_time and task.longer == 1.0 and own.steps[lane] == 0.0:
-            # A walk of a single step would have no comparison: make two.
+        if task.along_time and task.longer == 1.0 and (own.steps[lane] == 0.0 or behind_instant(lane, instants, room)):
+            # A single step to the next end would have no comparison: make two.
             parts = parts if parts != 1 else 2
         own.length[lane] = most if parts == 0 else (rest / parts if parts > 1 else rest)
         if not own.length[lane] > 0.0:
@@ -1274,7 +1284,8 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
             own.pace[lane] = own.farthest[lane]
         else:
             share = SAFETY / math.sqrt(math.sqrt(math.sqrt(own.missed[lane])))
-            ahead = own.length[lane] * (share if share < GROW else GROW)
+            most = GROW * task.longer
+            ahead = own.length[lane] * (share if share < most else most)
             own.pace[lane] = ahead if ahead > own.pace[lane] else own.pace[lane]
             fades = own.pace[lane] * abs(watched[task.watched + STEEPNESS, lane])
             short = own.steps[lane] > MANY and is_short(own.pace[lane], lane, task, room)
