@@ -8,7 +8,7 @@ from engine.compiling.widths import LANES
 
 # Shapes (LANES,) and (…, LANES).
 Row, Rows = Memory(()), Memory((LANES,))
-lane_of, in_lanes = memory(Row), memory(Rows)
+in_lanes = memory(Rows)
 
 
 @routine

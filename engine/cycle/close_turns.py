@@ -286,20 +286,27 @@ def add_close_turns(
             marks.found[lane] = 0.0
         sample(events, given, rows, turns.at)
         divide(function, rows, range_of, samples, turns)
+    repeat_last(samples, marks.used)
+
+
+@routine
+def repeat_last(samples: Samples, used: Row) -> None:
+    """Repeat each lane's last scan position up to the number of positions of the lane that has most."""
+    q, most = in_lanes(samples.place[0]), 0
+    for lane in range(LANES):
+        most = max(most, int(used[lane]))
+    for k in range(samples.used[0], most):
         for lane in range(LANES):
-            samples.used[0] = max(samples.used[0], int(marks.used[lane]))
+            if k >= used[lane]:
+                q[k, lane] = q[k - 1, lane]
+                for f in range(samples.tile.shape[0]):
+                    samples.tile[f, k, lane] = samples.tile[f, k - 1, lane]
+    samples.used[0] = most
 
 
 @routine
 def begin_close_turns(count: int, samples: Samples, turns: CloseTurns) -> None:
-    """Begin with `count` scan positions; those not in use repeat the last one."""
-    q = in_lanes(samples.place[0])
+    """Begin with `count` scan positions in all lanes."""
     samples.used[0] = count
     for lane in range(LANES):
         turns.marks.used[lane] = count
-    for k in range(count, samples.tile.shape[1]):
-        for lane in range(LANES):
-            q[k, lane] = q[count - 1, lane]
-        for f in range(samples.tile.shape[0]):
-            for lane in range(LANES):
-                samples.tile[f, k, lane] = samples.tile[f, count - 1, lane]

@@ -1,4 +1,4 @@
-"""Bracketed roots: of switching functions in rows and lanes, and of one function.
+"""Bracketed roots of switching functions, in rows and lanes.
 
 Each row and lane has a separate root, and all are evaluated together. A row seeks either a level of a function f or a
 turning point, where f′ = 0. Each root lies in a bracket with opposite signs at its ends. Newton's method, or the secant
@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.blocks import Row, Rows, in_lanes
-from engine.compiling.decorators import inlined, routine
+from engine.compiling.decorators import routine
 from engine.compiling.widths import LANES
 from engine.cycle.panels.directions import directions
 from engine.cycle.panels.lanes import any_positive, many, new_record, rows
@@ -22,8 +22,6 @@ TURN = -1
 # Length of the last step, as a fraction of the bracket.
 FOUND = 1e-11
 MOST_STEPS = 60
-# For a single root: maximum steps, at least as many as bisection needs, and relative width at which it has converged.
-MOST_TURNS, _CONVERGED = 80, 4e-16
 
 
 class GivenNumbers(NamedTuple):
@@ -237,38 +235,3 @@ def solve_roots(functions: Callable, given: GivenNumbers, levels: Rows, roots: R
         if found:
             break
         found = not improve_roots(levels, roots)
-
-
-@inlined
-def newton_between(
-    x: float, over: float, slope: float, rises: bool, low: float, high: float
-) -> tuple[float, float, float, bool]:
-    """One step towards the zero of a function whose signs differ at two bounds.
-
-    Parameters
-    ----------
-    x : float
-        Between the bounds.
-    over, slope : float
-        The function and its derivative at x.
-    rises : bool
-        Whether the function is positive at the upper bound.
-    low, high : float
-
-    Returns
-    -------
-    x : float
-        Newton's step, or the midpoint of the bounds if that leaves them.
-    low, high : float
-        The narrower bounds.
-    settled : bool
-        Whether x has converged to rounding.
-    """
-    if (over > 0.0) == rises:
-        high = x
-    else:
-        low = x
-    new = x - over / slope if slope != 0.0 else low
-    if not low < new < high:
-        new = 0.5 * (low + high)
-    return new, low, high, abs(new - x) <= _CONVERGED * abs(new) or high - low <= _CONVERGED * abs(high)

@@ -31,6 +31,17 @@ def bend_slope(x: float) -> float:
 
 
 @scalar
+def _kloss(
+    breakdown_torque: float, breakdown_slip: float, rotor_ratio: float, synchronous_speed: float, omega: float
+) -> tuple[float, float, float]:
+    """Slip s, denominator s² + s_b² + a s_b² s, and factor M_b (2 + a s_b) of Kloss' formula."""
+    slip = (synchronous_speed - omega) / synchronous_speed
+    damping = rotor_ratio * breakdown_slip
+    denominator = slip * slip + breakdown_slip * breakdown_slip + damping * breakdown_slip * slip
+    return slip, denominator, breakdown_torque + breakdown_torque + damping * breakdown_torque
+
+
+@scalar
 def induction_motor(
     breakdown_torque: float, breakdown_slip: float, rotor_ratio: float, synchronous_speed: float, omega: float
 ) -> float:
@@ -59,10 +70,7 @@ def induction_motor(
         Torque [N·m]. An equivalent circuit has a s_b < 2. If a fit gives a s_b >= 2, the formula has two poles above
         synchronous speed and drives a generator forwards between them, so it returns NaN there.
     """
-    slip = (synchronous_speed - omega) / synchronous_speed
-    damping = rotor_ratio * breakdown_slip
-    denominator = slip * slip + breakdown_slip * breakdown_slip + damping * breakdown_slip * slip
-    factor = breakdown_torque + breakdown_torque + damping * breakdown_torque
+    slip, denominator, factor = _kloss(breakdown_torque, breakdown_slip, rotor_ratio, synchronous_speed, omega)
     # 0/0 gives NaN in the arguments' own precision and without a branch, so that motors of many variants vectorise.
     zero = slip - slip
     between = (slip < 0.0) & (denominator <= 0.0)
@@ -74,10 +82,7 @@ def induction_motor_slope(
     breakdown_torque: float, breakdown_slip: float, rotor_ratio: float, synchronous_speed: float, omega: float
 ) -> float:
     """Derivative of `induction_motor` by the speed, dM/domega = −(dM/ds)/omega_s [N·m·s]; parameters as there."""
-    slip = (synchronous_speed - omega) / synchronous_speed
-    damping = rotor_ratio * breakdown_slip
-    denominator = slip * slip + breakdown_slip * breakdown_slip + damping * breakdown_slip * slip
-    factor = breakdown_torque + breakdown_torque + damping * breakdown_torque
+    slip, denominator, factor = _kloss(breakdown_torque, breakdown_slip, rotor_ratio, synchronous_speed, omega)
     rise = (breakdown_slip - slip) * (breakdown_slip + slip) / denominator / denominator
     return -factor * breakdown_slip * rise / synchronous_speed
 
@@ -87,12 +92,9 @@ def induction_motor_curvature(
     breakdown_torque: float, breakdown_slip: float, rotor_ratio: float, synchronous_speed: float, omega: float
 ) -> float:
     """Second derivative of `induction_motor` by the speed [N·m·s²]; parameters as there."""
-    slip = (synchronous_speed - omega) / synchronous_speed
-    damping = rotor_ratio * breakdown_slip
-    denominator = slip * slip + breakdown_slip * breakdown_slip + damping * breakdown_slip * slip
-    factor = breakdown_torque + breakdown_torque + damping * breakdown_torque
+    slip, denominator, factor = _kloss(breakdown_torque, breakdown_slip, rotor_ratio, synchronous_speed, omega)
     rise = (breakdown_slip - slip) * (breakdown_slip + slip)
-    bend = slip * denominator + rise * (slip + slip + damping * breakdown_slip)
+    bend = slip * denominator + rise * (slip + slip + rotor_ratio * breakdown_slip * breakdown_slip)
     per_slip = breakdown_slip / denominator / denominator / denominator
     return -2.0 * factor * per_slip * bend / synchronous_speed / synchronous_speed
 

@@ -22,8 +22,8 @@ import numpy as np
 
 from engine.compiling.decorators import routine
 from engine.compiling.running import over_variants
-from engine.cycle.roots import MOST_TURNS, newton_between
 from engine.elements.oscillators.damped_vibration import damped_vibration, next_turn
+from engine.laws.rounding import MOST_TURNS, newton_between
 
 # Half periods searched for the peak at either end of a piece: two extremes of each sign.
 _ENDS = 4

@@ -1,4 +1,4 @@
-"""Belts, bands and ropes on a drum: Euler's formula, with the centrifugal tension of a running belt.
+"""Belts, bands and ropes on a drum: Euler's (Eytelwein's, the capstan) formula; tension of a running belt.
 
 On the point of slipping the tension of the tight strand is e^(f alpha) times that of the slack one. A running belt with
 mass q per unit length presses less: q v² of the tension of each strand only provides the centripetal force.
@@ -13,7 +13,7 @@ from engine.compiling.decorators import scalar
 
 @scalar
 def tension_ratio(friction: float, wrap: float) -> float:
-    """Tension of the tight strand divided by that of the slack one: e^(f alpha).
+    """Tension of the tight strand divided by that of the slack one, e^(f alpha): Euler's or Eytelwein's formula.
 
     Parameters
     ----------

@@ -17,10 +17,7 @@ T. Bevan, The Theory of Machines, chapter 10.
 import math
 
 from engine.compiling.decorators import scalar
-from engine.laws.rounding import EPS
-
-# Maximum iterations: Newton's method takes a few, bisection one per bit.
-MOST_ROUNDS = 80
+from engine.laws.rounding import MOST_TURNS, newton_between
 
 
 @scalar
@@ -92,18 +89,10 @@ def normal_roots(x: float, y: float) -> tuple[float, float, float]:
     p, q = (y, x) if backwards else (x, y)
     low, high = -1.0, 0.0
     root = -1.0 / (1.0 + q)
-    for _ in range(MOST_ROUNDS):
-        value = ((root + p) * root + q) * root + 1.0
-        if value > 0.0:
-            high = root
-        else:
-            low = root
-        following = root - value / ((3.0 * root + 2.0 * p) * root + q)
-        if not low < following < high:
-            following = 0.5 * (low + high)
-        done = abs(following - root) <= EPS * abs(root)
-        root = following
-        if done:
+    for _ in range(MOST_TURNS):
+        value, slope = ((root + p) * root + q) * root + 1.0, (3.0 * root + 2.0 * p) * root + q
+        root, low, high, settled = newton_between(root, value, slope, True, low, high)
+        if settled:
             break
     real = 1.0 / root if backwards else root
     # The remaining factor is λ² + t λ − 1/real with t = X + real; where X and −real are large and nearly equal, t comes

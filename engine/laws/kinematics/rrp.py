@@ -43,7 +43,7 @@ def rrp_position(
     slide : float
         Coordinate of B along the guide from its point [m].
     sine : float
-        Cosine of the angle between rod and guide.
+        Sine of the transmission angle, which lies between the rod and the normal of the guide.
     """
     ax, ay = a
     gx, gy, c, s = guide
