@@ -9,7 +9,9 @@ import numpy as np
 from engine.compiling.blocks import hand_out_row, in_lanes
 from engine.compiling.decorators import driver
 from engine.compiling.widths import LANES
-from engine.stepping.walk import Printed, Room, WalkTask, look, rate, rows_of, stand
+from engine.stepping.steps.stage_rates import look, rate, stand
+from engine.stepping.steps.step_lanes import Printed, Room, rows_of
+from engine.stepping.walk_task import WalkTask
 
 
 class GivenStates(NamedTuple):

@@ -18,22 +18,10 @@ from engine.compiling.decorators import driver, routine
 from engine.compiling.memory import memory
 from engine.compiling.widths import LANES
 from engine.cycle.panels.lanes import one, rows
-from engine.stepping.walk import (
-    FULL,
-    GOAL,
-    GOING,
-    STEEP,
-    Printed,
-    Room,
-    WalkBatch,
-    WalkTask,
-    find_edge,
-    give_out,
-    lay_steps,
-    repeat_steps,
-    rows_of,
-    take_in,
-)
+from engine.stepping.steps.step_edges import find_edge
+from engine.stepping.steps.step_lanes import Printed, Room, WalkBatch, give_out, rows_of
+from engine.stepping.walk import lay_steps, repeat_steps, take_in
+from engine.stepping.walk_task import FULL, GOAL, GOING, STEEP, WalkTask
 from engine.words.verdicts import Verdict
 
 OK, STALLS, RUNS_AWAY, ANY_SPEED, NOT_FINITE = (

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from engine.stepping.walk import LONGER, coarser
+from engine.stepping.walk_task import LONGER, coarser
 from engine.words.verdicts import Verdict
 
 

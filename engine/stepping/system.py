@@ -16,20 +16,10 @@ from engine.graph.nodes import Given, Graph, Node
 from engine.stepping.at_states import GivenStates, evaluate_states
 from engine.stepping.closed_cycle import OUTCOME, CycleBatch, CycleRoom, find_cycles, new_cycle_room
 from engine.stepping.methods import EIGHT, METHODS
-from engine.stepping.walk import (
-    FOUND,
-    GIVEN,
-    LONGER,
-    RESPONSES,
-    ROOT,
-    STEEPEST,
-    STEEPNESS,
-    Room,
-    WalkBatch,
-    WalkTask,
-    new_room,
-    walk,
-)
+from engine.stepping.steps.step_guards import ROOT
+from engine.stepping.steps.step_lanes import FOUND, GIVEN, RESPONSES, STEEPNESS, Room, WalkBatch, new_room
+from engine.stepping.walk import STEEPEST, walk
+from engine.stepping.walk_task import LONGER, WalkTask
 
 # Fractions of a step at which its polynomial of degree seven is recorded.
 SHOWN = 0.5 - 0.5 * np.cos(np.pi * np.arange(8) / 7.0)
@@ -110,7 +100,7 @@ class Walks(NamedTuple):
     """Results of a number of walks, (variants,) each.
 
     `states`, `carried_errors`, `ending` (states and gathered, variants) and `recorded` are as in
-    `engine.stepping.walk.WalkBatch`, others as in `engine.stepping.walk.Lane`; `numbers` are those of the variants,
+    `WalkBatch`, others as in `Lane`; `numbers` are those of the variants,
     with what is held as it was at the end.
     """
 
@@ -241,7 +231,7 @@ class PrintedSystem:
         carried_errors: np.ndarray | None = None,
         recorded: int = 0,
     ) -> Walks:
-        """Walk; parameters as in `engine.stepping.walk.WalkBatch`, `given` rows of lanes by name, steps to record."""
+        """Walk; parameters as in `WalkBatch`, `given` rows of lanes by name, steps to record."""
         count = states.shape[1]
         edges = np.repeat(NO_EDGES, count, axis=1) if edges is None else edges
         instants = np.zeros((0, count)) if instants is None else instants

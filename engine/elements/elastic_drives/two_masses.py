@@ -30,7 +30,7 @@ from engine.laws.senses import past
 from engine.parts.motor_constants import MotorCurve
 from engine.stepping.records import put
 from engine.stepping.system import Guard, PrintedSystem, System, Walks
-from engine.stepping.walk import Why
+from engine.stepping.walk_task import Why
 
 # First step, in radians of the vibration.
 FIRST = 0.1
@@ -257,7 +257,7 @@ class FollowedDrives(NamedTuple):
     too_stiff : ndarray of bool
         Drives not computed because they vibrate too often within their duration.
     steps, recorded : ndarray
-        Number of steps, and the recorded ones, as in `engine.stepping.walk.WalkBatch`.
+        Number of steps, and the recorded ones, as in `WalkBatch`.
     """
 
     held: HeldOfDrive

@@ -31,7 +31,7 @@ from engine.stepping.recorded import made_steps
 from engine.stepping.records import put, some
 from engine.stepping.runs import WalkedRuns
 from engine.stepping.system import SHOWN, Guard, PrintedSystem, System, Walks
-from engine.stepping.walk import Why
+from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
 
 # Step tolerance, as a fraction of the range and of SPEED_SCALE times the speed, since governors work within a few

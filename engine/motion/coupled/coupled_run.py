@@ -29,7 +29,7 @@ from engine.stepping.methods import EIGHT, NINE
 from engine.stepping.recorded import made_steps
 from engine.stepping.records import some
 from engine.stepping.system import SHOWN, Walks
-from engine.stepping.walk import Why
+from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
 
 # Fractions of a step at which speeds and torques are sampled, and the interpolation matrix from the recorded ones.

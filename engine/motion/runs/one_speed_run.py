@@ -9,7 +9,7 @@ from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.runs.run_progress import ADAPTIVE, Changed, Ends, MachineRuns, Standing, State, Stepping
 from engine.motion.runs.watching import Observer, Piece
 from engine.stepping.records import put, some
-from engine.stepping.walk import coarser
+from engine.stepping.walk_task import coarser
 from engine.words.verdicts import Verdict
 
 # Fraction of a cycle before a mark within which it counts as passed: rounding.

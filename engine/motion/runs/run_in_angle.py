@@ -10,7 +10,7 @@ from engine.stepping.methods import EIGHT, FOUR, NINE
 from engine.stepping.recorded import read_steps
 from engine.stepping.records import some
 from engine.stepping.system import Walks
-from engine.stepping.walk import Why
+from engine.stepping.walk_task import Why
 
 # Relative energy change per radian above which the energy form is abandoned: near rest 1/ω is singular as the inverse
 # root of the angle. The limit is lower if values within steps are needed, as dense output resolves it less far.

@@ -12,7 +12,7 @@ from engine.stepping.methods import EIGHT
 from engine.stepping.recorded import made_steps, read_steps
 from engine.stepping.records import some
 from engine.stepping.system import Walks
-from engine.stepping.walk import Why
+from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
 
 # Number of instants at which a resting machine is tested for start.

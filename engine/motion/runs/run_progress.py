@@ -13,7 +13,7 @@ from engine.motion.moments.grid import edges_of
 from engine.motion.one_speed import MachineSystem, Sizes
 from engine.motion.runs.watching import Observer, Piece
 from engine.stepping.runs import WalkedRuns
-from engine.stepping.walk import Why
+from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
 
 # Tolerance of a step in time, and of a step over the angle, whose errors add up over many cycles; maximum step.

@@ -16,7 +16,7 @@ from engine.stepping.closed_cycle import TOO_STEEP
 from engine.stepping.methods import EIGHT, NINE
 from engine.stepping.recorded import read_steps
 from engine.stepping.system import Closed, Walks
-from engine.stepping.walk import Why
+from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
 
 # Maximum steps: during the search, in the final cycle, and in the final cycle if it is recorded.

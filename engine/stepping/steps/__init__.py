@@ -1,0 +1,1 @@
+"""One step of a walk: its stages, errors, edges and guards, in lanes."""

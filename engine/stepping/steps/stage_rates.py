@@ -1,0 +1,150 @@
+"""Rates of the states at the stages of a step, implicit ones by secants; what a step records."""
+
+import math
+
+import numpy as np
+
+from engine.compiling.blocks import in_lanes
+from engine.compiling.decorators import inlined, routine
+from engine.compiling.widths import LANES
+from engine.laws.elementary import direction_of
+from engine.stepping.methods import at_stage
+from engine.stepping.steps.step_lanes import Printed, Room, rows_of
+from engine.stepping.walk_task import WalkTask
+
+# Newton iterations for the stages of an implicit step; their tolerance; the tolerance accepted where rounding stalls
+# them; the fraction of a state that an iteration leaves at least.
+MOST_ROUNDS, FOUND_TO, NEARLY_FOUND, LEAST_LEFT = 12, 1e-14, 1e-11, 0.1
+# Implicit rates: relative tolerance, maximum number of secant iterations, and the iterations after which only rounding
+# prevents further convergence.
+SOLVED_TO, MOST_SECANTS, SURE_SECANTS = 1e-13, 20, 6
+
+
+# A step
+
+
+@inlined
+def stand(share: float, stage: int, slot: int, printed: Printed, task: WalkTask, room: Room) -> None:
+    """Put the position and the time of a stage into P; a negative `slot` computes the position's values afresh."""
+    own, position, state = rows_of(room.lane), in_lanes(room.position), in_lanes(room.numbers)
+    first, count = task.first_place, task.places
+    if slot < 0 and count > 0:
+        for lane in range(LANES):
+            turned = state[first + count, lane] if task.along_time else own.at[lane] + share * own.length[lane]
+            turned = turned if turned < own.high[lane] else own.high[lane]
+            turned = turned if turned > own.low[lane] else own.low[lane]
+            position[0, lane] = own.start[lane] + own.direction[lane] * turned
+        for lane in range(LANES):
+            position[1, lane], position[2, lane] = direction_of(position[0, lane])
+        tile = room.numbers[first : first + count].reshape(count, 1, LANES)
+        printed.places(room.numbers, printed.memory, room.position[0:1], room.position[1:2], room.position[2:3], tile)
+    elif count > 0:
+        kept, at = in_lanes(room.places), (slot * (task.stages + 1) + stage) * count
+        # `watch` needs the other rows, but only at the ends of the step.
+        for i in range(count if stage == 0 or stage == task.stages else task.rated):
+            for lane in range(LANES):
+                state[first + i, lane] = kept[at + i, lane]
+    if task.clock >= 0:
+        for lane in range(LANES):
+            now = own.clock[lane] + own.at[lane] + share * own.length[lane]
+            now = now if now < own.ends[lane] else own.ends[lane]
+            state[task.clock, lane] = now if now > own.begins[lane] else own.begins[lane]
+
+
+@inlined
+def rate(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
+    """Rates of a stage."""
+    if task.solves >= 0:
+        solve_rates(stage, printed, task, room)
+    else:
+        fill_rates(stage, printed, task, room)
+
+
+@routine
+def solve_rates(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
+    """Rates of a stage by secants, where the rate of a state depends on itself, as friction does on the acceleration.
+
+    Where the iteration fails, the rate is NaN and the step is rejected.
+    """
+    own, row = rows_of(room.lane), task.first_place + task.places
+    here, state = in_lanes(room.numbers)[row + task.states], in_lanes(room.numbers)[row + task.solves]
+    found = in_lanes(room.rates)[stage * task.width + task.solves]
+    # The rows behind the equations of an implicit step.
+    last = room.equations.shape[0] - 1
+    before, left_before = in_lanes(room.equations)[last - 1], in_lanes(room.equations)[last]
+    for lane in range(LANES):
+        here[lane] = here[lane] if abs(here[lane]) < math.inf else 0.0
+    for turn in range(MOST_SECANTS):
+        fill_rates(stage, printed, task, room)
+        pending = False
+        for lane in range(LANES):
+            left = found[lane] - here[lane]
+            gains = turn < SURE_SECANTS or abs(left) < abs(left_before[lane])
+            if abs(left) > SOLVED_TO * (abs(found[lane]) + abs(here[lane])) and gains:
+                pending = True
+                secant = here[lane] - left * (here[lane] - before[lane]) / (left - left_before[lane])
+                ahead = secant if turn > 0 and abs(secant) < math.inf else found[lane]
+                before[lane], left_before[lane], here[lane] = here[lane], left, ahead
+        if not pending:
+            break
+    for lane in range(LANES):
+        off = own.length[lane] * abs(found[lane] - here[lane])
+        sure = off <= NEARLY_FOUND * (abs(state[lane]) + own.length[lane] * abs(found[lane]))
+        found[lane] = found[lane] if sure else math.nan
+
+
+@inlined
+def fill_rates(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
+    """Rates of a stage from its state."""
+    width = task.width
+    filled_rows = room.rates[stage * width : (stage + 1) * width].reshape(width, 1, LANES)
+    printed.rates(room.numbers, printed.memory, room.position[0:1], room.position[1:2], room.position[2:3], filled_rows)
+
+
+@inlined
+def look(end: int, printed: Printed, task: WalkTask, room: Room) -> None:
+    """Evaluate `watch` at the start of a step, 0, or at its end, 1."""
+    count = task.watched
+    filled_rows = room.watched[end * count : (end + 1) * count].reshape(count, 1, LANES)
+    printed.watch(room.numbers, printed.memory, room.position[0:1], room.position[1:2], room.position[2:3], filled_rows)
+
+
+@inlined
+def keep_place(stage: int, task: WalkTask, room: Room) -> None:
+    """Store the position-dependent values of a stage in the slot of each lane's trial step, behind those it keeps."""
+    own, kept, numbers = rows_of(room.lane), in_lanes(room.places), in_lanes(room.numbers)
+    for lane in range(LANES):
+        slot = int(own.kept[lane])
+        at = (slot * (task.stages + 1) + stage) * task.places
+        for i in range(task.places if 0 <= slot < room.lengths.shape[0] else 0):
+            kept[at + i, lane] = numbers[task.first_place + i, lane]
+
+
+@routine
+def record(first: int, printed: Printed, recorded: np.ndarray, task: WalkTask, room: Room) -> None:
+    """Record accepted steps: start, length, direction, and polynomials at the fractions `shown`."""
+    own, k, begin = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin)
+    state, dense = in_lanes(room.numbers[task.first_place + task.places :]), task.nodes.shape[0]
+    carried_errors = in_lanes(room.carried_errors)
+    for s in range(task.stages, dense):
+        at_stage(task.method, s, task.states, task.width, begin, own.length, k, state)
+        stand(task.nodes[s], s, -1, printed, task, room)
+        rate(s, printed, task, room)
+    for lane in range(LANES):
+        if own.taken[lane] == 0.0 or first + lane >= recorded.shape[2]:
+            continue
+        i, v, shown = int(own.steps[lane]), first + lane, task.shown.shape[0]
+        recorded[i, 0, v], recorded[i, 1, v], recorded[i, 2, v] = own.at[lane], own.length[lane], own.facing[lane]
+        # There may be no integral.
+        for q in range(min(task.states + 1, task.width)):
+            at = 3 + q * (shown + 1)
+            recorded[i, at + shown, v] = carried_errors[q, lane]
+            for j in range(shown):
+                theta, value, factor = task.shown[j], 0.0, 1.0
+                for p in range(task.parts.shape[0]):
+                    factor *= theta if p % 2 == 0 else 1.0 - theta
+                    part = 0.0
+                    for s in range(dense):
+                        part += task.parts[p, s] * k[s * task.width + q, lane]
+                    value += factor * part
+                recorded[i, at + j, v] = begin[q, lane] + own.length[lane] * value

@@ -1,0 +1,85 @@
+"""Positions at which a step must end: edges of the torques, and requested instants."""
+
+import math
+
+from engine.compiling.blocks import in_lanes
+from engine.compiling.decorators import inlined
+from engine.stepping.steps.step_errors import ROUNDED
+from engine.stepping.steps.step_lanes import Room, rows_of
+from engine.stepping.walk_task import WalkTask
+
+# Edges: angles at which something jumps or bends
+
+
+@inlined
+def look_ahead(lane: int, count: int, room: Room) -> None:
+    """Limits of the angles at which a lane's step evaluates: its edges, less their margins."""
+    own, edges, sides = rows_of(room.lane), in_lanes(room.edges), in_lanes(room.edges[count:])
+    k = int(own.edge[lane])
+    low, high = edges[k, lane] + sides[k, lane], edges[k + 1, lane] - sides[k + 1, lane]
+    middle = 0.5 * (edges[k, lane] + edges[k + 1, lane])
+    own.low[lane] = own.base[lane] + (low if low < middle else middle)
+    own.high[lane] = own.base[lane] + (high if high > middle else middle)
+
+
+@inlined
+def edge_ahead(lane: int, room: Room) -> float:
+    """Angle turned at the edge ahead of a lane."""
+    own = rows_of(room.lane)
+    return own.base[lane] + in_lanes(room.edges)[int(own.edge[lane]) + (1 if own.facing[lane] > 0.0 else 0), lane]
+
+
+@inlined
+def pass_edge(lane: int, count: int, task: WalkTask, room: Room) -> bool:
+    """Move a lane past the edge ahead; false where the range ends there."""
+    own, edges = rows_of(room.lane), in_lanes(room.edges)
+    way, k = (1 if own.facing[lane] > 0.0 else -1), int(own.edge[lane])
+    for _ in range(count + 1):
+        k += way
+        if k < 0 or k + 1 >= count:
+            if not task.cycle < math.inf:
+                return False
+            own.base[lane] += way * task.cycle
+            k = 0 if way > 0 else count - 2
+        if edges[k + 1, lane] > edges[k, lane]:
+            break
+    own.edge[lane] = float(k)
+    return True
+
+
+@inlined
+def find_edge(lane: int, count: int, task: WalkTask, room: Room) -> None:
+    """Find the edges on either side of a lane; at an edge, take the interval ahead."""
+    own, edges = rows_of(room.lane), in_lanes(room.edges)
+    cycle, way = task.cycle, own.facing[lane]
+    near = way * ROUNDED * (abs(own.turned[lane]) + (cycle if cycle < math.inf else 0.0))
+    own.base[lane] = math.floor((own.turned[lane] + near) / cycle) * cycle if cycle < math.inf else 0.0
+    within, k = own.turned[lane] - own.base[lane] + near, 0
+    while k + 2 < count and edges[k + 1, lane] < within:
+        k += 1
+    own.edge[lane] = float(k)
+
+
+@inlined
+def next_instant(lane: int, count: int, room: Room) -> float:
+    """Next instant at which a function of time jumps or bends; set the time limits of the step."""
+    own, instants = rows_of(room.lane), in_lanes(room.instants)
+    now = own.clock[lane] + own.at[lane]
+    now += ROUNDED * abs(now)
+    before, after = -math.inf, math.inf
+    for i in range(count):
+        x = instants[i, lane]
+        if x > now:
+            after = x if x < after else after
+        elif x <= now:
+            before = x if x > before else before
+    own.begins[lane], own.ends[lane] = before, after
+    return after
+
+
+@inlined
+def behind_instant(lane: int, count: int, room: Room) -> bool:
+    """Whether a lane's step starts at an instant at which a function of time jumps or bends."""
+    own = rows_of(room.lane)
+    now = own.clock[lane] + own.at[lane]
+    return count > 0 and now - own.begins[lane] <= ROUNDED * abs(now)

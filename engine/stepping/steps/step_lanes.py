@@ -1,0 +1,249 @@
+"""State of each lane of a walk, the scratch memory of a block of lanes, and what a walk receives and returns."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.compiling.blocks import Row, hand_out, in_lanes
+from engine.compiling.decorators import routine
+from engine.compiling.memory import memory
+from engine.cycle.panels.lanes import ASIDE, one, rows
+from engine.stepping.walk_task import WalkTask
+
+# Maximum number of stored steps per cycle; lanes that need more don't repeat theirs.
+MOST_SLOTS = 160
+# First rows of `watch`: speed; magnitude of the terms of the first state's rate; derivative of that rate with respect
+# to the first state; a number with the sign of the speed's slope; from RESPONSES on, derivatives of the integrands
+# with respect to the first state.
+SPEED, SIZE, STEEPNESS, SLOPE, RESPONSES = range(5)
+# Guards that aren't rows of `watch`: the edge ahead, the other goal, an extreme of the speed.
+EDGE, OTHER, RISE, FIRST = range(4)
+
+
+class Lane(NamedTuple):
+    """Rows of a block, one number per lane.
+
+    Inputs are the rows up to `pace`; outputs are those from `turned` to `steps`.
+
+    Attributes
+    ----------
+    start, direction : row
+        Crank angle at the start [rad], and the direction in which the angle turned is counted, +1 or −1.
+    facing : row
+        Direction of motion, +1 or −1.
+    clock : row
+        Time at the start [s].
+    goal, other_goal : row
+        Independent variable at the end; for a walk along time, the angle turned at the end, along the angle the time.
+    tolerance, farthest : row
+        Step tolerance, and largest angle of a step [rad].
+    longest, floor : row
+        For a walk along time, the longest step [s] and the speed below which the motion has faded [rad/s]; where speeds
+        may be negative, the minimum scale of the errors of the states.
+    turned, pace : row
+        Angle turned, and length of the next trial step.
+    at : row
+        Independent variable, from the start.
+    slowest, fastest, slow_off, fast_off : row
+        Minimum and maximum speed at the ends of steps, and their error estimates.
+    slope : row
+        A number with the sign of the speed's slope at the end.
+    why, steps : row
+        Why the walk ended (`Why`), and its number of steps.
+    scale, work, size : row
+        Maximum work of the accepted steps; the same including the trial step; scale of a step's error.
+    length, missed : row
+        Length of the trial step, and its error estimate relative to the tolerance.
+    edge, base : row
+        Number of the edge behind, and the angle turned at which its cycle starts.
+    low, high, begins, ends : row
+        Limits of the angle turned and of the time at which a step evaluates its stages.
+    behind, ahead : row
+        Distances from the start and the end of a step along the angle to these limits, where it meets an edge [rad].
+    short, long, trials, side : row
+        Bracket of step lengths around a guard's root, number of trials, and side of the last one: −1 before the root,
+        +1 beyond.
+    short_speed, long_speed : row
+        Speeds at the ends of the bracket.
+    fired : row
+        1 if a guard ends the step.
+    halt : row
+        Independent variable at the end of the cycle that is laid or repeated.
+    taken, able : row
+        1 if the step is accepted; 1 if a cycle is repeated.
+    kept : row
+        Number of stored steps of a cycle; −1: none.
+    free : row
+        Independent variable from which steps may be stored again.
+    worst : row
+        Maximum error estimate of the repeated steps relative to the tolerance.
+    carried_error : row
+        Error estimate of the first state at the start of the step.
+    ended : row
+        Number of the guard that ends the step; −1: none.
+    refused : row
+        Error estimate, relative to the tolerance, of the last rejected step; infinite if none since an accepted step.
+    """
+
+    start: Row
+    direction: Row
+    facing: Row
+    clock: Row
+    goal: Row
+    other_goal: Row
+    tolerance: Row
+    farthest: Row
+    longest: Row
+    floor: Row
+    turned: Row
+    pace: Row
+    at: Row
+    slowest: Row
+    fastest: Row
+    slow_off: Row
+    fast_off: Row
+    slope: Row
+    why: Row
+    steps: Row
+    scale: Row
+    work: Row
+    size: Row
+    length: Row
+    missed: Row
+    edge: Row
+    base: Row
+    low: Row
+    high: Row
+    behind: Row
+    ahead: Row
+    begins: Row
+    ends: Row
+    short: Row
+    long: Row
+    trials: Row
+    side: Row
+    short_speed: Row
+    long_speed: Row
+    fired: Row
+    halt: Row
+    taken: Row
+    able: Row
+    kept: Row
+    free: Row
+    worst: Row
+    carried_error: Row
+    ended: Row
+    refused: Row
+
+
+GIVEN, FOUND = Lane._fields[:12], Lane._fields[10:20]
+FIRST_FOUND = 10
+
+
+class Room(NamedTuple):
+    """Scratch arrays for one block, lanes last."""
+
+    numbers: np.ndarray
+    position: np.ndarray
+    lane: np.ndarray
+    edges: np.ndarray
+    instants: np.ndarray
+    rates: np.ndarray
+    watched: np.ndarray
+    begin: np.ndarray
+    after: np.ndarray
+    errors: np.ndarray
+    carried_errors: np.ndarray
+    ending: np.ndarray
+    equations: np.ndarray
+    before: np.ndarray
+    guards: np.ndarray
+    lengths: np.ndarray
+    limits: np.ndarray
+    places: np.ndarray
+
+
+def new_room(task: WalkTask, numbers: int, edges: int, instants: int, repeats: bool) -> Room:
+    """Scratch arrays for one block; `repeats` adds room for the stored steps of a cycle."""
+    laid, unknown = MOST_SLOTS if repeats else 1, task.stages * task.solved
+    return Room(
+        rows(numbers),
+        rows(3),
+        rows(len(Lane._fields)),
+        rows(2 * edges),
+        rows(max(instants, 1)),
+        rows(task.width * max(len(task.nodes), task.stages + 1), aside=ASIDE),
+        rows(2 * task.watched),
+        rows(task.width),
+        rows(task.width, aside=ASIDE),
+        rows(task.width),
+        rows(task.width),
+        rows(task.width),
+        rows((unknown * (unknown + 1) + task.stages * task.states if task.implicit else 0) + 2),
+        rows(2 * (2 * task.width + 1)),
+        rows(2 * (FIRST + task.guards)),
+        rows(laid),
+        rows(2 * laid),
+        rows(laid * (task.stages + 1) * max(task.places, 1)),
+    )
+
+
+class Printed(NamedTuple):
+    """The printed functions of a system, and the memory of all tables."""
+
+    places: Callable
+    rates: Callable
+    watch: Callable
+    memory: np.ndarray
+
+
+class WalkBatch(NamedTuple):
+    """Inputs and results of a number of walks.
+
+    Attributes
+    ----------
+    memory : ndarray
+        All tables.
+    numbers : ndarray (numbers, variants)
+        Held numbers are updated in place.
+    edges : ndarray (2 × edges, variants)
+        Angles turned at the edges of a cycle, including its start and end, and the margins at them [rad].
+    instants : ndarray (instants, variants)
+    given : ndarray (GIVEN, variants)
+    states : ndarray (width, variants)
+        States and integrals at the start, updated in place.
+    carried_errors : ndarray (width, variants)
+        Their error estimates, updated in place.
+    ending : ndarray (width, variants)
+        Their rates at the end.
+    found : ndarray (FOUND, variants)
+    recorded : ndarray (steps, 3 + (states + 1) × (1 + places), variants)
+        Start, length and direction of each step; for each state and the first integral, its polynomial and its error
+        estimate at the start.
+    """
+
+    memory: np.ndarray
+    numbers: np.ndarray
+    edges: np.ndarray
+    instants: np.ndarray
+    given: np.ndarray
+    states: np.ndarray
+    carried_errors: np.ndarray
+    ending: np.ndarray
+    found: np.ndarray
+    recorded: np.ndarray
+
+
+rows_of = memory(one(Lane))
+
+
+@routine
+def give_out(first: int, batch: WalkBatch, task: WalkTask, room: Room) -> None:
+    """Store the final states of a block of variants."""
+    hand_out(in_lanes(room.begin), first, batch.states)
+    hand_out(in_lanes(room.carried_errors), first, batch.carried_errors)
+    hand_out(in_lanes(room.ending), first, batch.ending)
+    hand_out(in_lanes(room.lane[FIRST_FOUND:]), first, batch.found)
+    if task.held.shape[0] > 0:
+        hand_out(in_lanes(room.numbers), first, batch.numbers)

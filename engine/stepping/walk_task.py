@@ -1,0 +1,127 @@
+"""What a walk is asked: its system, method, tolerance and ends; and why a walk may end."""
+
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+
+# A comparison walk uses steps LONGER times as long, which grow LONGER times as fast, and a tolerance COARSER times as
+# large, but at most COARSEST, beyond which it says nothing. Its steps differ even where growth, an instant or a longest
+# step limits them, so the difference of the walks estimates the error.
+LONGER, COARSER, COARSEST = 2.0, 2.0**7, 1e-1
+
+
+def coarser(tolerance: float) -> float:
+    """Step tolerance of a comparison walk."""
+    return max(tolerance, min(COARSER * tolerance, COARSEST))
+
+
+class Why(IntEnum):
+    """Why a walk ended.
+
+    STEEP: an implicit method would be faster. FADED: the speed has dropped below `floor`. From GUARD on: the guard of
+    that number.
+    """
+
+    GOING = -1
+    GOAL = 0
+    RANGE = 1
+    LOST = 2
+    STEEP = 3
+    FULL = 4
+    OTHER_GOAL = 5
+    FADED = 6
+    GUARD = 7
+
+
+GOING, GOAL, RANGE, LOST, STEEP, FULL, OTHER_GOAL, FADED, GUARD = (int(why) for why in Why)
+
+
+class WalkTask(NamedTuple):
+    """Settings of a walk, common to all variants.
+
+    Attributes
+    ----------
+    along_time : bool
+        Whether time is the independent variable and the angle turned the first state; otherwise the angle is the
+        independent variable.
+    method, stages : int
+        Number of the method, and of its stages.
+    fixed : bool
+        Whether steps have fixed lengths.
+    longer : float
+        1, or LONGER for a comparison walk.
+    steepest : float
+        Limit of |h ∂f/∂y| for an explicit step.
+    nodes, parts : ndarray
+        Nodes and dense polynomial of the method.
+    implicit : bool
+        Whether Newton's method finds the stages.
+    solved : int
+        Number of states Newton's method solves for: the energy, or the speeds; 0 if it can't.
+    slopes : int
+        First row of the Jacobian of their rates in `watch`.
+    solves : int
+        State with an implicit rate, −1: none; the row of that rate in P follows those of the states.
+    matrix, inverse : ndarray
+        Of an implicit method.
+    states, width : int
+        Rows of `rates`: those of the states, and those including the integrals.
+    scales : int
+        First row of the error scales of the states in `watch`, along time; −1: the states themselves.
+    watched, guards : int
+        Number of rows of `watch`, and of the guards, which are the last ones.
+    ends : ndarray of bool
+        Whether each guard ends the walk; others change held numbers.
+    carries : bool
+        Whether error estimates are propagated.
+    first_place, places, rated : int
+        First row of P that the printed function `places` fills, the number of these rows, and how many of them `rates`
+        reads; the rows of the states follow.
+    clock : int
+        Row of P that holds the time; −1: none.
+    extremes : bool
+        Whether steps end at the extremes of the speed.
+    root : float
+        Relative tolerance of the length of the step to a guard's root.
+    shown : ndarray
+        Fractions of a step at which its polynomial is recorded.
+    cycle : float
+        Period of the angle; infinite if there is none [rad].
+    held : ndarray of int
+        Rows of P that change where a guard ends a step; their new values are the rows of `watch` before the guards.
+    signed : bool
+        Whether speeds may be negative.
+    """
+
+    along_time: bool
+    method: int
+    stages: int
+    fixed: bool
+    longer: float
+    steepest: float
+    implicit: bool
+    solved: int
+    slopes: int
+    scales: int
+    solves: int
+    nodes: np.ndarray
+    matrix: np.ndarray
+    inverse: np.ndarray
+    parts: np.ndarray
+    states: int
+    width: int
+    watched: int
+    guards: int
+    ends: np.ndarray
+    carries: bool
+    first_place: int
+    places: int
+    rated: int
+    clock: int
+    extremes: bool
+    root: float
+    shown: np.ndarray
+    cycle: float
+    held: np.ndarray
+    signed: bool
