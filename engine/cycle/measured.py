@@ -11,7 +11,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-_ROUNDING = np.finfo(np.float64).eps
+from engine.laws.rounding import EPS
+
 # Rounding units of a complex product or quotient.
 _COMPLEX_ROUNDING = 4.0
 # A smaller number that was computed from squares is unknown, since its square is subnormal.
@@ -60,12 +61,12 @@ class Measured:
 
     def sum(self) -> Measured:
         """Sum over the first axis."""
-        rounded = _ROUNDING * np.abs(self.value).sum(axis=0)
+        rounded = EPS * np.abs(self.value).sum(axis=0)
         return Measured(self.value.sum(axis=0), self.error.sum(axis=0) + rounded)
 
     def _rounded(self) -> Measured:
         units = _COMPLEX_ROUNDING if self.value.dtype.kind == "c" else 1.0
-        self.error = self.error + units * _ROUNDING * np.abs(self.value)
+        self.error = self.error + units * EPS * np.abs(self.value)
         return self
 
     def __neg__(self) -> Measured:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.laws.rounding import EPS
 from engine.mechanism.actions.motors import motor_ratio
 from engine.motion.asked_regimes import AskedRegimes
 from engine.motion.coupled.coupled_answers import held_moment, run_coupled
@@ -31,7 +32,7 @@ from engine.words.verdicts import Verdict
 
 # Longest distance between samples of a run at two speeds [rad].
 BETWEEN_LOOKS = FARTHEST_STEP / (LOOKS.size - 1)
-ROUNDING = 16 * np.finfo(float).eps
+ROUNDING = 16.0 * EPS
 TURN = 2.0 * np.pi
 # Results that need the minimum and maximum speed.
 EXTREMES_OF_SPEED = ("speed_min", "speed_max", "motor_moment_peak")

@@ -1,15 +1,14 @@
 """Cosine and sine of positions, side by side in lanes."""
 
-import numpy as np
-
 from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import COARSE, DEGREE, PLACES
 from engine.laws.elementary import direction_near_zero, direction_of
+from engine.laws.rounding import EPS
 
 # Relative perturbation by which the effect of a position's rounding is measured.
-ROUNDED = 2.0 * np.finfo(np.float64).eps
+ROUNDED = 2.0 * EPS
 
 
 @routine

@@ -2,14 +2,13 @@
 
 from typing import NamedTuple
 
-import numpy as np
-
 from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import routine
 from engine.compiling.instructions import chosen
 from engine.compiling.widths import LANES
 from engine.cycle.panels.series import Figures
 from engine.cycle.panels.walk import Walk
+from engine.laws.rounding import EPS
 
 
 class IntegralRows(NamedTuple):
@@ -28,7 +27,7 @@ class IntegralRows(NamedTuple):
 
 
 # Rounding of a curve's values and of weighted sums of them, relative to the maximum magnitude.
-ROUNDING = 12.0 * np.finfo(np.float64).eps
+ROUNDING = 12.0 * EPS
 
 
 @routine

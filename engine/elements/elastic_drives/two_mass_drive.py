@@ -26,7 +26,7 @@ from engine.stepping.system import SHOWN
 from engine.words.verdicts import Verdict
 
 # The smallest backlash [rad] whose products keep full precision.
-SMALLEST = np.finfo(float).tiny / np.finfo(float).eps
+SMALLEST = np.finfo(float).tiny / EPS
 # Step tolerance, and that of the comparison run; number of steps over which rounding accumulates.
 TOLERANCE, COARSE, STEPS = 1e-12, 1e-10, 1e4
 # Instants of curves, and maximum number of steps recorded for a plot.
