@@ -10,7 +10,7 @@ from engine import FRAME, mesh_axis
 from sweeps.pictures.drawing.guides import rails_of
 from sweeps.pictures.drawing.higher_pairs import follower_guides
 from sweeps.pictures.drawing.motion import DrawnMotion
-from sweeps.pictures.drawing.symbols import Primitive, fixed_pivot, hatched, line
+from sweeps.pictures.drawing.symbols import Primitive, bush, fixed_pivot, line
 
 # Links within this angle of a stand's axis cover it; the stand turns to a clearer direction.
 NEAR_STAND = math.radians(45)
@@ -21,17 +21,14 @@ CLEARLY = 0.1
 @lru_cache(1)
 def frame_parts(m: DrawnMotion) -> tuple[Primitive, ...]:
     """Guides of the frame and pitch circles, painted below moving links."""
-    r, scene, found = m.radius, m.scene, []
+    scene, found = m.scene, []
     for slider in m.sliders:
         if scene.guides[slider.guide].link == FRAME:
             found += rails_of(m, slider).figures
     for group in scene.groups.values():
         if group.type == "RPP" and scene.guides[group.second.guide].link == FRAME:
             place, along = (values[0] for values in m.guide(group.second.guide))
-            bush = place + bush_at(m, group) * along
-            for side in (1, -1):
-                ends = [bush + r * along * (side * 1.2j - side * half) for half in (4, -4)]
-                found += hatched(*ends, r)
+            found += bush(place + bush_at(m, group) * along, along, m.radius)
     found += follower_guides(m)
     for name, shaft in scene.shafts.items():
         if shaft.pivot is not None and shaft.carrier is None:

@@ -4,7 +4,7 @@ import numpy as np
 
 from engine import has_cycle, mesh_axis
 from sweeps.pictures.drawing.motion import DrawnMotion
-from sweeps.pictures.drawing.symbols import Primitive, hatched, line
+from sweeps.pictures.drawing.symbols import Primitive, bush, line
 
 # In hinge radii: clearance of a follower's bush beyond roller and stroke, its half length; overhang of a flat face.
 CLEAR, HALF_BUSH, BEYOND = 7.0, 4.0, 3.0
@@ -51,13 +51,11 @@ def _touching(m: DrawnMotion, name: str, k: int, origin: complex, u: complex) ->
 
 def follower_guides(m: DrawnMotion) -> list[Primitive]:
     """Frame bushes of sliding followers."""
-    found, r = [], m.radius
+    found = []
     for name, cam in m.scene.cams.items():
         if cam.translating:
             place, u = (complex(values[0]) for values in m.guide(cam.follower.guide))
-            bush = place + _bush(m, name) * u
-            for side in (1, -1):
-                found += hatched(*(bush + r * u * (side * 1.2j - side * half) for half in (HALF_BUSH, -HALF_BUSH)), r)
+            found += bush(place + _bush(m, name) * u, u, m.radius)
     return found
 
 

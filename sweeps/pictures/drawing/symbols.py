@@ -113,6 +113,11 @@ def hatched(a: complex, b: complex, r: float) -> list[Primitive]:
     return [*strokes, line(a, b, layer="frame")]
 
 
+def bush(centre: complex, u: complex, r: float) -> list[Primitive]:
+    """Two hatched walls of the frame that guide a rod along the unit vector u."""
+    return [p for side in (1, -1) for p in hatched(*(centre + r * u * side * (1.2j + end) for end in (4, -4)), r)]
+
+
 def link_shape(points: Sequence[complex], r: float) -> list[Primitive]:
     """Link through some points: a line if they are collinear, else a filled polygon; nothing for one point."""
     distinct: list[complex] = []

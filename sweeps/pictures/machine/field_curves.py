@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 
 from engine import MovingMachine, Scene, display_unit, has_cycle
 from sweeps.pictures.machine.diagrams import input_axis
-from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, house_style, new_figure, save, typeset
+from sweeps.pictures.picture_error import PictureError, need_mechanism
+from sweeps.pictures.style import BLUE, sheet, typeset
 
 POSITIONS = 720
 # Panels that fit on a sheet.
@@ -18,18 +18,15 @@ MOST = 8
 
 
 def field_curves(
-    scene: Scene, path: Path, names: Sequence[str], x: str | None = None, positions: int = POSITIONS
-) -> None:
-    """Draw fields of a machine to a file (.svg, .pdf, .png); see `field_figure`."""
-    save(field_figure(scene, names, x, positions), path)
-
-
-def field_figure(scene: Scene, names: Sequence[str], x: str | None = None, positions: int = POSITIONS) -> Figure:
+    scene: Scene, target: Path | str | None, names: Sequence[str], x: str | None = None, positions: int = POSITIONS
+) -> Figure:
     """Draw fields of a machine in stacked panels.
 
     Parameters
     ----------
     scene : Scene
+    target : path or None
+        File to write (.svg, .pdf, .png), if any.
     names : sequence of str
         1 to `MOST` fields.
     x : str, optional
@@ -43,8 +40,7 @@ def field_figure(scene: Scene, names: Sequence[str], x: str | None = None, posit
     AskError
         There is no such field, or the number of positions isn't allowed.
     """
-    if scene.input is None:
-        raise PictureError("the scene has only machine elements, which have no fields to draw")
+    need_mechanism(scene)
     if not 1 <= len(names) <= MOST:
         raise PictureError(f"name from 1 to {MOST} fields with -y, such as -y B.vx; `sweeps quantities` lists them")
     along = [x] if x else []
@@ -60,8 +56,7 @@ def field_figure(scene: Scene, names: Sequence[str], x: str | None = None, posit
         title, factor = input_axis(scene, machine.q)
         places = machine.q * factor
     closed = has_cycle(scene)
-    with house_style():
-        figure = new_figure(180, 25 + 45 * len(names))
+    with sheet(target, 180, 25 + 45 * len(names), scene.title or "") as figure:
         axes = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
         for ax, name in zip(axes, names, strict=True):
             factor, label = display_unit(known[name].units, rows[name])
@@ -73,8 +68,6 @@ def field_figure(scene: Scene, names: Sequence[str], x: str | None = None, posit
             ax.plot(at, shown, color=BLUE)
             ax.set(title=known[name].long_name, ylabel=f"{typeset(known[name].symbol) or name}{_comma(label)}")
         axes[-1].set_xlabel(title)
-        if scene.title:
-            figure.suptitle(scene.title, fontweight="bold")
     return figure
 
 

@@ -68,16 +68,13 @@ def _figures(pose: Pose) -> list:
 
 
 def _is_near(place: complex, drawn: list) -> bool:
-    low_x, low_y, high_x, high_y = bounds(drawn)
-    low, high = complex(low_x, low_y), complex(high_x, high_y)
+    low, high = bounds(drawn)
     return abs(place - (low + high) / 2) < 1.5 * abs(high - low)
 
 
 def _laid_out(ax: Axes, drawn: list, further: Sequence[complex]) -> Paper:
     ax.clear()
-    low_x, low_y, high_x, high_y = bounds(drawn)
-    cloud = [complex(low_x, low_y), complex(high_x, high_y), *further]
-    return Paper(ax, cloud, margin=5.0)
+    return Paper(ax, [*bounds(drawn), *further], margin=5.0)
 
 
 def _number(paper: Paper, pose: Pose, link: str) -> None:
