@@ -32,9 +32,8 @@ def frame_parts(m: DrawnMotion) -> tuple[Primitive, ...]:
     found += follower_guides(m)
     for name, shaft in scene.shafts.items():
         if shaft.pivot is not None and shaft.carrier is None:
-            found += _gearing(
-                *(m.points[p][0] for p in (mesh_axis(scene, name), shaft.pivot)), m.numbers[f"shafts.{name}.ratio"]
-            )
+            ends = (m.points[p][0] for p in (mesh_axis(scene, name), shaft.pivot))
+            found += _gearing((shaft.geared_to, name), *ends, m.numbers[f"shafts.{name}.ratio"])
     return tuple(found)
 
 
@@ -66,7 +65,7 @@ def bush_at(m: DrawnMotion, group: object) -> float:
     return m.range_of(group.second.link)[1] + 12 * m.radius
 
 
-def _gearing(a: complex, b: complex, ratio: float) -> list[Primitive]:
+def _gearing(links: tuple[str, str], a: complex, b: complex, ratio: float) -> list[Primitive]:
     """Pitch circles of two wheels in mesh, or of a belt or chain if both turn the same way."""
     d = abs(b - a)
     if d == 0:
@@ -78,4 +77,5 @@ def _gearing(a: complex, b: complex, ratio: float) -> list[Primitive]:
         for side in (1, -1):
             n = (b - a) / d * cmath.exp(1j * side * math.acos((r1 - r2) / d))
             straps.append(line(a + r1 * n, b + r2 * n, layer="pitch"))
-    return [Primitive("pitch", "circle", (c,), radius) for c, radius in ((a, r1), (b, r2))] + straps
+    wheels = zip(links, (a, b), (r1, r2), strict=True)
+    return [Primitive("pitch", "circle", (c,), radius, link=link) for link, c, radius in wheels] + straps

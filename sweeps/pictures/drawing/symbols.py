@@ -35,6 +35,8 @@ class Primitive(NamedTuple):
     fill : {"none", "paper", "tint", "solid"}
         Fill of a polygon or circle; "none" hides nothing.
     text : str
+    link : str
+        Link that it is part of; "" for the frame, and for joints of several links.
     """
 
     layer: str
@@ -43,6 +45,12 @@ class Primitive(NamedTuple):
     size: float = 0.0
     fill: Literal["none", "paper", "tint", "solid"] = "none"
     text: str = ""
+    link: str = ""
+
+
+def of_link(link: str, *figures: Primitive) -> list[Primitive]:
+    """Figures as parts of a link."""
+    return [figure._replace(link=link) for figure in figures]
 
 
 def line(*points: complex, layer: str = "links") -> Primitive:

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from engine import FRAME, quantity_text
 from sweeps.pictures.drawing import bounds, figures
-from sweeps.pictures.drawing.racks import rack_bar
+from sweeps.pictures.drawing.racks import rack_shapes
 from sweeps.pictures.plans.lettering import subscript
 from sweeps.pictures.plans.paper import Paper
 from sweeps.pictures.plans.pose import Pose
@@ -82,7 +82,7 @@ def _number(paper: Paper, pose: Pose, link: str) -> None:
     if link == FRAME:
         return
     if link in pose.scene.racks:
-        corners = np.array(rack_bar(pose.motion, pose.k, link)[-1].points)
+        corners = np.array(next(p.points for p in rack_shapes(pose.motion, pose.k) if p.link == link))
         # A bar may lie far from its link's axes and points.
         half_height = np.abs(np.diff(corners)).min() / 2
         paper.name(complex(corners.mean()), str(pose.number(link)), BLUE, clear=half_height / paper.per_mm + 0.5)

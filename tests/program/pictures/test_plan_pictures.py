@@ -18,7 +18,7 @@ from plan_machines import MACHINES, MECHANISMS, cycle_of
 
 from engine import FRAME, Machine, Scene
 from engine.scene.pairs import pairs
-from sweeps.pictures.drawing.racks import rack_bar
+from sweeps.pictures.drawing.racks import rack_shapes
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.plans import (
     MachineCycle,
@@ -177,7 +177,7 @@ def test_mechanism_plan__numbers_of_racks_stand_at_their_bars():
     pose = cycle_of("racks").at(0.6)
     paper = mechanism_plan(pose, ax)
     for rack in pose.scene.racks:
-        middle = np.mean(rack_bar(pose.motion, pose.k, rack)[-1].points)
+        middle = np.mean(next(p.points for p in rack_shapes(pose.motion, pose.k) if p.link == rack))
         (text,) = [t for t in ax.texts if t.get_text() == str(pose.number(rack)) and t.get_color() == BLUE]
         assert abs(complex(*text.get_position()) - middle) < 10 * paper.per_mm
 
