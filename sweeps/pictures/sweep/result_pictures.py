@@ -8,7 +8,7 @@ import numpy as np
 from engine import Verdict
 from sweeps.optimising.optimum import is_front
 from sweeps.pictures.picture_files import machine_pictures
-from sweeps.pictures.plans import reaction_pictures
+from sweeps.pictures.plans.files import reaction_pictures
 from sweeps.pictures.sweep.front_picture import front_picture
 from sweeps.pictures.sweep.maps import plot_result
 from sweeps.pictures.sweep.sweep_data import SweepData, evenly_chosen
