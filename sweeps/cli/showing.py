@@ -185,7 +185,7 @@ def plot(asked: Options) -> None:
         result = SweepResult(Path(asked.file), where=asked.where)
         made = result_pictures(result, asked.out, asked.x, asked.y, asked.colour)
     elif asked.x or asked.y:
-        from sweeps.pictures.machine.field_curves import POSITIONS, field_curves
+        from sweeps.pictures.machine.cycle_sheets import POSITIONS, field_curves
 
         scene, values, name = machine_of(asked.file, asked.variant, asked.settings)
         fields = names_in(asked.y or "")
@@ -198,7 +198,7 @@ def plot(asked: Options) -> None:
         shown = places, names_in(asked.paths), names_in(asked.shown)
         made = picture_files.machine_pictures(scene, values, stem, *shown, parts=names_in(asked.motion))
         if asked.plans or asked.bearings:
-            from sweeps.pictures.plans import bearing_pictures, plan_pictures
+            from sweeps.pictures.plans.files import bearing_pictures, plan_pictures
 
             made += plan_pictures(scene, stem, next(iter(places), None), values) if asked.plans else []
             made += bearing_pictures(scene, stem, names_in(asked.bearings), values)
@@ -233,7 +233,7 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
         rows = engine_rows(with_values(scene, values))
         if not rows:
             raise InputError.of(file, 'has no engine; add [elements.NAME] with type = "engine"', key="elements")
-    tell(order_table(rows, markdown=False).removesuffix("\n"))
+    tell(order_table(rows))
     if out is not None:
         order_picture(out, rows)
         tell(f"Wrote {out}")

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from engine import MovingMachine, Scene, history, history_fields, show_system
 from sweeps.optimising.optimum import is_front
 from sweeps.pictures.drawing import DrawnMotion, picture
+from sweeps.pictures.machine.cycle_sheets import POSITIONS, field_curves
 from sweeps.pictures.machine.diagrams import diagrams
-from sweeps.pictures.machine.field_curves import POSITIONS, field_curves
 from sweeps.pictures.machine.motion_diagrams import history_diagrams
 from sweeps.pictures.picture_error import PictureError, need_mechanism
 from sweeps.pictures.sweep.front_picture import front_picture
