@@ -78,50 +78,15 @@ _BASES = {
 # Units that decide for a system, and those of a scene's own in it, shown as the scene has them.
 _AMERICAN = frozenset(
     (
-        "in",
-        "inch",
-        "ft",
-        "yd",
-        "mil",
-        "thou",
-        "lb",
-        "lbs",
-        "lbm",
-        "oz",
-        "slug",
-        "mph",
-        "hp",
-        "lbf",
-        "klbf",
-        "ozf",
-        "kip",
-        "kips",
-        "tonf",
-        "psi",
-        "ksi",
+        *("in", "inch", "ft", "yd", "mil", "thou", "mph", "hp"),
+        *("lb", "lbs", "lbm", "oz", "slug"),
+        *("lbf", "klbf", "ozf", "kip", "kips", "tonf", "psi", "ksi"),
     )
 )
 _NEUTRAL = frozenset(
     (
-        "rad",
-        "mrad",
-        "rev",
-        "deg",
-        "gon",
-        "arcmin",
-        "arcsec",
-        "s",
-        "us",
-        "ms",
-        "min",
-        "h",
-        "Hz",
-        "kHz",
-        "rps",
-        "rpm",
-        "RPM",
-        "spm",
-        "percent",
+        *("rad", "mrad", "rev", "deg", "gon", "arcmin", "arcsec", "percent"),
+        *("s", "us", "ms", "min", "h", "Hz", "kHz", "rps", "rpm", "RPM", "spm"),
     )
 )
 _OWN = {"SI": frozenset(), "mm": frozenset(["kgf", "kp", "gf", "PS", "atm"]), "US": _AMERICAN}

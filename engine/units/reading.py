@@ -24,25 +24,6 @@ import numpy as np
 
 from engine.units.dimensions import DIMENSIONS, common_units, described, in_words, with_example
 
-__all__ = [
-    "UNIT_NAMES",
-    "UnitError",
-    "any_quantity",
-    "base_powers",
-    "column_in_text",
-    "comma_advice",
-    "even_steps",
-    "first_last_count",
-    "in_any_unit",
-    "in_text",
-    "recognised",
-    "text_pattern",
-    "to_si",
-    "unit_in",
-    "units_in",
-]
-
-
 # Whole numbers up to this are numbers of float64.
 COUNTED = 2**53
 

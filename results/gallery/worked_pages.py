@@ -120,7 +120,7 @@ def run_page(page: Path, folder: Path) -> list[Difference]:
 
 
 def pictures(page: Path) -> list[str]:
-    """Names of the pictures on a page."""
+    """Pictures on a page, by the subject of the guide that they are kept under, and their names."""
     return PICTURE.findall(page.read_text("utf8"))
 
 
@@ -144,7 +144,7 @@ def remake(page: Path, folder: Path) -> None:
             raise ValueError(f"{page}: no block {old!r}")
         page.write_text(text.replace(old, f"$ {command}\n{renewed(shown, real)}", 1), "utf8")
     for name in pictures(page):
-        if (made := folder / name).exists():
+        if (made := folder / Path(name).name).exists():
             (PICTURES / name).write_text(small(made.read_text("utf8")), "utf8")
 
 

@@ -1,7 +1,6 @@
 """The export command: files for other programs."""
 
 from pathlib import Path
-from typing import NamedTuple
 
 import click
 
@@ -9,9 +8,10 @@ from sweeps.cli.shared import (
     POSITIONS,
     SET,
     WHERE,
+    Options,
     WholeNumber,
     errors_as_messages,
-    in_record,
+    in_options,
     joints_by_letter,
     make_folder,
     names_in,
@@ -22,22 +22,6 @@ from sweeps.cli.shared import (
 from sweeps.cli.waiting import doing
 
 TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
-
-
-class _Exported(NamedTuple):
-    """What `export` is asked."""
-
-    file: str
-    to: Path
-    variant: int | None
-    at: str
-    where: tuple[str, ...]
-    history: bool
-    element: str | None
-    columns: str
-    overwrite: bool
-    positions: int | None
-    settings: tuple[str, ...]
 
 
 @click.command()
@@ -65,19 +49,20 @@ class _Exported(NamedTuple):
 @SET
 @errors_as_messages
 @joints_by_letter
-@in_record(_Exported)
-def export(asked: _Exported) -> None:
+@in_options
+def export(asked: Options) -> None:
     """Write results, positions or a history as a table, a drawing as SVG or DXF, or one variant as a scene (TOML).
 
     Tables are in the scene's units. The drawing shows the mechanism, or the cam of a scene that has only a cam. A scene
     keeps its author's comments and units; only the variant's numbers change. Fields of a result (--columns) get one row
     per variant and position.
     """
-    from sweeps.cli.named_machine import is_result, machine_of, numbers_replaced, positions_of, read_at, scene_text_of
+    from sweeps.cli import named_machine
     from sweeps.pictures import picture_files
-    from sweeps.pictures.elements.cam_drawing import cam_named, export_cam
+    from sweeps.pictures.elements.cam_drawing import export_cam
     from sweeps.report.files import exports
     from sweeps.report.files.data_files import write_table
+    from sweeps.report.readings import readings_at
     from sweeps.text.input_files import InputError
     from sweeps.text.scene_text import with_values
 
@@ -88,11 +73,11 @@ def export(asked: _Exported) -> None:
         message = f"writes a table, {', '.join(TABLES)}, not {asked.to.suffix!r}"
         raise InputError.of(str(asked.to), message, key="--history")
 
-    if is_result(asked.file):
+    if named_machine.is_result(asked.file):
         tell_altered(asked.file)
 
     of_one = asked.variant is not None or asked.at or asked.history or asked.settings or asked.element
-    is_sweep = asked.to.suffix in TABLES and is_result(asked.file) and not of_one
+    is_sweep = asked.to.suffix in TABLES and named_machine.is_result(asked.file) and not of_one
     variants_only(asked.where, is_sweep)
     if is_sweep:
         make_folder(asked.to)
@@ -102,23 +87,24 @@ def export(asked: _Exported) -> None:
             write_table(asked.to, table)
         tell(f"Wrote {asked.to}")
         return
-    scene, values, name = machine_of(asked.file, asked.variant, asked.settings)
-    machine = with_values(scene, values)
+    scene, values, name = named_machine.machine_of(asked.file, asked.variant, asked.settings)
+    machine, columns = with_values(scene, values), names_in(asked.columns)
     make_folder(asked.to)
     if asked.to.suffix == ".toml":
-        given, replaced = numbers_replaced(asked.file, values, asked.settings)
-        exports.scene_toml(given, replaced, asked.to, scene_text_of(asked.file), asked.overwrite)
-    elif (cam := cam_named(machine, asked.element)) is not None:
+        given, replaced = named_machine.numbers_replaced(asked.file, values, asked.settings)
+        exports.scene_toml(given, replaced, asked.to, named_machine.scene_text_of(asked.file), asked.overwrite)
+    elif (cam := named_machine.element_named(machine, ["cam"], asked.element)) is not None:
         export_cam(cam, asked.to)
     elif asked.to.suffix in DRAWINGS:
-        picture_files.drawing_file(scene, values, asked.to, next(iter(positions_of(scene, asked.at)), None))
+        places = named_machine.positions_of(scene, asked.at)
+        picture_files.drawing_file(scene, values, asked.to, next(iter(places), None))
     elif asked.history:
-        table, ended = exports.history_table(machine, {}, names_in(asked.columns))
+        table, ended = exports.history_table(machine, {}, columns)
         write_table(asked.to, table)
         if ended:
             tell(f"The history ends early: {ended}", err=True)
-    elif asked.at:
-        write_table(asked.to, exports.reading_table(read_at(machine, asked.at, names_in(asked.columns)), scene.title))
     else:
-        write_table(asked.to, exports.position_table(machine, {}, asked.positions or 360, names_in(asked.columns)))
+        at, positions = asked.at, asked.positions or 360
+        readings = named_machine.read_at(machine, at, columns) if at else readings_at(machine, positions, columns)
+        write_table(asked.to, exports.reading_table(readings, scene.title))
     tell(f"Wrote {asked.to} of {name}")

@@ -4,7 +4,18 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from engine import CrankInput, Mechanics, Scene, SceneError, UnitError, did_you_mean, full_names, in_text, scene_numbers
+from engine import (
+    CrankInput,
+    Element,
+    Mechanics,
+    Scene,
+    SceneError,
+    UnitError,
+    did_you_mean,
+    full_names,
+    in_text,
+    scene_numbers,
+)
 from sweeps.report.readings import Readings, readings_at
 from sweeps.study.bundled import find_study
 from sweeps.study.study_text import is_scene
@@ -137,6 +148,38 @@ def numbers_replaced(file: str, values: Mapping[str, float], settings: Sequence[
     own, rest = _set_anew(scene, values, settings)
     told = {p: number.value for p, number in scene_numbers(with_values(own, rest)).items() if p.startswith("near.")}
     return scene, {**values, **given_values(scene, settings), **(told if rest or settings else {})}
+
+
+def element_named(scene: Scene, types: Sequence[str], name: str | None) -> Element | None:
+    """An element of some types: by its name, or the only one of a scene without a mechanism.
+
+    Parameters
+    ----------
+    scene : Scene
+    types : sequence of str
+    name : str or None
+
+    Returns
+    -------
+    Element or None
+        None if the mechanism is meant, or if there is no element of these types.
+
+    Raises
+    ------
+    InputError
+        There is no such element, or several and no name.
+    """
+    found = {key: element for key, element in scene.elements.items() if element.type in types}
+    if name is None and (scene.input is not None or not found):
+        return None
+    if name is None and len(found) == 1:
+        (name,) = found
+    if name not in found:
+        kinds = " or ".join(kind.replace("_", " ") for kind in types)
+        raise InputError.of(
+            name or "scene", f"name a {kinds} of this scene: {', '.join(found) or 'none'}", key="--element"
+        )
+    return found[name]
 
 
 def positions_of(scene: Scene, text: str) -> tuple[float, ...]:

@@ -1,9 +1,8 @@
 """Commands that compute: check, run, optimise."""
 
 import time
-from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import click
 
@@ -12,9 +11,10 @@ from sweeps.cli.shared import (
     CLUSTER,
     ERRORS,
     JSON,
+    Options,
     cluster_client,
     errors_as_messages,
-    in_record,
+    in_options,
     make_folder,
     plots_of,
     run_options,
@@ -45,63 +45,39 @@ if TYPE_CHECKING:
 @ALL
 @ERRORS
 @errors_as_messages
-def check(
-    study: str,
-    out: Path,
-    source: bool,
-    cluster: str | None,
-    settings: tuple[str, ...],
-    positions: int | None,
-    accuracy: str | None,
-    every: bool,
-) -> None:
+@in_options
+def check(asked: Options) -> None:
     """Show what a study or scene will compute, what is skipped and why, and the time, memory and file size."""
     from sweeps.report.check_report import check_text
     from sweeps.study.bundled import find_study
     from sweeps.study.settings import changed_study
     from sweeps.study.study_reader import read_study
 
-    found = changed_study(read_study(find_study(study)), settings, positions, accuracy)
-    if source:
+    found = changed_study(read_study(find_study(asked.study)), asked.settings, asked.positions, asked.accuracy)
+    if asked.source:
         tell(found.machine().source())
     else:
-        with cluster_client(cluster) as client:
-            tell(check_text(found, out, client, tell_aside, every))
+        with cluster_client(asked.cluster) as client:
+            tell(check_text(found, asked.out, client, tell_aside, asked.every))
 
 
-class _Asked(NamedTuple):
-    """Options of a computation."""
+def _made(asked: Options, result: "SweepResult", study: Path) -> list[Path]:
+    """The result with its plots."""
+    return [result.path, *([] if asked.no_plots else plots_of(result, study))]
 
-    study: str
-    out: Path | None
-    restart: bool
-    replace: bool
-    jobs: int | None
-    cluster: str | None
-    no_plots: bool
-    quiet: bool
-    every: bool
-    settings: tuple[str, ...] = ()
-    positions: int | None = None
-    accuracy: str | None = None
-    as_json: bool = False
 
-    def made(self, result: "SweepResult", study: Path) -> list[Path]:
-        """The result with its plots."""
-        return [result.path, *([] if self.no_plots else plots_of(result, study))]
+def _tell_answer(result: "SweepResult", *sentences: str) -> None:
+    """Print sentences on a result, and its warnings."""
+    for sentence in sentences:
+        tell(sentence)
+    tell_warnings(result)
 
-    def tell(
-        self, result: "SweepResult", study: Path, begun: float, sentences: Iterable[str], remark: str = ""
-    ) -> None:
-        """Print the answer of a computation that began at `begun`, its warnings, a remark, and the files made."""
-        for sentence in sentences:
-            tell(sentence)
-        tell_warnings(result)
-        if remark:
-            tell(remark)
-        made = self.made(result, study)
-        tell_files(made, begun)
-        tell_outdated(result.path, made)
+
+def _tell_made(asked: Options, result: "SweepResult", study: Path, begun: float) -> None:
+    """Print the files made by a computation that began at `begun`."""
+    made = _made(asked, result, study)
+    tell_files(made, begun)
+    tell_outdated(result.path, made)
 
 
 @click.command()
@@ -112,8 +88,8 @@ class _Asked(NamedTuple):
 @JSON
 @ERRORS
 @errors_as_messages
-@in_record(_Asked)
-def run(asked: _Asked) -> None:
+@in_options
+def run(asked: Options) -> None:
     """Run a study (a file, or the name of a bundled one) into an HDF5 file, resuming an interrupted run.
 
     Existing results are reused, so variants, summaries and fields can be added. A file with other or further results is
@@ -151,12 +127,14 @@ def run(asked: _Asked) -> None:
         if asked.as_json:
             best = result.best()
             told = [best] if best is not None else range(min(count, 1))
-            files = [str(path) for path in asked.made(result, file)]
+            files = [str(path) for path in _made(asked, result, file)]
             tell_data(result_data(result, told) | {"warnings": warnings_of(result), "files": files})
         else:
             head = f"{found.title or found.name}: {count} variant{'' if count == 1 else 's'}"
-            sentences = (head, counts_text(result), answer_text(result, asked.every))
-            asked.tell(result, file, begun, sentences, between_positions_text(found))
+            _tell_answer(result, head, counts_text(result), answer_text(result, asked.every))
+            if remark := between_positions_text(found):
+                tell(remark)
+            _tell_made(asked, result, file, begun)
     stop_without_answer(result)
 
 
@@ -166,8 +144,8 @@ def run(asked: _Asked) -> None:
 @ALL
 @ERRORS
 @errors_as_messages
-@in_record(_Asked)
-def optimise(asked: _Asked) -> None:
+@in_options
+def optimise(asked: Options) -> None:
     """Optimise a study over its variables by its [optimise] or [best], resuming an interrupted search.
 
     The exit code is 1 if no candidate meets the conditions.
@@ -197,5 +175,6 @@ def optimise(asked: _Asked) -> None:
         bar.close()
         result = SweepResult(out)
         head = f"{found.title or found.name}: {result.description.variants} candidates"
-        asked.tell(result, file, begun, (head, counts_text(result), optimum_text(result, asked.every)))
+        _tell_answer(result, head, counts_text(result), optimum_text(result, asked.every))
+        _tell_made(asked, result, file, begun)
     stop_without_answer(result)

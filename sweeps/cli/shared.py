@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import reduce, wraps
 from pathlib import Path
+from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
 import click
@@ -84,17 +85,18 @@ def joints_by_letter(command: Command) -> Command:
     return asked
 
 
-def in_record(record: Callable[..., object]) -> Callable[[Command], Command]:
-    """Hand a command its argument and options as one record, whose fields have their names."""
+class Options(SimpleNamespace):
+    """The argument and options of a command, by their names."""
 
-    def of_record(command: Command) -> Command:
-        @wraps(command)
-        def gathered(**asked: object) -> None:
-            command(record(**asked))
 
-        return gathered
+def in_options(command: Command) -> Command:
+    """Hand a command its argument and options as one record."""
 
-    return of_record
+    @wraps(command)
+    def gathered(**asked: object) -> None:
+        command(Options(**asked))
+
+    return gathered
 
 
 def _code_of(error: Exception) -> int:
@@ -398,13 +400,9 @@ def write_text(path: Path, text: str, replace: bool = False) -> None:
         The file exists or can't be written.
     """
     from sweeps.text.input_files import InputError
-    from sweeps.text.whole_files import whole_file
+    from sweeps.text.whole_files import write_whole_text
 
     if path.exists() and not replace:
         raise InputError.of(str(path), "exists already; name another file with --out")
     make_folder(path)
-    try:
-        with whole_file(path) as draft:
-            draft.write_text(text, encoding="utf8")
-    except OSError as error:
-        raise InputError.of(str(path), f"can't be written: {error.strerror}") from None
+    write_whole_text(path, text)

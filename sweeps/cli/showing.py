@@ -2,7 +2,6 @@
 
 import gc
 from pathlib import Path
-from typing import NamedTuple
 
 import click
 
@@ -13,9 +12,10 @@ from sweeps.cli.shared import (
     POSITIONS,
     SET,
     WHERE,
+    Options,
     WholeNumber,
     errors_as_messages,
-    in_record,
+    in_options,
     joints_by_letter,
     make_folder,
     names_in,
@@ -28,22 +28,6 @@ from sweeps.cli.shared import (
     warnings_of,
 )
 from sweeps.cli.waiting import doing
-
-
-class _Shown(NamedTuple):
-    """What `show` is asked."""
-
-    file: Path
-    where: tuple[str, ...]
-    sort: str | None
-    descending: bool
-    limit: int
-    columns: str | None
-    at: str | None
-    variant: int | None
-    settings: tuple[str, ...]
-    every: bool
-    as_json: bool
 
 
 @click.command()
@@ -63,8 +47,8 @@ class _Shown(NamedTuple):
 @ERRORS
 @errors_as_messages
 @joints_by_letter
-@in_record(_Shown)
-def show(asked: _Shown) -> None:
+@in_options
+def show(asked: Options) -> None:
     """Show a result file: contents, verdicts, best variants. With --at, show one machine at given positions.
 
     With --at, FILE can also be a scene or study. The exit code is 1 if the question of the study has no answer.
@@ -121,7 +105,7 @@ def show(asked: _Shown) -> None:
         stop_without_answer(result)
 
 
-def _show_at(asked: _Shown) -> None:
+def _show_at(asked: Options) -> None:
     """Show fields of one machine at given positions or times."""
     from sweeps.cli.named_machine import machine_of, read_at
     from sweeps.report.readings import readings_text
@@ -136,28 +120,6 @@ def _show_at(asked: _Shown) -> None:
         tell_data(table_data(reading_table(readings, scene.title)))
         return
     tell(readings_text(readings))
-
-
-class _Plotted(NamedTuple):
-    """What `plot` is asked."""
-
-    file: str
-    out: Path | None
-    variant: int | None
-    at: str
-    paths: str
-    shown: str
-    plans: bool
-    bearings: str
-    motion: str
-    hodograph: bool
-    beside: str | None
-    x: str | None
-    y: str | None
-    colour: str | None
-    where: tuple[str, ...]
-    positions: int | None
-    settings: tuple[str, ...]
 
 
 @click.command()
@@ -196,8 +158,8 @@ class _Plotted(NamedTuple):
 @errors_as_messages
 @joints_by_letter
 @doing("Drawing the pictures")
-@in_record(_Plotted)
-def plot(asked: _Plotted) -> None:
+@in_options
+def plot(asked: Options) -> None:
     """Plot a scene (machine and diagrams), a sweep, or the machine of one variant.
 
     Mechanisms: drawing and diagrams over the cycle, indicator diagrams of cylinders. Rotors and engines: unbalance
@@ -223,17 +185,20 @@ def plot(asked: _Plotted) -> None:
         result = SweepResult(Path(asked.file), where=asked.where)
         made = result_pictures(result, asked.out, asked.x, asked.y, asked.colour)
     elif asked.x or asked.y:
+        from sweeps.pictures.machine.cycle_sheets import POSITIONS, field_curves
+
         scene, values, name = machine_of(asked.file, asked.variant, asked.settings)
         fields = names_in(asked.y or "")
         target = asked.out or Path(f"{name}_{'_'.join(fields).replace('.', '_') or 'fields'}.png")
-        made = [picture_files.field_picture(with_values(scene, values), target, fields, asked.x, asked.positions)]
+        field_curves(with_values(scene, values), target, fields, asked.x, asked.positions or POSITIONS)
+        made = [target]
     else:
         scene, values, name = machine_of(asked.file, asked.variant, asked.settings)
         stem, places = asked.out or Path(f"{name}.png"), positions_of(scene, asked.at)
         shown = places, names_in(asked.paths), names_in(asked.shown)
         made = picture_files.machine_pictures(scene, values, stem, *shown, parts=names_in(asked.motion))
         if asked.plans or asked.bearings:
-            from sweeps.pictures.plans import bearing_pictures, plan_pictures
+            from sweeps.pictures.plans.files import bearing_pictures, plan_pictures
 
             made += plan_pictures(scene, stem, next(iter(places), None), values) if asked.plans else []
             made += bearing_pictures(scene, stem, names_in(asked.bearings), values)
@@ -268,7 +233,7 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
         rows = engine_rows(with_values(scene, values))
         if not rows:
             raise InputError.of(file, 'has no engine; add [elements.NAME] with type = "engine"', key="elements")
-    tell(order_table(rows, markdown=False).removesuffix("\n"))
+    tell(order_table(rows))
     if out is not None:
         order_picture(out, rows)
         tell(f"Wrote {out}")
@@ -284,26 +249,20 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
 @SET
 @errors_as_messages
 @doing("Drawing the frames")
-def animate(
-    file: str,
-    out: Path | None,
-    variant: int | None,
-    element: str | None,
-    paths: str,
-    frames: int,
-    settings: tuple[str, ...],
-) -> None:
+@in_options
+def animate(asked: Options) -> None:
     """Write an animated GIF of a scene, study or variant."""
-    from sweeps.cli.named_machine import machine_of
-    from sweeps.pictures.elements.element_motion import element_frames, moving_element
+    from sweeps.cli.named_machine import element_named, machine_of
+    from sweeps.pictures.elements.element_motion import element_frames
     from sweeps.pictures.machine.animation import machine_frames, save_animation
+    from sweeps.text.scene_text import with_numbers
 
-    scene, values, name = machine_of(file, variant, settings)
-    out = out or Path(f"{name}.gif")
+    scene, values, name = machine_of(asked.file, asked.variant, asked.settings)
+    out = asked.out or Path(f"{name}.gif")
     make_folder(out)
-    moving = moving_element(scene, values, element)
+    moving = element_named(with_numbers(scene, values), ["cam", "gear_train"], asked.element)
     if moving is not None:
-        save_animation(lambda count: element_frames(moving, count), out, frames)
+        save_animation(lambda count: element_frames(moving, count), out, asked.frames)
     else:
-        save_animation(lambda count: machine_frames(scene, count, names_in(paths), values), out, frames)
+        save_animation(lambda count: machine_frames(scene, count, names_in(asked.paths), values), out, asked.frames)
     tell(f"Wrote {out}")

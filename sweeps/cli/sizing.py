@@ -1,11 +1,10 @@
 """Commands that size parts of a machine: flywheel, balance."""
 
 from pathlib import Path
-from typing import NamedTuple
 
 import click
 
-from sweeps.cli.shared import ERRORS, WholeNumber, errors_as_messages, in_record, names_in, tell, write_text
+from sweeps.cli.shared import ERRORS, Options, WholeNumber, errors_as_messages, in_options, names_in, tell, write_text
 
 
 @click.command()
@@ -33,23 +32,6 @@ def flywheel(
     tell(flywheel_text(table, speed, fluctuation, interpolation, inertia, area_energy))
 
 
-class _Balanced(NamedTuple):
-    """What `balance` is asked."""
-
-    file: str | None
-    links: str
-    places: tuple[str, ...]
-    criterion: str
-    radius: str | None
-    most: str | None
-    variant: int | None
-    out: Path | None
-    trial_runs: Path | None
-    noise: str | None
-    holes: int | None
-    planes: str | None
-
-
 @click.command("balance")
 @click.argument("file", required=False)
 @click.option("--links", default="", help="Links on fixed axes, comma-separated (default: the crank).")
@@ -67,8 +49,8 @@ class _Balanced(NamedTuple):
 @click.option("--planes", help="Planes of an engine's balance shafts, '-80 mm, 80 mm'.")
 @ERRORS
 @errors_as_messages
-@in_record(_Balanced)
-def balance_command(asked: _Balanced) -> None:
+@in_options
+def balance_command(asked: Options) -> None:
     """Find the counterweights of a mechanism, the balance shafts of an engine, or the correction weights of a rotor.
 
     FILE is a scene, study or result. Counterweights minimise the shaking force at constant crank speed: its rms, its

@@ -7,7 +7,7 @@ import numpy as np
 from engine import Verdict, display_unit
 from sweeps.report.answers.shown_results import hidden_text, shown_parameters, shown_summaries
 from sweeps.report.answers.unmet_conditions import no_answer_text
-from sweeps.report.result_report import ends_text, value_text
+from sweeps.report.result_report import best_lines, ends_text, value_text
 from sweeps.report.sweep_result import SweepResult
 from sweeps.text.conditions import Condition
 from sweeps.text.tables import table
@@ -111,15 +111,8 @@ def _choices_text(result: SweepResult, every: bool) -> str:
 
 
 def _best_text(result: SweepResult, best: int, every: bool) -> str:
-    (name, sign), *_ = objectives(result)
-    condition = f" where {result.condition}" if result.condition else ""
-    word = "minimum" if sign > 0 else "maximum"
-    lines = [f"Answer: {word} {name}{condition}: {_value(result, name, best)}, variant {best}:"]
     ends = {name: BOUNDS[end.word] for name, end in result.range_ends(best).items()}
-    rows = [(n, "=", _value(result, n, best), ends.get(n, "")) for n in shown_parameters(result, every)]
-    shown = [n for n in shown_summaries(result, every) if n != name]
-    rows += [(n, "→", _value(result, n, best), result.long_names[n]) for n in shown]
-    lines += [table(rows, "  "), *hidden_text(result, every)]
+    lines = best_lines(result, result.aim, best, every, _value, ends)
     limits = _limits(result, best)
     lines += [f"on the limit of: {text}" for text in limits]
     lines += ends_text(result, best)

@@ -81,9 +81,10 @@ class _Paper:
 
     def __init__(self, drawing: MovingDrawing, radius: float) -> None:
         covered = [f.look._replace(points=tuple(drawing.points_of(f).ravel())) for f in drawing.figures]
-        low_x, low_y, high_x, high_y = bounds(covered)
-        self.radius, self.unit = radius, max(high_x - low_x, high_y - low_y) / UNITS_ACROSS
-        corner, size = complex(low_x, -high_y), complex(high_x - low_x, high_y - low_y)
+        low, high = bounds(covered)
+        size = high - low
+        self.radius, self.unit = radius, max(size.real, size.imag) / UNITS_ACROSS
+        corner = complex(low.real, -high.imag)
         margin = 2.5 * radius * (1 + 1j)
         self.box = self.flat(np.conj([corner - margin, size + 2 * margin]))
 

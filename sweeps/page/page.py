@@ -21,9 +21,8 @@ from sweeps.report.answers.unmet_conditions import no_answer_text
 from sweeps.report.regime_words import MOTION_VERDICTS, failure_text
 from sweeps.report.result_report import value_text
 from sweeps.report.variant_warnings import result_warnings
-from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import with_values
-from sweeps.text.whole_files import whole_file
+from sweeps.text.whole_files import write_whole_text
 
 
 def write_page(path: Path, out: Path) -> None:
@@ -44,12 +43,7 @@ def write_page(path: Path, out: Path) -> None:
     StoreError
         The result can't be read.
     """
-    text = page_text(_parts(Digest(path)))
-    try:
-        with whole_file(out) as draft:
-            draft.write_text(text, encoding="utf8")
-    except OSError as error:
-        raise InputError.of(str(out), f"can't be written: {error.strerror}") from None
+    write_whole_text(out, page_text(_parts(Digest(path))))
 
 
 def _parts(digest: Digest) -> dict[str, Any]:

@@ -25,9 +25,8 @@ from sweeps.pictures.style import COLOURS, wrapped
 from sweeps.pictures.sweep.front_picture import front_picture
 from sweeps.pictures.sweep.maps import plot_result
 from sweeps.pictures.sweep.parallel_coordinates import chosen_columns
-from sweeps.pictures.sweep.result_pictures import sweep_data
+from sweeps.pictures.sweep.result_pictures import plot_data, sweep_data
 from sweeps.pictures.sweep.sweep_data import SweepData
-from sweeps.study.sensitivity import RSS, WORST_CASE
 from sweeps.text.scene_text import number_text
 from sweeps.text.visible import visible
 from sweeps.text.whole_files import scratch_folder
@@ -97,20 +96,9 @@ def _draw_variants(digest: Digest, path: Path) -> None:
 
 def _data_of(digest: Digest) -> SweepData:
     """Plot data of the variants in the figures."""
-    result, places, aim = digest.result, digest.shown_places, digest.aim
-    alone = (name for name in result.summaries if not name.endswith((WORST_CASE, RSS)))
-    return SweepData(
-        {name: column[places] for name, column in digest.rows.items()},
-        result.units,
-        result.long_names,
-        result.varied,
-        sorted(alone, key=lambda name: aim is None or name != aim.goal),
-        (places.size,),
-        digest.rows["status"][places],
-        condition=aim.condition if aim else "",
-        candidates=digest.meets[places],
-        symbols=result.symbols,
-    )
+    places = digest.shown_places
+    arrays = {name: column[places] for name, column in digest.rows.items()}
+    return plot_data(digest.result, arrays, (places.size,), digest.aim, digest.meets[places])
 
 
 def inline_svg(path: Path, prefix: str) -> "Markup":

@@ -7,9 +7,7 @@ from engine import Mechanics, MovingMachine, Scene
 from sweeps.pictures.drawing import DrawnMotion, picture
 from sweeps.pictures.drawing.figures import default_position
 from sweeps.pictures.machine.diagrams import diagrams
-from sweeps.pictures.machine.field_curves import POSITIONS, field_curves
 from sweeps.pictures.machine.hodographs import hodographs
-from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import format_of
 from sweeps.text.scene_text import with_values
 
@@ -93,34 +91,6 @@ def cycle_pictures(machine: MovingMachine, path: Path, parts: Sequence[str] = ()
     return made
 
 
-def field_picture(
-    scene: Scene, path: Path, names: Sequence[str], x: str | None = None, positions: int | None = None
-) -> Path:
-    """Draw fields of a machine over its cycle, or over another field.
-
-    Parameters
-    ----------
-    scene : Scene
-    path : Path
-    names : sequence of str
-    x : str, optional
-        Field along x.
-    positions : int, optional
-
-    Returns
-    -------
-    Path
-        File written.
-
-    Raises
-    ------
-    PictureError, AskError
-        As for `field_curves`.
-    """
-    field_curves(scene, path, names, x, positions or POSITIONS)
-    return path
-
-
 def hodograph_picture(machine: Named, beside: Named | None, path: Path) -> Path:
     """Draw the shaking force of a machine, compared with another machine or the unmodified scene.
 
@@ -164,8 +134,6 @@ def drawing_file(scene: Scene, values: Mapping[str, float], out: Path, position:
     PictureError
         The scene has only machine elements, or can't be drawn.
     """
-    if scene.input is None:
-        raise PictureError("the scene has only machine elements: there is no mechanism to draw")
     motion = DrawnMotion(scene, values)
     if out.suffix == ".dxf":
         from sweeps.pictures.drawing.dxf import write_dxf

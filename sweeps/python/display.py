@@ -20,7 +20,7 @@ from engine import (
     scene_numbers,
     show_system,
 )
-from sweeps.pictures.drawing import mechanism_figure
+from sweeps.pictures.drawing import picture
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import house_style
 from sweeps.study.study import Study
@@ -128,7 +128,7 @@ def _drawing(scene: Scene) -> str:
         return f"<p>machine elements: {escape(', '.join(scene.elements))}</p>"
     made = StringIO()
     try:
-        figure = mechanism_figure(scene)
+        figure = picture(scene)
     except PictureError as error:
         return f"<p>{escape(str(error))}</p>"
     for ax in figure.axes:

@@ -9,14 +9,13 @@ from matplotlib.figure import Figure
 
 from engine import MovingMachine, Scene, history, history_fields, show_system
 from sweeps.optimising.optimum import is_front
-from sweeps.pictures.drawing import DrawnMotion, mechanism_figure
+from sweeps.pictures.drawing import DrawnMotion, picture
+from sweeps.pictures.machine.cycle_sheets import POSITIONS, field_curves
 from sweeps.pictures.machine.diagrams import diagrams
-from sweeps.pictures.machine.field_curves import POSITIONS, field_figure
 from sweeps.pictures.machine.motion_diagrams import history_diagrams
-from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import new_figure
-from sweeps.pictures.sweep.front_picture import front_figure
-from sweeps.pictures.sweep.maps import sweep_figure
+from sweeps.pictures.picture_error import PictureError, need_mechanism
+from sweeps.pictures.sweep.front_picture import front_picture
+from sweeps.pictures.sweep.maps import plot_result
 from sweeps.pictures.sweep.result_pictures import sweep_data
 from sweeps.pictures.sweep.sweep_data import SweepData
 from sweeps.report.sweep_result import SweepResult
@@ -53,9 +52,8 @@ def plot_mechanism(
     PictureError
         The scene has no mechanism, a position can't be drawn, or a point of `paths` doesn't exist.
     """
-    _need_mechanism(scene)
     show_system(scene.units)
-    return mechanism_figure(DrawnMotion(scene, values), at, paths, shown)
+    return picture(DrawnMotion(scene, values), None, at, paths, shown)
 
 
 def plot_diagrams(scene: Scene, values: Mapping[str, float] | None = None) -> Figure:
@@ -72,9 +70,9 @@ def plot_diagrams(scene: Scene, values: Mapping[str, float] | None = None) -> Fi
     PictureError
         The scene has no mechanism, or the machine can't be computed.
     """
-    _need_mechanism(scene)
+    need_mechanism(scene)
     show_system(scene.units)
-    return diagrams(MovingMachine(scene, values), new_figure(180, 115))
+    return diagrams(MovingMachine(scene, values), None)
 
 
 def plot_fields(scene: Scene, names: Sequence[str], x: str | None = None, positions: int = POSITIONS) -> Figure:
@@ -95,7 +93,7 @@ def plot_fields(scene: Scene, names: Sequence[str], x: str | None = None, positi
         The scene has no mechanism or no such field, or a field has no finite values.
     """
     show_system(scene.units)
-    return field_figure(scene, names, x, positions)
+    return field_curves(scene, None, names, x, positions)
 
 
 def plot_history(scene: Scene) -> Figure:
@@ -115,7 +113,7 @@ def plot_history(scene: Scene) -> Figure:
         raise PictureError('the scene has no regimes: add [regimes.NAME] with type = "run" or "steady"')
     show_system(scene.units)
     seen = history(scene, fields=[name for name in history_fields(scene) if name.endswith(".reaction")])
-    return history_diagrams(scene, seen, new_figure(180, 190))
+    return history_diagrams(scene, seen, None)
 
 
 def plot_sweep(
@@ -141,13 +139,13 @@ def plot_sweep(
         The file can't be read.
     """
     if not isinstance(result, (str, Path)):
-        return sweep_figure(_data_of(result), x, y, colour)
+        return plot_result(_data_of(result), None, x, y, colour)
     found = SweepResult(Path(result))
     found.show_own_units()
     if is_front(found) and x is y is colour is None:
-        return front_figure(found, sweep_data(found, ())[0])
+        return front_picture(found, sweep_data(found, ())[0], None)
     shown, best = sweep_data(found, (x, y, colour), found.best())
-    return sweep_figure(shown, x, y, colour, best)
+    return plot_result(shown, None, x, y, colour, best)
 
 
 def _data_of(data: "xarray.Dataset") -> SweepData:
@@ -174,8 +172,3 @@ def _data_of(data: "xarray.Dataset") -> SweepData:
         arrays["status"],
         along,
     )
-
-
-def _need_mechanism(scene: Scene) -> None:
-    if scene.input is None:
-        raise PictureError("the scene has only machine elements: there is no mechanism to draw")

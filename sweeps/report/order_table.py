@@ -166,25 +166,11 @@ def remaining_orders(row: EngineRow) -> Remaining:
     return Remaining(forces, couples, tuple(left.tolist()), firing_intervals(angles))
 
 
-def order_table(rows: Sequence[EngineRow] | None = None, markdown: bool = True) -> str:
-    """Table of the unbalanced orders, with a legend.
-
-    Parameters
-    ----------
-    rows : sequence of EngineRow, optional
-        Default: `well_known_engines`.
-    markdown : bool
-        Markdown instead of plain text.
-    """
-    rows = well_known_engines() if rows is None else rows
-    cells = [_cells(row) for row in rows]
-    if markdown:
-        lines = [ORDER_HEADS, ("---",) * len(ORDER_HEADS), *cells]
-        shown = "\n".join("| " + " | ".join(line) + " |" for line in lines)
-    else:
-        shown = table([ORDER_HEADS, *cells])
+def order_table(rows: Sequence[EngineRow]) -> str:
+    """Table of the unbalanced orders, with a legend."""
+    shown = table([ORDER_HEADS, *map(_cells, rows)])
     kinds = dict.fromkeys((row.ratio, row.offset) for row in rows)
-    return f"{shown}\n\n{_LEGEND} {' '.join(_harmonics_text(*kind) for kind in kinds)}\n"
+    return f"{shown}\n\n{_LEGEND} {' '.join(_harmonics_text(*kind) for kind in kinds)}"
 
 
 def _harmonics_text(ratio: float, offset: float) -> str:

@@ -46,15 +46,15 @@ class Readings(NamedTuple):
     remark: str = ""
 
 
-def readings_at(scene: Scene, at: Sequence[float], names: Sequence[str] = ()) -> Readings:
+def readings_at(scene: Scene, at: Sequence[float] | int, names: Sequence[str] = ()) -> Readings:
     """Fields of one machine at input positions.
 
     Parameters
     ----------
     scene : Scene
         With a mechanism.
-    at : sequence of float
-        Crank angles [rad], or displacements of a sliding input [m].
+    at : sequence of float, or int
+        Crank angles [rad], or displacements of a sliding input [m]; or the number of positions spread over the cycle.
     names : sequence of str
         Fields (default: all at constant input speed).
 
@@ -63,18 +63,19 @@ def readings_at(scene: Scene, at: Sequence[float], names: Sequence[str] = ()) ->
     InputError
         The scene has no mechanism, or a position is outside the input's range.
     AskError
-        There is no such field.
+        There is no such field, or the number of positions isn't allowed.
     """
     if scene.input is None:
-        raise InputError.of("--at", "the scene has only machine elements, which have no positions")
-    at, unit = np.asarray(at, float), InputUnits.of(scene).q
-    machine = MovingMachine(scene, positions=_in_range(scene, at))
+        message = "the scene has only machine elements, which have no positions; `sweeps run` gives their numbers"
+        raise InputError.of(scene.title or "scene", message)
+    unit = InputUnits.of(scene).q
+    machine = MovingMachine(scene, positions=at if isinstance(at, int) else _in_range(scene, np.asarray(at, float)))
     known, place = machine.register.fields, "phi" if unit == "rad" else "q"
     fields = list(names) or list(machine.register.available_fields)
     verdict = machine.verdict(fields)
     return Readings(
         place,
-        at,
+        machine.q if isinstance(at, int) else np.asarray(at, float),
         machine.fields(fields),
         {name: known[name].units for name in fields} | {place: unit},
         {name: known[name].long_name for name in fields} | {"phi": "crank angle", "q": "input displacement"},

@@ -1,6 +1,7 @@
 """The motion of one machine at given times."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,14 +11,40 @@ from sweeps.report.readings import Readings
 from sweeps.report.regime_words import failure_text
 from sweeps.text.input_files import InputError
 
-_OF_HISTORY = {
-    "time": ("s", "time after the start"),
-    "angle": ("rad", "crank angle, cumulative"),
-    "speed": ("rad s-1", "angular speed of the input link"),
-    "acceleration": ("rad s-2", "angular acceleration of the input link"),
-    "motor_moment": ("N m", "motor torque, reduced to the input"),
-    "energy": ("J", "kinetic energy"),
-}
+
+class HistoryColumn(NamedTuple):
+    """A quantity over the instants of a history (instants,): SI values, unit, and meaning."""
+
+    row: np.ndarray
+    units: str
+    words: str = ""
+
+
+def history_columns(scene: Scene, seen: "engine.History") -> dict[str, HistoryColumn]:
+    """Motion, torques and energy of a history, position and speed first.
+
+    Parameters
+    ----------
+    scene : Scene
+    seen : History
+    """
+    turns = isinstance(scene.input, CrankInput)
+    loads = {
+        f"{channel}_moment": (row, "N m", f"torque of {channel} loads, reduced to the input")
+        for channel, row in seen.load_moments.items()
+    }
+    found = {
+        "angle" if turns else "displacement": (seen.angle, "rad", "crank angle, cumulative"),
+        "speed": (seen.speed, "rad s-1", "angular speed of the input link"),
+        "acceleration": (seen.acceleration, "rad s-2", "angular acceleration of the input link"),
+        "motor_moment": (seen.motor_moment, "N m", "motor torque, reduced to the input"),
+        **loads,
+        "energy": (seen.energy, "J", "kinetic energy"),
+    }
+    if not turns:
+        found = {name: (row, *sliding_quantity(words, unit)[::-1]) for name, (row, unit, words) in found.items()}
+        found["displacement"] = (seen.angle, "m", "input displacement")
+    return {name: HistoryColumn(*column) for name, column in found.items()}
 
 
 def readings_in_time(scene: Scene, at: Sequence[float]) -> Readings:
@@ -41,40 +68,22 @@ def readings_in_time(scene: Scene, at: Sequence[float]) -> Readings:
     if times.min() < 0 or times.max() > seen.time[-1]:
         message = f"the regimes last from 0 to {seen.time[-1]:.6g} s" + (f": {failed}" if failed else "")
         raise InputError.of("--at", message)
-    rows = _between(seen, times)
-    channels = {f"{channel}_moment": row for channel, row in seen.load_moments.items()}
-    values = rows | {name: np.interp(times, seen.time, row) for name, row in channels.items()}
-    about = _OF_HISTORY | {
-        name: ("N m", f"torque of {name.removesuffix('_moment')} loads, reduced to the input") for name in channels
-    }
-    if not isinstance(scene.input, CrankInput):
-        about = {name: sliding_quantity(words, unit)[::-1] for name, (unit, words) in about.items()}
-        about["angle"] = ("m", "input displacement")
-    units, long_names = ({name: pair[i] for name, pair in about.items()} for i in (0, 1))
+    columns = history_columns(scene, seen)
+    slopes = dict(zip(columns, (seen.speed, seen.acceleration), strict=False))
+    values = {name: _between(seen.time, times, c.row, slopes.get(name)) for name, c in columns.items()}
+    units = {"time": "s"} | {name: column.units for name, column in columns.items()}
+    long_names = {"time": "time after the start"} | {name: column.words for name, column in columns.items()}
     return Readings("time", times, values, units, long_names, failed)
 
 
-def _between(seen: "engine.History", times: np.ndarray) -> dict[str, np.ndarray]:
-    """Interpolate a history: angle and speed by cubic Hermite polynomials."""
-    after = np.clip(np.searchsorted(seen.time, times, "right"), 1, seen.time.size - 1)
-    before = after - 1
-    step = seen.time[after] - seen.time[before]
+def _between(time: np.ndarray, at: np.ndarray, row: np.ndarray, slopes: np.ndarray | None) -> np.ndarray:
+    """Interpolate a row over time linearly, or by cubic Hermite polynomials."""
+    after = np.clip(np.searchsorted(time, at, "right"), 1, time.size - 1)
+    step = time[after] - time[after - 1]
     # Adjacent regimes share an instant.
-    share = np.where(step > 0, (times - seen.time[before]) / np.where(step > 0, step, 1.0), 1.0)
-
-    def cubic(values: np.ndarray, slopes: np.ndarray) -> np.ndarray:
-        begin, end = values[before], values[after]
-        rise, of_begin, of_end = end - begin, step * slopes[before], step * slopes[after]
-        bend = (of_begin - rise) * (1 - share) - (of_end - rise) * share
-        return begin + share * rise + share * (1 - share) * bend
-
-    def line(values: np.ndarray) -> np.ndarray:
-        return values[before] + share * (values[after] - values[before])
-
-    return {
-        "angle": cubic(seen.angle, seen.speed),
-        "speed": cubic(seen.speed, seen.acceleration),
-        "acceleration": line(seen.acceleration),
-        "motor_moment": line(seen.motor_moment),
-        "energy": line(seen.energy),
-    }
+    share = np.where(step > 0, (at - time[after - 1]) / np.where(step > 0, step, 1.0), 1.0)
+    begin, rise = row[after - 1], row[after] - row[after - 1]
+    if slopes is None:
+        return begin + share * rise
+    bend = (step * slopes[after - 1] - rise) * (1 - share) - (step * slopes[after] - rise) * share
+    return begin + share * rise + share * (1 - share) * bend

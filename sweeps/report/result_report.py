@@ -1,6 +1,6 @@
 """Text report on sweep results."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from sweeps.report.answers.shown_results import hidden_text, shown_parameters, s
 from sweeps.report.answers.unmet_conditions import drop_lines, no_answer_text, undecided_text
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
 from sweeps.report.sweep_result import RangeEnd, SweepResult
+from sweeps.study.study_text import Best
 from sweeps.text.conditions import Where
 from sweeps.text.scene_text import with_values
 from sweeps.text.tables import table
@@ -137,14 +138,9 @@ def answer_text(result: SweepResult, every: bool = False) -> str:
     best = result.best()
     if best is None:
         return "\n".join([*([result.question] if result.question else []), no_answer_text(result)])
-    lines = [result.question] if result.question else []
-    condition = f" where {goal.condition}" if goal.where else ""
     rivals = result.rivals(best)
-    lines.append(f"Answer: {goal.word} {goal.goal}{condition}: {value_text(result, goal.goal, best)}, variant {best}:")
-    rows = [(name, "=", value_text(result, name, best), "") for name in shown_parameters(result, every)]
-    rows += summary_rows(result, best, [name for name in shown_summaries(result, every) if name != goal.goal])
-    lines.append(table(rows, "  "))
-    lines += [*hidden_text(result, every), *ends_text(result, best)]
+    lines = [result.question] if result.question else []
+    lines += [*best_lines(result, goal, best, every), *ends_text(result, best)]
     if undecided_text(result, goal.where):
         lines.append(f"{meeting_text(result, goal.where)}.")
     if rivals:
@@ -205,3 +201,33 @@ def value_text(result: SweepResult, name: str, variant: int) -> str:
     error = float(columns[f"{name}_error"][variant]) if f"{name}_error" in columns else None
     decides = name in result.deciding(variant)
     return quantity_text(float(columns[name][variant]), result.units[name], error, decides)
+
+
+def best_lines(
+    result: SweepResult,
+    goal: Best,
+    best: int,
+    every: bool,
+    value: Callable[[SweepResult, str, int], str] = value_text,
+    notes: Mapping[str, str] = {},
+) -> list[str]:
+    """The best variant by a goal, with its parameters and results.
+
+    Parameters
+    ----------
+    result : SweepResult
+    goal : Best
+    best : int
+    every : bool
+        Also checks and helper numbers.
+    value : callable
+        Text of a variant's value.
+    notes : mapping of str to str
+        Remarks on parameters.
+    """
+    condition = f" where {goal.condition}" if goal.where else ""
+    head = f"Answer: {goal.word} {goal.goal}{condition}: {value(result, goal.goal, best)}, variant {best}:"
+    rows = [(n, "=", value(result, n, best), notes.get(n, "")) for n in shown_parameters(result, every)]
+    shown = [name for name in shown_summaries(result, every) if name != goal.goal]
+    rows += [(n, "→", value(result, n, best), result.long_names[n]) for n in shown]
+    return [head, table(rows, "  "), *hidden_text(result, every)]

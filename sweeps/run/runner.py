@@ -54,7 +54,6 @@ def layout_of(study: Study, machine: Machine) -> FileLayout:
     fields, axes = field_columns(machine, study.fields)
     columns = [Column(name, name, study.unit(name)) for name in study.parameters]
     columns += [*number_columns(machine, study.summaries), *study.sensitivity.columns, *fields]
-    position = position_axis(machine)
     return FileLayout(
         variants=study.design.size,
         block=min(largest_block(study, machine), study.design.size),
@@ -62,10 +61,7 @@ def layout_of(study: Study, machine: Machine) -> FileLayout:
         attributes=_attributes(study, machine),
         coordinates=study.parameters,
         status_codes={int(v): v.name.lower() for v in Verdict if v != Verdict.NOT_COMPUTED},
-        position=position.values,
-        position_name=position.name,
-        position_long_name=position.long_name,
-        position_units=position.units,
+        position=position_axis(machine),
         axes=tuple(axes.values()),
     )
 

@@ -227,8 +227,7 @@ def write_final_text(file: h5py.File, name: str, text: str) -> None:
 def _fill(file: h5py.File, layout: FileLayout, sources: Sequence[str]) -> None:
     scales = {"variant": _variant_scale(file, layout)}
     if layout.over_positions:
-        of_positions = layout.position_name, layout.position_long_name, layout.position_units, layout.position
-        scales["position"] = _axis_scale(file, FieldAxis(*of_positions))
+        scales["position"] = _axis_scale(file, layout.position)
     scales |= {axis.name: _axis_scale(file, axis) for axis in layout.axes}
     for column in layout.columns:
         dataset = _dataset(file, column.name, layout.shape(column), np.dtype(column.dtype), _nothing(column))

@@ -2,12 +2,13 @@
 
 import hashlib
 import math
-import re
 from collections import Counter
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
+
+from .errors import StoreError
 
 NOT_COMPUTED = 255
 """Status code of a variant whose block has not been written yet."""
@@ -18,7 +19,6 @@ DONE = 1
 # Names of the position axis: crank angle, or fraction of a sliding input's range.
 POSITION_NAMES = ("phi", "travel")
 RESERVED = ("variant", "progress")
-RESERVED_ATTRIBUTES = ("Conventions", "finished", "outcome")
 # HDF5 takes a page for the headers and heap of each dataset; one more covers the groups.
 _PAGE = 4096
 
@@ -90,17 +90,15 @@ class FileLayout:
         Parameter columns, which xarray makes coordinates.
     status_codes : dict
         Meaning of each code in the column `status`. 255 is reserved for "not computed".
-    position : ndarray, optional
-        Position coordinate; required for fields over it.
-    position_name, position_long_name, position_units : str
-        Name, meaning and units of that coordinate.
+    position : FieldAxis, optional
+        Positions of the input; required for fields over them.
     axes : tuple of FieldAxis
         Other axes of fields.
 
     Raises
     ------
-    ValueError
-        The parts contradict each other.
+    StoreError
+        A parameter has the name of another column or of an axis.
     """
 
     variants: int
@@ -109,49 +107,15 @@ class FileLayout:
     attributes: dict[str, str]
     coordinates: tuple[str, ...] = ()
     status_codes: dict[int, str] = field(default_factory=dict)
-    position: np.ndarray | None = None
-    position_name: str = "phi"
-    position_long_name: str = "crank angle"
-    position_units: str = "rad"
+    position: FieldAxis | None = None
     axes: tuple[FieldAxis, ...] = ()
 
     def __post_init__(self) -> None:
-        if self.variants < 1 or self.block < 1:
-            raise ValueError(f"variants = {self.variants} and block = {self.block} must be at least 1")
-        if "study_hash" not in self.attributes:
-            raise ValueError("attributes lack study_hash, which names the study")
-        reserved = [name for name in RESERVED_ATTRIBUTES if name in self.attributes]
-        if reserved:
-            raise ValueError(f"attributes {', '.join(reserved)} are written by the store itself")
-        self._check_columns()
-        self._check_coordinates()
-        if NOT_COMPUTED in self.status_codes:
-            raise ValueError(f"status code {NOT_COMPUTED} is reserved for variants not computed")
-
-    def _check_columns(self) -> None:
-        names = [*RESERVED, *([self.position_name] if self.over_positions else [])]
+        names = [*RESERVED, *([self.position.name] if self.over_positions else [])]
         names += [axis.name for axis in self.axes] + [c.name for c in self.columns]
-        dims = [("variant",), *(("variant", name) for name in ("position", *self._axis_of))]
         doubled = [name for name, count in Counter(names).items() if count > 1]
         if doubled:
-            raise ValueError(f"column names given twice or reserved: {', '.join(doubled)}")
-        for column in self.columns:
-            if not re.fullmatch(r"[^\s/.][^\s/]*", column.name):
-                raise ValueError(f"column name {column.name!r}: no blanks, no slashes, no leading dot")
-            if column.dims not in dims:
-                raise ValueError(f"column {column.name}: dims {column.dims!r} are none of {dims}")
-            if np.dtype(column.dtype).kind not in "fiu":
-                raise ValueError(f"column {column.name}: {column.dtype!r} is not a float or integer type")
-            if column.name == "status" and np.iinfo(column.dtype).max < NOT_COMPUTED:
-                raise ValueError(f"column status: {column.dtype!r} cannot hold {NOT_COMPUTED}")
-
-    def _check_coordinates(self) -> None:
-        flat = {c.name for c in self.columns if c.dims == ("variant",)}
-        unknown = [name for name in self.coordinates if name not in flat]
-        if unknown:
-            raise ValueError(f"coordinates {', '.join(unknown)} are not columns over variants")
-        if self.over_positions and (self.position is None or np.ndim(self.position) != 1):
-            raise ValueError(f"fields need a one-dimensional position, got {self.position!r}")
+            raise StoreError(f"result files have other columns named {', '.join(doubled)}: rename these parameters.")
 
     @property
     def fields(self) -> tuple[Column, ...]:
@@ -194,7 +158,7 @@ class FileLayout:
         last = column.dims[-1]
         if last == "variant":
             return (self.variants,)
-        return self.variants, len(self.position if last == "position" else self._axis_of[last].values)
+        return self.variants, len((self.position if last == "position" else self._axis_of[last]).values)
 
     @property
     def variant_dtype(self) -> np.dtype:
@@ -204,7 +168,8 @@ class FileLayout:
     def bytes(self) -> int:
         """Return an upper bound on the size of the file."""
         data = sum(math.prod(self.shape(c)) * np.dtype(c.dtype).itemsize for c in self.columns)
-        axes = self.variants * self.variant_dtype.itemsize + (8 * len(self.position) if self.over_positions else 0)
+        positions = len(self.position.values) if self.over_positions else 0
+        axes = self.variants * self.variant_dtype.itemsize + 8 * positions
         axes += sum(8 * len(axis.values) + _PAGE for axis in self.axes)
         text = sum(len(f"{key}{value}".encode()) for key, value in self.attributes.items())
         return data + axes + 9 * self.blocks + text + (len(self.columns) + 18) * _PAGE
@@ -216,7 +181,7 @@ class FileLayout:
         return axes | {
             "variants": self.variants,
             "block": self.block,
-            "position": self._position_record(),
+            "position": self.position.record() if self.over_positions else None,
             "columns": {
                 c.name: {
                     "long_name": c.long_name,
@@ -229,8 +194,3 @@ class FileLayout:
             "coordinates": list(self.coordinates),
             "status codes": {str(code): meaning for code, meaning in sorted(self.status_codes.items())},
         }
-
-    def _position_record(self) -> dict[str, Any] | None:
-        if not self.over_positions:
-            return None
-        return FieldAxis(self.position_name, self.position_long_name, self.position_units, self.position).record()

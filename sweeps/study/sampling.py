@@ -4,6 +4,7 @@ Blocks of any size can be computed in any order on any worker, identical bit for
 """
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, Protocol
@@ -44,7 +45,7 @@ class Listed:
     Raises
     ------
     SamplingError
-        If the list is empty or holds anything but finite numbers.
+        If the list holds anything but finite numbers.
     """
 
     name: str
@@ -98,7 +99,7 @@ class Linear(_Steps):
     Raises
     ------
     SamplingError
-        If count < 1, if count is 1 for two different ends, or if an end is infinite or NaN.
+        If count is 1 for two different ends, or if an end is infinite or NaN.
     """
 
     def values(self, indices: np.ndarray) -> dict[str, np.ndarray]:
@@ -136,22 +137,14 @@ class Columns:
     Raises
     ------
     SamplingError
-        If the columns' lengths differ or aren't as many as the names, if the table is empty, or if it
-        holds anything but finite numbers.
+        If the table holds anything but finite numbers.
     """
 
     names: tuple[str, ...]
     table: Sequence[Sequence[float]]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "names", _together(self.names))
-        if len(self.table) != len(self.names):
-            raise SamplingError(f"{', '.join(self.names)}: {len(self.table)} columns for {len(self.names)} names")
         columns = tuple(_column(name, column) for name, column in zip(self.names, self.table, strict=True))
-        for name, column in zip(self.names, columns, strict=True):
-            if len(column) != len(columns[0]):
-                first = f"{self.names[0]} has {len(columns[0])}"
-                raise SamplingError(f"{name}: {len(column)} values, but {first}; give equally many")
         object.__setattr__(self, "table", columns)
 
     @property
@@ -190,9 +183,8 @@ class Sampled:
     Raises
     ------
     SamplingError
-        If count < 1, low > high, a logarithmic range touches zero, a limit is infinite or NaN, the lengths
-        differ, the method is unknown, the seed is outside 0..2**64-1, or Sobol' is asked for more than
-        2**30 points.
+        If low > high, a logarithmic range touches zero, a limit is infinite or NaN, or Sobol' is asked for more
+        than 2**30 points.
     """
 
     names: tuple[str, ...]
@@ -205,32 +197,16 @@ class Sampled:
     sizes: Mapping[str, Sequence[float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "names", _together(self.names))
-        object.__setattr__(self, "lows", tuple(self.lows))
-        object.__setattr__(self, "highs", tuple(self.highs))
-        logarithmic = tuple(self.logarithmic) or (False,) * len(self.names)
-        object.__setattr__(self, "logarithmic", logarithmic)
-        paths = ", ".join(self.names)
-        _check_count(paths, self.count)
-        for what, given in (("lows", self.lows), ("highs", self.highs), ("logarithmic flags", logarithmic)):
-            if len(given) != len(self.names):
-                raise SamplingError(f"{paths}: {len(given)} {what} for {len(self.names)} names")
-        for name, low, high, is_logarithmic in zip(self.names, self.lows, self.highs, logarithmic, strict=True):
+        object.__setattr__(self, "logarithmic", self.logarithmic or (False,) * len(self.names))
+        for name, low, high, is_logarithmic in zip(self.names, self.lows, self.highs, self.logarithmic, strict=True):
             _check_finite(name, low, high)
             if low > high:
                 raise SamplingError(f"{name}: low {low!r} is above high {high!r}; exchange them")
             if is_logarithmic:
                 _check_ratio(name, low, high)
-        self._check_method(paths)
-
-    def _check_method(self, paths: str) -> None:
-        if self.method not in _UNIT_POINTS:
-            raise SamplingError(f"{paths}: unknown method {self.method!r}; allowed are {', '.join(_UNIT_POINTS)}")
-        if type(self.seed) is not int or not 0 <= self.seed < 2**64:
-            raise SamplingError(f"{paths}: seed {self.seed!r} must be a whole number from 0 to 2**64 - 1")
         if self.method == "sobol" and self.count > SOBOL_LARGEST:
             raise SamplingError(
-                f"{paths}: count {self.count} is above the {SOBOL_LARGEST} points of the "
+                f"{', '.join(self.names)}: count {self.count} is above the {SOBOL_LARGEST} points of the "
                 "Sobol' sequence; take 'random' or 'latin'"
             )
 
@@ -278,7 +254,9 @@ class Design:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "axes", tuple(self.axes))
-        _distinct(self.names)
+        twice = [name for name, count in Counter(self.names).items() if count > 1]
+        if twice:
+            raise SamplingError(f"{twice[0]}: varies twice; leave one of the two out")
         if self.size > LARGEST:
             raise SamplingError(f"{' x '.join(map(str, self.shape))} = {self.size} variants; at most {LARGEST}")
 
@@ -320,36 +298,12 @@ class Design:
         return {name: found[name] for name in self.names}
 
 
-def _distinct(names: Sequence[str]) -> tuple[str, ...]:
-    names = tuple(names)
-    for name in names:
-        if names.count(name) > 1:
-            raise SamplingError(f"{name}: varies twice; leave one of the two out")
-    return names
-
-
-def _together(names: Sequence[str]) -> tuple[str, ...]:
-    if not names:
-        raise SamplingError("no names for a joint axis")
-    return _distinct(names)
-
-
 def _column(name: str, values: Sequence[float]) -> np.ndarray:
-    column = np.asarray(values)
-    if column.ndim != 1 or column.size == 0:
-        raise SamplingError(f"{name}: {values!r} must list one or more numbers")
-    if column.dtype.kind not in "iuf":
-        raise SamplingError(f"{name}: {values!r} must hold numbers only")
-    column = column.astype(np.float64)
+    column = np.array(values, np.float64)
     if len(wrong := np.flatnonzero(~np.isfinite(column))):
         raise SamplingError(f"{name}: value {wrong[0] + 1} is {column[wrong[0]]}; it must be finite")
     column.setflags(write=False)
     return column
-
-
-def _check_count(name: str, count: int) -> None:
-    if type(count) is not int or not 1 <= count <= LARGEST:
-        raise SamplingError(f"{name}: count {count!r} must be a whole number, 1 or more")
 
 
 def _check_finite(name: str, low: float, high: float) -> None:
@@ -358,7 +312,6 @@ def _check_finite(name: str, low: float, high: float) -> None:
 
 
 def _check_range(name: str, start: float, stop: float, count: int) -> None:
-    _check_count(name, count)
     _check_finite(name, start, stop)
     if count == 1 and start != stop:
         raise SamplingError(

@@ -62,7 +62,7 @@ class Sampling(ScenePart):
 
     method: Literal["random", "sobol", "latin"] = "sobol"
     count: Annotated[int, Field(ge=1)]
-    seed: Annotated[int, Field(ge=0)] = 0
+    seed: Annotated[int, Field(ge=0, lt=2**64)] = 0
 
 
 class Outputs(ScenePart):
@@ -128,7 +128,7 @@ class Optimise(ScenePart):
     method: Literal["differential evolution", "NSGA-II", "local"] | None = None
     population: Annotated[int, Field(ge=8)] = 100
     generations: Annotated[int, Field(ge=1)] = 100
-    seed: Annotated[int, Field(ge=0)] = 0
+    seed: Annotated[int, Field(ge=0, lt=2**64)] = 0
     start: dict[str, float | str] = {}
 
 

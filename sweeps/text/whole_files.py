@@ -4,10 +4,11 @@ import errno
 import os
 import secrets
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from sweeps.text.input_files import InputError
 from sweeps.text.interruption import half_written
 
 
@@ -50,6 +51,35 @@ def whole_file(path: Path | str) -> Iterator[Path]:
             draft.unlink(missing_ok=True)
     finally:
         half_written.discard(str(draft))
+
+
+@contextmanager
+def new_file(path: Path | str, refusal: Callable[[str, str], Exception] = InputError.of) -> Iterator[Path]:
+    """A draft, as for `whole_file`, in a folder made for it; system errors become errors for the user.
+
+    Parameters
+    ----------
+    path : Path or str
+    refusal : callable
+        Makes the error from the file's name and what is wrong with it.
+
+    Raises
+    ------
+    InputError, or as `refusal` says
+        The file can't be written.
+    """
+    try:
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
+        with whole_file(path) as draft:
+            yield draft
+    except OSError as error:
+        raise refusal(str(path), f"can't be written: {error.strerror}") from None
+
+
+def write_whole_text(path: Path, text: str) -> None:
+    """Write a text file as a whole; raises an `InputError` if that fails."""
+    with new_file(path) as draft:
+        draft.write_text(text, encoding="utf8")
 
 
 @contextmanager

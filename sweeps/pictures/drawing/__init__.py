@@ -8,7 +8,7 @@ from sweeps.pictures.drawing.figures import figures, primitives
 from sweeps.pictures.drawing.motion import DrawnMotion, position_text
 from sweeps.pictures.drawing.moving_drawing import MovingDrawing, MovingFigure, moving_drawing
 from sweeps.pictures.drawing.names import names_of_points
-from sweeps.pictures.drawing.painting import FILLS, bounds, draw, mechanism_figure, paint, picture, prepare_axes
+from sweeps.pictures.drawing.painting import FILLS, bounds, draw, paint, picture, prepare_axes
 from sweeps.pictures.drawing.symbols import LAYERS, Primitive
 
 __all__ = [
@@ -21,7 +21,6 @@ __all__ = [
     "bounds",
     "draw",
     "figures",
-    "mechanism_figure",
     "moving_drawing",
     "names_of_points",
     "paint",

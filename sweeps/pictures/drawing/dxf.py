@@ -12,7 +12,7 @@ import numpy as np
 from engine import Scene, table_unit
 from sweeps.pictures.drawing import DrawnMotion, Primitive, primitives
 from sweeps.pictures.picture_error import PictureError
-from sweeps.text.whole_files import whole_file
+from sweeps.text.whole_files import new_file
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
@@ -90,11 +90,8 @@ def write_dxf(path: Path | str, drawn: Scene | DrawnMotion, phi: float, paths: S
     for i, p in enumerate(shown):
         covers = [outline for q in shown[i + 1 :] if (outline := _cover(q)) is not None]
         _add(space, p, covers)
-    try:
-        with whole_file(path) as draft:
-            document.saveas(draft)
-    except OSError as error:
-        raise PictureError(f"{path} can't be written: {error.strerror}") from None
+    with new_file(path, PictureError.of) as draft:
+        document.saveas(draft)
 
 
 def _add(space: "Modelspace", p: Primitive, covers: list[np.ndarray]) -> None:

@@ -10,7 +10,7 @@ from engine import FRAME, mesh_axis
 from sweeps.pictures.drawing.guides import rails_of
 from sweeps.pictures.drawing.higher_pairs import follower_guides
 from sweeps.pictures.drawing.motion import DrawnMotion
-from sweeps.pictures.drawing.symbols import Primitive, fixed_pivot, hatched, line
+from sweeps.pictures.drawing.symbols import Primitive, bush, fixed_pivot, line
 
 # Links within this angle of a stand's axis cover it; the stand turns to a clearer direction.
 NEAR_STAND = math.radians(45)
@@ -21,23 +21,19 @@ CLEARLY = 0.1
 @lru_cache(1)
 def frame_parts(m: DrawnMotion) -> tuple[Primitive, ...]:
     """Guides of the frame and pitch circles, painted below moving links."""
-    r, scene, found = m.radius, m.scene, []
+    scene, found = m.scene, []
     for slider in m.sliders:
         if scene.guides[slider.guide].link == FRAME:
             found += rails_of(m, slider).figures
     for group in scene.groups.values():
         if group.type == "RPP" and scene.guides[group.second.guide].link == FRAME:
             place, along = (values[0] for values in m.guide(group.second.guide))
-            bush = place + bush_at(m, group) * along
-            for side in (1, -1):
-                ends = [bush + r * along * (side * 1.2j - side * half) for half in (4, -4)]
-                found += hatched(*ends, r)
+            found += bush(place + bush_at(m, group) * along, along, m.radius)
     found += follower_guides(m)
     for name, shaft in scene.shafts.items():
         if shaft.pivot is not None and shaft.carrier is None:
-            found += _gearing(
-                *(m.points[p][0] for p in (mesh_axis(scene, name), shaft.pivot)), m.numbers[f"shafts.{name}.ratio"]
-            )
+            ends = (m.points[p][0] for p in (mesh_axis(scene, name), shaft.pivot))
+            found += _gearing((shaft.geared_to, name), *ends, m.numbers[f"shafts.{name}.ratio"])
     return tuple(found)
 
 
@@ -69,7 +65,7 @@ def bush_at(m: DrawnMotion, group: object) -> float:
     return m.range_of(group.second.link)[1] + 12 * m.radius
 
 
-def _gearing(a: complex, b: complex, ratio: float) -> list[Primitive]:
+def _gearing(links: tuple[str, str], a: complex, b: complex, ratio: float) -> list[Primitive]:
     """Pitch circles of two wheels in mesh, or of a belt or chain if both turn the same way."""
     d = abs(b - a)
     if d == 0:
@@ -81,4 +77,5 @@ def _gearing(a: complex, b: complex, ratio: float) -> list[Primitive]:
         for side in (1, -1):
             n = (b - a) / d * cmath.exp(1j * side * math.acos((r1 - r2) / d))
             straps.append(line(a + r1 * n, b + r2 * n, layer="pitch"))
-    return [Primitive("pitch", "circle", (c,), radius) for c, radius in ((a, r1), (b, r2))] + straps
+    wheels = zip(links, (a, b), (r1, r2), strict=True)
+    return [Primitive("pitch", "circle", (c,), radius, link=link) for link, c, radius in wheels] + straps

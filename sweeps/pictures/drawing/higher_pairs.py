@@ -4,7 +4,7 @@ import numpy as np
 
 from engine import has_cycle, mesh_axis
 from sweeps.pictures.drawing.motion import DrawnMotion
-from sweeps.pictures.drawing.symbols import Primitive, hatched, line
+from sweeps.pictures.drawing.symbols import Primitive, bush, line, of_link
 
 # In hinge radii: clearance of a follower's bush beyond roller and stroke, its half length; overhang of a flat face.
 CLEAR, HALF_BUSH, BEYOND = 7.0, 4.0, 3.0
@@ -12,16 +12,15 @@ CLEAR, HALF_BUSH, BEYOND = 7.0, 4.0, 3.0
 
 def cam_shapes(m: DrawnMotion, k: int) -> list[Primitive]:
     """Cam profiles at a node, with rollers, faces and the stems of sliding followers."""
-    return [shape for name in m.scene.cams for shape in (cam_profile(m, name, k), *follower_shape(m, name, k))]
+    found = []
+    for name, cam in m.scene.cams.items():
+        place, along = m.axes(cam.on)
+        found += of_link(cam.on, line(*(place[k] + m.profiles[name] * along[k])))
+        found += of_link(cam.follower.link, *_follower_shape(m, name, k))
+    return found
 
 
-def cam_profile(m: DrawnMotion, name: str, k: int) -> Primitive:
-    """Profile of a cam at a node."""
-    place, along = m.axes(m.scene.cams[name].on)
-    return line(*(place[k] + m.profiles[name] * along[k]))
-
-
-def follower_shape(m: DrawnMotion, name: str, k: int) -> list[Primitive]:
+def _follower_shape(m: DrawnMotion, name: str, k: int) -> list[Primitive]:
     """Stem of a sliding follower and its contact, at a node."""
     cam = m.scene.cams[name]
     origin, u = (values[k] for values in m.axes(cam.follower.link))
@@ -51,13 +50,11 @@ def _touching(m: DrawnMotion, name: str, k: int, origin: complex, u: complex) ->
 
 def follower_guides(m: DrawnMotion) -> list[Primitive]:
     """Frame bushes of sliding followers."""
-    found, r = [], m.radius
+    found = []
     for name, cam in m.scene.cams.items():
         if cam.translating:
             place, u = (complex(values[0]) for values in m.guide(cam.follower.guide))
-            bush = place + _bush(m, name) * u
-            for side in (1, -1):
-                found += hatched(*(bush + r * u * (side * 1.2j - side * half) for half in (HALF_BUSH, -HALF_BUSH)), r)
+            found += bush(place + _bush(m, name) * u, u, m.radius)
     return found
 
 
@@ -71,9 +68,8 @@ def planet_circles(m: DrawnMotion, k: int) -> list[Primitive]:
             if centre == other:
                 continue
             radius = abs(centre - other) / abs(ratio - 1.0)
-            found += [
-                Primitive("pitch", "circle", (c,), r) for c, r in ((centre, radius), (other, abs(ratio) * radius))
-            ]
+            circles = ((name, centre, radius), (shaft.geared_to, other, abs(ratio) * radius))
+            found += [Primitive("pitch", "circle", (c,), r, link=link) for link, c, r in circles]
     return found
 
 
@@ -84,7 +80,7 @@ def pitch_curves(m: DrawnMotion, k: int) -> list[Primitive]:
         for link, curve in zip((name, m.scene.noncircular_wheels[name].geared_to), curves, strict=True):
             place, along = m.axes(link)
             drawn = np.append(curve, curve[:1]) if has_cycle(m.scene) else curve
-            found.append(line(*(place[k] + drawn * along[k]), layer="pitch"))
+            found += of_link(link, line(*(place[k] + drawn * along[k]), layer="pitch"))
     return found
 
 

@@ -19,6 +19,7 @@ from sweeps.pictures.drawing.symbols import (
     half_length,
     line,
     link_shape,
+    of_link,
     slider_shape,
     weld,
     zigzag,
@@ -32,7 +33,7 @@ def plates_and_bars(m: DrawnMotion, k: int) -> tuple[list[Primitive], list[Primi
     carriers = {scene.guides[s.guide].link for s in m.sliders}
     carriers |= {g.second.link for g in scene.groups.values() if g.type in ("RPR", "RPP")}
     for link in m.links[:-1]:
-        shape = link_shape([m.axes(link)[0][k], *(m.points[n][k] for n in m.members(link))], r)
+        shape = of_link(link, *link_shape([m.axes(link)[0][k], *(m.points[n][k] for n in m.members(link))], r))
         is_plate = bool(shape) and shape[0].kind == "polygon"
         (under if link in carriers else plates if is_plate else over).extend(shape)
     for name, group in scene.groups.items():
@@ -57,7 +58,8 @@ def slider_body(m: DrawnMotion, slider: Slider, k: int, half: float) -> list[Pri
     """A slider of a height, its tool away from the rest of the machine, its upper side up."""
     along = complex(m.guide(slider.guide)[1][k])
     front, up = (sign * along for sign in _sides(m, slider))
-    return slider_shape(slider.link, complex(m.axes(slider.link)[0][k]), front, up, half, m.radius)
+    shape = slider_shape(slider.link, complex(m.axes(slider.link)[0][k]), front, up, half, m.radius)
+    return of_link(slider.link, *shape)
 
 
 @lru_cache(64)
@@ -71,23 +73,23 @@ def _sides(m: DrawnMotion, slider: Slider) -> tuple[complex, complex]:
 def _slotted(m: DrawnMotion, name: str, k: int) -> list[Primitive]:
     """Slotted link and block of RPR or RPP."""
     r, group = m.radius, m.scene.groups[name]
-    origin, u = m.axes(group.second.link)[0][k], m.axes(group.first.link)[1][k]
+    slotted, sliding = group.second.link, group.first.link
+    origin, u = m.axes(slotted)[0][k], m.axes(sliding)[1][k]
     pin = m.points[group.first.joint][k]
-    low, high = m.range_of(group.first.link)
-    foot = origin + m.slides[group.first.link][k] * u
-    block = box(foot, u, HALF_LENGTH * r, HALF_HEIGHT * r)
+    low, high = m.range_of(sliding)
+    foot = origin + m.slides[sliding][k] * u
+    block = of_link(sliding, line(foot, pin), box(foot, u, HALF_LENGTH * r, HALF_HEIGHT * r))
     margin = (HALF_LENGTH + 1.5) * r
     if group.type == "RPR":
-        return [line(*_rod(m, name, k)), line(foot, pin), block]
+        return [*of_link(slotted, line(*_rod(m, name, k))), *block]
     slot = box(origin + (low + high) / 2 * u, u, (high - low) / 2 + margin, HALF_HEIGHT * r, "paper")
-    along = m.axes(group.second.link)[1][k]
+    along = m.axes(slotted)[1][k]
     start = origin + HALF_HEIGHT * r / abs((u / along).imag) * along
     held = m.guide(group.second.guide)[0][k] + (bush_at(m, group) + 4 * r) * along
-    tip = held + (m.slides[group.second.link][k] - m.range_of(group.second.link)[0] + 1.5 * r) * along
-    below = [line(start, tip), *weld(start, along, u, r), slot, block]
-    if m.scene.guides[group.second.guide].link != FRAME:
-        below.append(box(held - 4 * r * along, along, 4 * r, 1.2 * r))
-    return below
+    tip = held + (m.slides[slotted][k] - m.range_of(slotted)[0] + 1.5 * r) * along
+    carrier = m.scene.guides[group.second.guide].link
+    held_by = [] if carrier == FRAME else of_link(carrier, box(held - 4 * r * along, along, 4 * r, 1.2 * r))
+    return [*of_link(slotted, line(start, tip), *weld(start, along, u, r), slot), *block[1:], *held_by]
 
 
 def _rod(m: DrawnMotion, name: str, k: int) -> tuple[complex, complex]:
@@ -104,16 +106,17 @@ def _moving_guide(m: DrawnMotion, slider: Slider, k: int) -> list[Primitive]:
     r = m.radius
     place, u = (values[k] for values in m.guide(slider.guide))
     place = place + 1j * slider.offset * u
-    origin = m.axes(m.scene.guides[slider.guide].link)[0][k]
+    carrier = m.scene.guides[slider.guide].link
+    origin = m.axes(carrier)[0][k]
     low, high = (
         s + side * (half_length(slider.link) + 2) * r for s, side in zip(m.range_of(slider.link), (-1, 1), strict=True)
     )
     apart = (origin - place) / u
     if abs(apart.imag) < 0.5 * r:
-        return [line(place + min(low, apart.real) * u, place + max(high, apart.real) * u)]
+        return of_link(carrier, line(place + min(low, apart.real) * u, place + max(high, apart.real) * u))
     foot = place + min(max(low, apart.real), high) * u
     arm = (origin - foot) / abs(origin - foot)
-    return [line(place + low * u, place + high * u), line(origin, foot), *weld(foot, arm, u, r)]
+    return of_link(carrier, line(place + low * u, place + high * u), line(origin, foot), *weld(foot, arm, u, r))
 
 
 def joints(m: DrawnMotion, k: int) -> list[Primitive]:
@@ -135,5 +138,6 @@ def joints(m: DrawnMotion, k: int) -> list[Primitive]:
             a, b = shape[0].points
             u = r * (b - a) / abs(b - a)
             inside = [m.points[n][k] for n in names if n in hinges]
-            found += [line(p - u, p + u, layer="joints") for p in inside if min(abs(p - a), abs(p - b)) > r]
+            through = [line(p - u, p + u, layer="joints") for p in inside if min(abs(p - a), abs(p - b)) > r]
+            found += of_link(link, *through)
     return found

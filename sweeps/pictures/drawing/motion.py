@@ -23,7 +23,7 @@ from engine import (
     places_on,
     quantity_text,
 )
-from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.picture_error import PictureError, need_mechanism
 
 POSITIONS = 720
 
@@ -87,6 +87,7 @@ class DrawnMotion:
     """
 
     def __init__(self, scene: Scene, values: Mapping[str, float] | None = None, known: Mechanics | None = None) -> None:
+        need_mechanism(scene)
         self.values, self.scene = dict(values or {}), scene
         self.machine = MovingMachine(scene, values, POSITIONS, known)
         self.numbers, self.q = self.machine.numbers, self.machine.q

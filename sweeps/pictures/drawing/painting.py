@@ -16,7 +16,7 @@ from engine import Scene, display_unit, has_cycle
 from sweeps.pictures.drawing.figures import USUAL_CRANK_ANGLE, default_position, figures
 from sweeps.pictures.drawing.motion import DrawnMotion, position_text
 from sweeps.pictures.drawing.symbols import Primitive
-from sweeps.pictures.style import BLUE, MM_PER_INCH, VERMILION, house_style, new_figure, save
+from sweeps.pictures.style import BLUE, MM_PER_INCH, VERMILION, sheet
 
 # Line width [pt] and darkness of each layer.
 WIDTHS = {
@@ -76,23 +76,23 @@ def draw(
     return factor
 
 
-def bounds(drawn: Iterable[Primitive]) -> tuple[float, float, float, float]:
-    """Bounding box of figures [m]: minimum x and y, maximum x and y."""
+def bounds(drawn: Iterable[Primitive]) -> tuple[complex, complex]:
+    """Lower left and upper right corner of the box around figures, x + iy [m]."""
     reach = [
         (p.points, complex(0.37 * len(p.text), 0.5) * p.size if p.kind == "text" else complex(p.size, p.size))
         for p in drawn
     ]
     x = [c.real + s * half.real for points, half in reach for c in points for s in (-1, 1)]
     y = [c.imag + s * half.imag for points, half in reach for c in points for s in (-1, 1)]
-    return np.nanmin(x), np.nanmin(y), np.nanmax(x), np.nanmax(y)
+    return complex(np.nanmin(x), np.nanmin(y)), complex(np.nanmax(x), np.nanmax(y))
 
 
-def prepare_axes(ax: Axes, extent: tuple[float, float, float, float], radius: float) -> float:
+def prepare_axes(ax: Axes, extent: tuple[complex, complex], radius: float) -> float:
     """Set equal scales, limits and labels; return the factor from metres to the displayed unit."""
-    factor, label = display_unit("m", np.array(extent))
-    low_x, low_y, high_x, high_y = (factor * value for value in extent)
-    margin = 2.5 * factor * radius
-    ax.set(xlim=(low_x - margin, high_x + margin), ylim=(low_y - margin, high_y + margin))
+    corners = np.array(extent)
+    factor, label = display_unit("m", np.concatenate([corners.real, corners.imag]))
+    limits = factor * corners + 2.5 * factor * radius * np.array([-1 - 1j, 1 + 1j])
+    ax.set(xlim=limits.real, ylim=limits.imag)
     ax.set_aspect("equal")
     ax.grid(False)
     ax.set(xlabel=f"x, {label}", ylabel=f"y, {label}")
@@ -138,25 +138,17 @@ def _lettering(p: Primitive, factor: float, zorder: float) -> PathPatch:
 
 def picture(
     drawn: Scene | DrawnMotion,
-    path: Path | str,
+    target: Path | str | None = None,
     at: Sequence[float] = (),
     paths: Sequence[str] = (),
     shown: Sequence[str] = (),
-) -> None:
-    """Draw a mechanism to a file (.svg, .pdf, .png); arguments and errors as for `mechanism_figure`."""
-    save(mechanism_figure(drawn, at, paths, shown), path)
-
-
-def mechanism_figure(
-    drawn: Scene | DrawnMotion, at: Sequence[float] = (), paths: Sequence[str] = (), shown: Sequence[str] = ()
 ) -> Figure:
-    """Draw a mechanism on a new figure, 160 mm wide at most.
+    """Draw a mechanism on a figure, 160 mm wide at most, and to a file (.svg, .pdf, .png), if any.
 
-    Arguments and errors as for `draw`; `SCALE` in `shown` adds the scale to the title.
+    Other arguments and errors as for `draw`; `SCALE` in `shown` adds the scale to the title.
     """
     scene = drawn.scene if isinstance(drawn, DrawnMotion) else drawn
-    with house_style():
-        fig = new_figure(160, 160)
+    with sheet(target, 160, 160) as fig:
         ax = fig.add_subplot()
         factor = draw(drawn, ax, at, paths, [kind for kind in shown if kind != SCALE])
         title = ax.set_title(_title(scene, at), loc="left", wrap=True)

@@ -4,7 +4,7 @@ import numpy as np
 
 from engine import FRAME, guide_of
 from sweeps.pictures.drawing.motion import DrawnMotion
-from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, Primitive, box, hatched, line
+from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, Primitive, box, hatched, line, of_link
 
 
 def rack_shapes(m: DrawnMotion, k: int) -> list[Primitive]:
@@ -25,35 +25,18 @@ def rack_shapes(m: DrawnMotion, k: int) -> list[Primitive]:
     return found
 
 
-def rack_bar(m: DrawnMotion, k: int, name: str) -> list[Primitive]:
-    """The bar of a rack at a node, with the stem from its slider, if any.
-
-    Parameters
-    ----------
-    m : DrawnMotion
-    k : int
-        Node index.
-    name : str
-        Name of the rack, or of its driven pinion.
-    """
-    if name in m.scene.racks:
-        rack = m.scene.racks[name]
-        return _bar(m, k, f"racks.{name}.radius", name, rack.guide, rack.pivot)
-    pinion = m.scene.pinions[name]
-    guide = pinion.guide or guide_of(m.scene, pinion.rack)
-    return _bar(m, k, f"pinions.{name}.radius", pinion.rack, guide, pinion.pivot)
-
-
 def _meshing(
     m: DrawnMotion, k: int, path: str, rack: str | None, pinion: str, guide: str, pivot: str
 ) -> list[Primitive]:
     radius, axis = m.numbers[path], m.points[pivot][k]
     spoke = axis + abs(radius) * m.axes(pinion)[1][k]
-    found = [Primitive("pitch", "circle", (complex(axis),), abs(radius)), line(axis, spoke)]
-    *stem, bar = _bar(m, k, path, rack, guide, pivot)
-    if rack is None and m.scene.guides[guide].link == FRAME:
-        return found + hatched(*(bar.points if radius > 0 else bar.points[::-1]), m.radius)
-    return [*stem, bar, *found]
+    circle = Primitive("pitch", "circle", (complex(axis),), abs(radius))
+    found, bar = of_link(pinion, circle, line(axis, spoke)), _bar(m, k, path, rack, guide, pivot)
+    carrier = rack or m.scene.guides[guide].link
+    if carrier == FRAME:
+        ends = bar[-1].points
+        return found + hatched(*(ends if radius > 0 else ends[::-1]), m.radius)
+    return [*of_link(carrier, *bar), *found]
 
 
 def _bar(m: DrawnMotion, k: int, path: str, rack: str | None, guide: str, pivot: str) -> list[Primitive]:

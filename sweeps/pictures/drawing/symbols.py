@@ -35,6 +35,8 @@ class Primitive(NamedTuple):
     fill : {"none", "paper", "tint", "solid"}
         Fill of a polygon or circle; "none" hides nothing.
     text : str
+    link : str
+        Link that it is part of; "" for the frame, and for joints of several links.
     """
 
     layer: str
@@ -43,6 +45,12 @@ class Primitive(NamedTuple):
     size: float = 0.0
     fill: Literal["none", "paper", "tint", "solid"] = "none"
     text: str = ""
+    link: str = ""
+
+
+def of_link(link: str, *figures: Primitive) -> list[Primitive]:
+    """Figures as parts of a link."""
+    return [figure._replace(link=link) for figure in figures]
 
 
 def line(*points: complex, layer: str = "links") -> Primitive:
@@ -111,6 +119,11 @@ def hatched(a: complex, b: complex, r: float) -> list[Primitive]:
     starts = a + (b - a) * (np.arange(count) + 0.7) / count
     strokes = [line(p, p - HATCH_STEP * r * (0.8 + 0.9j) * u, layer="hatching") for p in starts]
     return [*strokes, line(a, b, layer="frame")]
+
+
+def bush(centre: complex, u: complex, r: float) -> list[Primitive]:
+    """Two hatched walls of the frame that guide a rod along the unit vector u."""
+    return [p for side in (1, -1) for p in hatched(*(centre + r * u * side * (1.2j + end) for end in (4, -4)), r)]
 
 
 def link_shape(points: Sequence[complex], r: float) -> list[Primitive]:

@@ -4,12 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from engine import CamCurves, CamElement, Scene, cam_curves
+from engine import CamCurves, CamElement, cam_curves
 from sweeps.pictures.drawing.dxf import new_document, per_metre
 from sweeps.pictures.picture_error import PictureError
 from sweeps.report.files.cam_tables import cam_csv
-from sweeps.text.input_files import InputError
-from sweeps.text.whole_files import whole_file
+from sweeps.text.whole_files import new_file
 
 MM = 1e3
 # Chord error below a millionth of the radius.
@@ -23,30 +22,6 @@ _LOOKS = {
 }
 # SVG margin, and half the size of the cross at the cam's axis [mm].
 MARGIN, CROSS = 5.0, 3.0
-
-
-def cam_named(scene: Scene, name: str | None) -> CamElement | None:
-    """A named cam of a scene, or the only cam of a scene without a mechanism.
-
-    Parameters
-    ----------
-    scene : Scene
-    name : str or None
-
-    Raises
-    ------
-    InputError
-        There is no such cam, or several and no name.
-    """
-    cams = {key: e for key, e in scene.elements.items() if isinstance(e, CamElement)}
-    listed = ", ".join(cams) if cams else "none"
-    if name is not None and name not in cams:
-        raise InputError(name, [(None, "--element", f"is not a cam of this scene; cams: {listed}")])
-    if name is None and scene.input is None and len(cams) > 1:
-        raise InputError("scene", [(None, "--element", f"name one of the cams: {listed}")])
-    if name is None and (scene.input is not None or not cams):
-        return None
-    return cams[name or listed]
 
 
 def export_cam(cam: CamElement, out: Path) -> None:
@@ -88,14 +63,11 @@ def cam_drawing(cam: CamElement, out: Path, points: int) -> None:
     if not curves.angle.size:
         raise PictureError("the follower of the cam doesn't reach the base circle; enlarge base_radius")
     lines = _outlines(cam, curves)
-    try:
-        with whole_file(out) as draft:
-            if out.suffix == ".dxf":
-                _dxf(draft, lines)
-            else:
-                draft.write_text(_svg(lines), encoding="utf8")
-    except OSError as error:
-        raise PictureError(f"{out} can't be written: {error.strerror}") from None
+    with new_file(out, PictureError.of) as draft:
+        if out.suffix == ".dxf":
+            _dxf(draft, lines)
+        else:
+            draft.write_text(_svg(lines), encoding="utf8")
 
 
 def _outlines(cam: CamElement, curves: CamCurves) -> dict[str, np.ndarray]:

@@ -33,7 +33,7 @@ def cam_layout(ax: Axes, cam: CamElement) -> None:
     pivot = None if cam.translating else factor * cam.follower.pivot_distance
     follower = follower_figures(cam, curves, at, hinge_radius(curves))
     paint(ax, follower, factor)
-    ax.update_datalim(factor * np.reshape(bounds(follower), (2, 2)))
+    ax.update_datalim(factor * np.array([(c.real, c.imag) for c in bounds(follower)]))
     normal = centre - contact if cam.follower.contact == "roller" else 0
     if normal:
         along = normal / abs(normal)

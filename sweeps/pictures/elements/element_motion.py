@@ -2,7 +2,7 @@
 
 import cmath
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -12,19 +12,15 @@ from engine import (
     CamCurves,
     CamElement,
     DrawnWheel,
-    Element,
     GearTrain,
-    Scene,
     VelocityPicture,
     cam_curves,
     quantity_text,
     velocity_picture,
 )
-from sweeps.pictures.drawing.symbols import Primitive, fixed_pivot, hatched, line
+from sweeps.pictures.drawing.symbols import Primitive, bush, fixed_pivot, line
 from sweeps.pictures.machine.animation import Frames
 from sweeps.pictures.picture_error import PictureError
-from sweeps.text.input_files import InputError
-from sweeps.text.scene_text import with_numbers
 
 # Size of a cam or train in hinge radii; how far a stem reaches beyond its guide, as a share of the cam.
 RADII, STEM = 45, 0.45
@@ -45,34 +41,6 @@ def element_frames(element: CamElement | GearTrain, frames: int) -> Frames:
         The element doesn't move, or has no shape.
     """
     return _cam_frames(element, frames) if isinstance(element, CamElement) else _train_frames(element, frames)
-
-
-def moving_element(scene: Scene, values: Mapping[str, float], name: str | None) -> Element | None:
-    """An element of one variant that can be animated: by its name, or the only one of a scene without a mechanism.
-
-    Parameters
-    ----------
-    scene : Scene
-    values : mapping of path to float
-        Numbers (SI) that replace the scene's.
-    name : str or None
-
-    Raises
-    ------
-    InputError
-        There is no such element, or several and no name.
-    """
-    found = {key: e for key, e in with_numbers(scene, values).elements.items() if isinstance(e, CamElement | GearTrain)}
-    if name is None and scene.input is not None:
-        return None
-    if name is None and len(found) == 1:
-        name = next(iter(found))
-    if name not in found:
-        one = f"name a cam or gear train of this scene: {', '.join(found)}"
-        none = "the scene has only machine elements, and neither a cam nor a gear train" if name is None else ""
-        none = none or "this scene has no cam or gear train that is an element"
-        raise InputError(name or "scene", [(None, "--element", one if found else none)])
-    return found[name]
 
 
 # Cams
@@ -127,9 +95,7 @@ def follower_figures(cam: CamElement, curves: CamCurves, k: int, r: float) -> li
         end = complex(curves.follower[k].real if cam.follower.contact != "flat" else 0.0, contact.imag)
         foot = centre if cam.follower.contact != "flat" else end
         top = max(curves.contact.imag.max(), curves.follower.imag.max()) + STEM * size
-        for side in (1, -1):
-            ends = [foot.real + 1j * top + r * (side * 1.2 - side * 4j * half) for half in (1, -1)]
-            found += hatched(*ends, r)
+        found += bush(foot.real + 1j * top, 1j, r)
         lift = foot.imag - min(curves.follower.imag.min(), curves.contact.imag.min())
         found.append(line(foot, foot.real + 1j * (top + STEM * size / 2 + lift)))
         if cam.follower.contact == "flat":

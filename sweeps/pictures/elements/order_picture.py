@@ -17,26 +17,23 @@ from sweeps.report.order_table import (
     ellipse_text,
     remaining_orders,
     subscript_of,
-    well_known_engines,
 )
 
 
-def order_picture(target: Path | str | Figure, rows: Sequence[EngineRow] | None = None) -> Figure:
+def order_picture(target: Path | str | Figure, rows: Sequence[EngineRow]) -> Figure:
     """Draw the hodographs of each engine's unbalanced forces and couples.
 
     Parameters
     ----------
     target : path or Figure
         File to write (.svg, .pdf, .png), or an empty figure to draw on.
-    rows : sequence of EngineRow, optional
-        Default: `well_known_engines`.
+    rows : sequence of EngineRow
 
     Raises
     ------
     PictureError
         Unknown picture format, or it can't be written.
     """
-    rows = well_known_engines() if rows is None else rows
     with sheet(target, 180, 12 + 12 * len(rows)) as figure:
         axes = figure.subplots(len(rows), 4, squeeze=False)
         for row, line in zip(rows, axes, strict=True):

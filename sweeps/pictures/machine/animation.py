@@ -24,12 +24,14 @@ from sweeps.pictures.drawing import (
 )
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import VERMILION, house_style
-from sweeps.text.whole_files import whole_file
+from sweeps.text.whole_files import new_file
 
 DOTS_PER_INCH = 100
 LARGEST_WIDTH, LARGEST_HEIGHT = 6.4, 6.4
 # All frames are in memory at once.
 MOST_FRAMES = 1000
+# Time of a frame [ms]; browsers slow down ones below 20.
+PACE = 50
 
 
 class Frames(NamedTuple):
@@ -69,7 +71,7 @@ def machine_frames(
     return Frames(whole, [_instant(motion, at) for at in moments], motion.radius)
 
 
-def save_animation(frames_of: Callable[[int], Frames], path: Path | str, frames: int = 60, fps: int = 20) -> None:
+def save_animation(frames_of: Callable[[int], Frames], path: Path | str, frames: int = 60) -> None:
     """Write a motion as a looping GIF.
 
     Parameters
@@ -80,8 +82,6 @@ def save_animation(frames_of: Callable[[int], Frames], path: Path | str, frames:
         File to write (.gif).
     frames : int
         Frames per cycle, 4 to 1000.
-    fps : int
-        Frames per second, 1 to 50 (browsers slow down faster ones).
 
     Raises
     ------
@@ -92,17 +92,10 @@ def save_animation(frames_of: Callable[[int], Frames], path: Path | str, frames:
         raise PictureError(f"{path}: animations are .gif files")
     if not 4 <= frames <= MOST_FRAMES:
         raise PictureError(f"frames = {frames}: allowed are 4 to {MOST_FRAMES}, such as 60")
-    if not 1 <= fps <= 50:
-        raise PictureError(f"fps = {fps}: allowed are 1 to 50, such as 20")
     pictures = _pictures(frames_of(frames))
     indexed = [picture.quantize(palette=_palette(), dither=Image.Dither.NONE) for picture in pictures]
-    # GIF delays are in hundredths of a second.
-    pace = 10 * round(100 / fps)
-    try:
-        with whole_file(path) as draft:
-            indexed[0].save(draft, save_all=True, append_images=indexed[1:], duration=pace, loop=0)
-    except OSError as error:
-        raise PictureError(f"{path} can't be written: {error.strerror}") from None
+    with new_file(path, PictureError.of) as draft:
+        indexed[0].save(draft, save_all=True, append_images=indexed[1:], duration=PACE, loop=0)
 
 
 def _moments(motion: DrawnMotion, frames: int) -> np.ndarray:

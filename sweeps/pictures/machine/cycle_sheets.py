@@ -1,14 +1,27 @@
-"""Sheets of one machine over its cycle: indicator diagrams of cylinders, and the motion of a part up to its jerk."""
+"""Sheets of one machine over its cycle: indicator diagrams, the motion of a part up to its jerk, any fields."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from engine import CrankInput, Curve, Mark, MovingMachine, Panel, PanelAxis, Quantity, Verdict, has_cycle, quantity_text
+from engine import (
+    CrankInput,
+    Curve,
+    Mark,
+    MovingMachine,
+    Panel,
+    PanelAxis,
+    Quantity,
+    Scene,
+    Verdict,
+    has_cycle,
+    quantity_text,
+)
 from sweeps.pictures.elements.panels import draw_panel, panel_sheet
-from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.picture_error import PictureError, need_mechanism
 from sweeps.pictures.style import BLUE, sheet
 
 # Fields of a part, by the first of them.
@@ -18,6 +31,8 @@ _DERIVATIVES = {
 }
 # Cylinders that fit on a sheet, and the height of each [mm].
 MOST_CYLINDERS, HEIGHT = 4, 75
+# Fields that fit on a sheet, and positions of each.
+MOST_FIELDS, POSITIONS = 8, 720
 
 
 def indicator_diagrams(moving: MovingMachine, target: Path | str | Figure) -> Figure:
@@ -47,7 +62,10 @@ def indicator_diagrams(moving: MovingMachine, target: Path | str | Figure) -> Fi
 
 
 def _of_cylinder(moving: MovingMachine, name: str) -> tuple[Panel, Panel]:
-    places, (pressure, volume) = _rows(moving, (f"{name}.pressure", f"{name}.volume"))
+    asked = f"{name}.pressure", f"{name}.volume"
+    _need_motion(moving, asked)
+    places, rows = _over_cycle(moving, asked)
+    pressure, volume = rows.values()
     title, dead_centres = name, []
     if has_cycle(moving.scene):
         work, power = (moving.summary(f"{name}.indicated_{what}") for what in ("work", "power"))
@@ -85,9 +103,10 @@ def motion_of_part(moving: MovingMachine, part: str, target: Path | str | Figure
         parts = [name.rpartition(".")[0] for name in known if name.rpartition(".")[2] in _DERIVATIVES]
         raise PictureError(f"{part!r} is not a slider or link of this machine; choose from: {', '.join(parts)}")
     names = [f"{part}.{what}" for what in (kind, *_DERIVATIVES[kind])]
-    places, rows = _rows(moving, names)
+    _need_motion(moving, names)
+    places, fields = _over_cycle(moving, names)
     jerk = moving.rate(names[-1])
-    rows.append(np.append(jerk, jerk[:1]) if has_cycle(moving.scene) else jerk)
+    rows = [*fields.values(), np.append(jerk, jerk[:1]) if has_cycle(moving.scene) else jerk]
     quantities = [known[name].quantity for name in names]
     words = quantities[2].long_name.replace("acceleration", "jerk")
     quantities.append(Quantity("", words, quantities[2].units.replace("s-2", "s-3"), "j"))
@@ -98,16 +117,72 @@ def motion_of_part(moving: MovingMachine, part: str, target: Path | str | Figure
     return panel_sheet(panels, target, f"{moving.scene.title or ''}\nMotion of {part} at constant input speed".lstrip())
 
 
-def _rows(moving: MovingMachine, names: Sequence[str]) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Positions and fields there, a cycle closed by its first position."""
+def field_curves(
+    scene: Scene, target: Path | str | None, names: Sequence[str], x: str | None = None, positions: int = POSITIONS
+) -> Figure:
+    """Draw fields of a machine in stacked panels.
+
+    Parameters
+    ----------
+    scene : Scene
+    target : path or None
+        File to write (.svg, .pdf, .png), if any.
+    names : sequence of str
+        1 to `MOST_FIELDS` fields.
+    x : str, optional
+        Field on the x axis instead of the input position; "B.x" with "B.y" gives a path.
+    positions : int
+
+    Raises
+    ------
+    PictureError
+        The scene has no mechanism, too many or no fields are named, or a field has no finite values.
+    AskError
+        There is no such field, or the number of positions isn't allowed.
+    """
+    need_mechanism(scene)
+    if not 1 <= len(names) <= MOST_FIELDS:
+        words = "fields with -y, such as -y B.vx; `sweeps quantities` lists them"
+        raise PictureError(f"name from 1 to {MOST_FIELDS} {words}")
+    moving = MovingMachine(scene, positions=positions)
+    places, rows = _over_cycle(moving, [*names, *([x] if x else [])])
+    known, along = moving.register.fields, _input_axis(moving)
+    for name, row in rows.items():
+        if not np.isfinite(row).any():
+            raise PictureError(f"{name} is infinite or undefined everywhere; `sweeps run` shows why")
+    if x:
+        words, places = known[x].long_name, rows[x]
+        along = PanelAxis(words if known[x].symbol else f"{words} {x}", known[x].units, known[x].symbol)
+    with sheet(target, 180, 25 + 45 * len(names), scene.title or "") as figure:
+        axes = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
+        for ax, name in zip(axes, names, strict=True):
+            up = PanelAxis("" if known[name].symbol else name, known[name].units, known[name].symbol)
+            panel = Panel(along, up, places, [Curve("", rows[name])], title=known[name].long_name)
+            draw_panel(ax, panel, ax is axes[-1])
+    return figure
+
+
+def _need_motion(moving: MovingMachine, names: Sequence[str]) -> None:
+    """Raise a `PictureError` if fields of a machine can't be computed."""
     verdict = moving.verdict(names)
     if verdict not in (Verdict.OK, Verdict.NOT_FINITE):
         raise PictureError(f"no diagrams of this machine: {verdict.sentence}")
-    places, rows = moving.q, list(moving.fields(names).values())
+
+
+def _over_cycle(moving: MovingMachine, names: Sequence[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Positions and fields there, a cycle closed by its first position, at which an angle may have turned."""
+    places, rows, known = moving.q, moving.fields(dict.fromkeys(names)), moving.register.fields
     if has_cycle(moving.scene):
         places = np.append(places, 2.0 * places[-1] - places[-2])
-        rows = [np.append(row, row[:1]) for row in rows]
+        turned = {name: _turned(row) if known[name].units == "rad" else 0.0 for name, row in rows.items()}
+        rows = {name: np.append(row, row[0] + turned[name]) for name, row in rows.items()}
     return places, rows
+
+
+def _turned(row: np.ndarray) -> float:
+    """Increase of an angle over the cycle: a whole number of turns."""
+    increase = row[-1] + (row[1] - row[0]) - row[0]
+    return math.tau * round(increase / math.tau) if math.isfinite(increase) else 0.0
 
 
 def _input_axis(moving: MovingMachine) -> PanelAxis:

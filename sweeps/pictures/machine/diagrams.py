@@ -123,7 +123,7 @@ def input_axis(scene: Scene, q: np.ndarray) -> tuple[str, float]:
     return f"displacement of {scene.input.link} {symbol}, {label}", factor
 
 
-def diagrams(machine: Scene | MovingMachine, target: Path | str | Figure) -> Figure:
+def diagrams(machine: Scene | MovingMachine, target: Path | str | Figure | None) -> Figure:
     """Diagrams of one machine on one sheet, 180 mm wide.
 
     Over a full cycle: I(φ), dI/dφ, M(φ), W(φ), the loop W(I), with Wittenbauer's tangents if a coefficient of speed
@@ -132,8 +132,8 @@ def diagrams(machine: Scene | MovingMachine, target: Path | str | Figure) -> Fig
     Parameters
     ----------
     machine : Scene or MovingMachine
-    target : path or Figure
-        File to write (.svg, .pdf, .png), or an empty figure to draw on.
+    target : path, Figure or None
+        File to write (.svg, .pdf, .png), or an empty figure to draw on; None for a new one.
 
     Returns
     -------

@@ -15,7 +15,7 @@ import engine
 from engine import InputUnits, Machine, Scene, SteadyRegime, Verdict, display_unit, pairs_of, quantity_text
 from sweeps.pictures.machine.diagrams import input_axis
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, degree_ticks, sheet
+from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, degree_ticks, legend_below, sheet
 from sweeps.report.regime_words import failure_text
 
 # All others are black.
@@ -110,7 +110,7 @@ def _above_rounding(rows: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     return {key: row for key, row in rows.items() if sizes[key] > NOTHING * max(sizes.values())}
 
 
-def history_diagrams(scene: Scene, seen: "engine.History", target: Path | str | Figure) -> Figure:
+def history_diagrams(scene: Scene, seen: "engine.History", target: Path | str | Figure | None) -> Figure:
     """Speed, torques, power, energy, work and kept reactions against time.
 
     One column per regime.
@@ -120,8 +120,8 @@ def history_diagrams(scene: Scene, seen: "engine.History", target: Path | str | 
     scene : Scene
     seen : History
         From `engine.machine.one_machine.history.history`.
-    target : path or Figure
-        File to write (.svg, .pdf, .png), or an empty figure to draw on.
+    target : path, Figure or None
+        File to write (.svg, .pdf, .png), or an empty figure to draw on; None for a new one.
 
     Raises
     ------
@@ -173,7 +173,7 @@ def _history_sheet(figure: Figure, scene: Scene, parts: Sequence[_Course]) -> No
         ax.set_xlabel("t, s")
         ax.set_xlim(0, part.time[-1] if part.time[-1] > 0 else 1)
         ax.xaxis.set_major_locator(MaxNLocator(max(2, int(10 * width))))
-    _legend(figure, axes)
+    legend_below(figure, axes.flat, 4)
 
 
 def _share_scale(row: Sequence[Axes], columns: Sequence[dict[str, np.ndarray]]) -> None:
@@ -208,16 +208,7 @@ def _thinned(x: np.ndarray, row: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.repeat(x[: count * every : every], 2), np.stack((pieces.min(axis=1), pieces.max(axis=1)), axis=1).ravel()
 
 
-def _legend(figure: Figure, axes: np.ndarray) -> None:
-    handles = {}
-    for ax in axes.flat:
-        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
-            handles.setdefault(label, handle)
-    if handles:
-        figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=min(len(handles), 4))
-
-
-def cycle_diagrams(scene: Scene, seen: "engine.History", regime: str, target: Path | str | Figure) -> Figure:
+def cycle_diagrams(scene: Scene, seen: "engine.History", regime: str, target: Path | str | Figure | None) -> Figure:
     """Steady running over the crank angle: speed with its mean and δ, acceleration, torques and power.
 
     Parameters
@@ -226,8 +217,8 @@ def cycle_diagrams(scene: Scene, seen: "engine.History", regime: str, target: Pa
     seen : History
     regime : str
         Name of a steady regime in the history.
-    target : path or Figure
-        File to write (.svg, .pdf, .png), or an empty figure to draw on.
+    target : path, Figure or None
+        File to write (.svg, .pdf, .png), or an empty figure to draw on; None for a new one.
 
     Raises
     ------
@@ -247,7 +238,7 @@ def cycle_diagrams(scene: Scene, seen: "engine.History", regime: str, target: Pa
         _panel(axes[1, 1], part, "Power", "P", "W", part.powers)
         for ax in axes[1]:
             ax.set_xlabel(input_axis(scene, part.angle)[0])
-        _legend(figure, axes)
+        legend_below(figure, axes.flat, 4)
         figure.suptitle(f"{scene.title or 'Machine'}: {regime}", fontweight="bold")
     return figure
 

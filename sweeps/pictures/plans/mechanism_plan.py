@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from engine import FRAME, quantity_text
 from sweeps.pictures.drawing import bounds, figures
-from sweeps.pictures.drawing.racks import rack_bar
+from sweeps.pictures.drawing.racks import rack_shapes
 from sweeps.pictures.plans.lettering import subscript
 from sweeps.pictures.plans.paper import Paper
 from sweeps.pictures.plans.pose import Pose
@@ -68,16 +68,13 @@ def _figures(pose: Pose) -> list:
 
 
 def _is_near(place: complex, drawn: list) -> bool:
-    low_x, low_y, high_x, high_y = bounds(drawn)
-    low, high = complex(low_x, low_y), complex(high_x, high_y)
+    low, high = bounds(drawn)
     return abs(place - (low + high) / 2) < 1.5 * abs(high - low)
 
 
 def _laid_out(ax: Axes, drawn: list, further: Sequence[complex]) -> Paper:
     ax.clear()
-    low_x, low_y, high_x, high_y = bounds(drawn)
-    cloud = [complex(low_x, low_y), complex(high_x, high_y), *further]
-    return Paper(ax, cloud, margin=5.0)
+    return Paper(ax, [*bounds(drawn), *further], margin=5.0)
 
 
 def _number(paper: Paper, pose: Pose, link: str) -> None:
@@ -85,7 +82,7 @@ def _number(paper: Paper, pose: Pose, link: str) -> None:
     if link == FRAME:
         return
     if link in pose.scene.racks:
-        corners = np.array(rack_bar(pose.motion, pose.k, link)[-1].points)
+        corners = np.array(next(p.points for p in rack_shapes(pose.motion, pose.k) if p.link == link))
         # A bar may lie far from its link's axes and points.
         half_height = np.abs(np.diff(corners)).min() / 2
         paper.name(complex(corners.mean()), str(pose.number(link)), BLUE, clear=half_height / paper.per_mm + 0.5)

@@ -55,8 +55,6 @@ class MachineCycle:
     """
 
     def __init__(self, scene: Scene, values: Mapping[str, float] | None = None, known: Mechanics | None = None) -> None:
-        if scene.input is None:
-            raise PictureError("the scene has only machine elements: there is no mechanism to draw")
         self.scene = scene
         self.motion = DrawnMotion(scene, values, known)
         self.numbers = self.motion.numbers

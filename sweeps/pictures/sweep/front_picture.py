@@ -11,7 +11,7 @@ from engine import quantity_text
 from sweeps.optimising.optimum import Choice, choices, front, met, objectives
 from sweeps.pictures.drawing import DrawnMotion, draw
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, COLOURS, GREY, PALE, VERMILION, house_style, new_figure, save, wrapped
+from sweeps.pictures.style import BLUE, COLOURS, GREY, PALE, VERMILION, sheet, wrapped
 from sweeps.pictures.sweep.sweep_data import SweepData
 from sweeps.report.sweep_result import SweepResult
 
@@ -22,14 +22,7 @@ ROUND_ABOUT = 0.6
 MOST_TOLD = 4
 
 
-def front_picture(result: SweepResult, data: SweepData, path: Path | str) -> Figure:
-    """Draw the front of a multi-objective search to a file; see `front_figure`."""
-    figure = front_figure(result, data)
-    save(figure, path)
-    return figure
-
-
-def front_figure(result: SweepResult, data: SweepData) -> Figure:
+def front_picture(result: SweepResult, data: SweepData, target: Path | str | None) -> Figure:
     """Draw the front of a multi-objective search.
 
     The first two objectives are the axes, a third is the colour of the front.
@@ -39,6 +32,8 @@ def front_figure(result: SweepResult, data: SweepData) -> Figure:
     result : SweepResult
     data : SweepData
         Its plot data.
+    target : path or None
+        File to write (.svg, .pdf, .png), if any.
 
     Raises
     ------
@@ -49,8 +44,7 @@ def front_figure(result: SweepResult, data: SweepData) -> Figure:
         raise PictureError("no candidate meets all conditions: there is no front to draw")
     chosen = choices(result)
     drawn = [] if result.scene.input is None else chosen
-    with house_style():
-        figure = new_figure(WIDTH, HEIGHT + (DRAWING if drawn else 0))
+    with sheet(target, WIDTH, HEIGHT + (DRAWING if drawn else 0)) as figure:
         rows = figure.subfigures(2, 1, height_ratios=[HEIGHT, DRAWING]) if drawn else [figure]
         _scatter(rows[0].subplots(), result, data, chosen)
         if drawn:

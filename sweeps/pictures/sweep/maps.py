@@ -5,17 +5,14 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import PathCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.legend_handler import HandlerPathCollection
 from matplotlib.patches import Patch
 from matplotlib.ticker import MultipleLocator
 
 from engine import Verdict, display_unit
-from sweeps.optimising.pareto import pareto_front
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, COLOURS, GREY, PALE, PALETTE, VERMILION, house_style, new_figure, save, wrapped
+from sweeps.pictures.style import BLUE, COLOURS, GREY, PALE, PALETTE, VERMILION, legend_below, sheet, wrapped
 from sweeps.pictures.sweep.parallel_coordinates import chosen_columns, parallel
 from sweeps.pictures.sweep.sweep_data import SweepData
 from sweeps.study.sensitivity import RSS, WORST_CASE
@@ -70,7 +67,7 @@ def curves(figure: Figure, data: SweepData, x: str, ys: Sequence[str], best: int
             ax.plot(along[best], values[best], "*", color=VERMILION, markersize=10, label="best")
         ax.set_ylabel("\n".join(wrapped(y_label.replace("\n", " "), BESIDE_A_PANEL)))
     axes[-1].set_xlabel(label)
-    _legend_below(figure, axes)
+    legend_below(figure, axes, 3)
 
 
 def _tolerance_bands(ax: Axes, data: SweepData, along: np.ndarray, y: str, order: np.ndarray) -> None:
@@ -240,15 +237,6 @@ def _missing(data: SweepData) -> str:
     return data.legend_of("misses:")
 
 
-def _legend_below(figure: Figure, axes: Sequence[Axes]) -> None:
-    """One legend for all panels, outside them."""
-    entries = {label: handle for ax in axes for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)}
-    if entries:
-        # Legend dots have a minimum size.
-        dots = {PathCollection: HandlerPathCollection(sizes=[14])}
-        figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=3, handler_map=dots)
-
-
 def _veil(ax: Axes, xs: np.ndarray, ys: np.ndarray, out: np.ndarray) -> None:
     """Fade the cells of variants that miss the condition."""
     there = np.ma.masked_where(~out, np.ones(out.shape))
@@ -281,9 +269,8 @@ def scatter(
     y: str,
     colour: str | None = None,
     best: int | None = None,
-    minimise: tuple[bool, bool] | None = None,
 ) -> None:
-    """Scatter of two arrays, coloured by a third, optionally with their Pareto front.
+    """Scatter of two arrays, coloured by a third.
 
     Parameters
     ----------
@@ -293,8 +280,6 @@ def scatter(
     colour : str, optional
     best : int, optional
         Variant to mark.
-    minimise : (bool, bool), optional
-        Whether x and y are minimised; draws the front.
     """
     (xs, x_label, _), (ys, y_label, _) = data.shown(x), data.shown(y)
     finite = data.ok & np.isfinite(xs) & np.isfinite(ys)
@@ -309,8 +294,6 @@ def scatter(
     )
     if colour is not None:
         ax.figure.colorbar(dots, ax=ax, label=label, pad=0.02)
-    if minimise is not None and sound.any():
-        _front(ax, xs, ys, sound, minimise)
     if best is not None:
         ax.plot(xs[best], ys[best], "*", color=VERMILION, markeredgecolor="black", markersize=12, label="best")
     failed = np.count_nonzero(~data.ok)
@@ -322,39 +305,16 @@ def scatter(
             loc="right",
             color=GREY,
         )
-    _legend_below(ax.figure, [ax])
-
-
-def _front(ax: Axes, xs: np.ndarray, ys: np.ndarray, sound: np.ndarray, minimise: tuple[bool, bool]) -> None:
-    """The Pareto front of the computed variants, as steps."""
-    front = np.flatnonzero(sound)[pareto_front(np.column_stack([xs, ys])[sound], minimise)]
-    front = front[np.lexsort((ys[front], xs[front]))]
-    look = {"color": VERMILION, "linewidth": 1, "markersize": 2.5, "label": "Pareto front"}
-    ax.plot(xs[front], ys[front], "o-", drawstyle="steps-post" if minimise[0] else "steps-pre", **look)
+    legend_below(ax.figure, [ax], 3)
 
 
 def plot_result(
     data: SweepData,
-    path: Path | str,
+    target: Path | str | None,
     x: str | None = None,
     y: str | None = None,
     colour: str | None = None,
     best: int | None = None,
-    minimise: tuple[bool, bool] | None = None,
-) -> Figure:
-    """Draw a sweep to a file (.svg, .pdf, .png); arguments and errors as for `sweep_figure`."""
-    figure = sweep_figure(data, x, y, colour, best, minimise)
-    save(figure, path)
-    return figure
-
-
-def sweep_figure(
-    data: SweepData,
-    x: str | None = None,
-    y: str | None = None,
-    colour: str | None = None,
-    best: int | None = None,
-    minimise: tuple[bool, bool] | None = None,
 ) -> Figure:
     """Draw a sweep in the form that suits its design.
 
@@ -364,12 +324,12 @@ def sweep_figure(
     Parameters
     ----------
     data : SweepData
+    target : path or None
+        File to write (.svg, .pdf, .png), if any.
     x, y, colour : str, optional
         Arrays to show instead of the defaults.
     best : int, optional
         Variant to mark.
-    minimise : (bool, bool), optional
-        Whether x and y of a scatter are minimised, for their Pareto front.
 
     Raises
     ------
@@ -379,9 +339,8 @@ def sweep_figure(
     for name in (x, y, colour):
         if name is not None and data.shown(name)[0].ndim == 2 and name != y:
             raise PictureError(f"{name!r} is a field, which can only be y")
-    with house_style():
-        figure = new_figure(180, 110)
-        _choose(figure, data, x, y, colour, best, minimise)
+    with sheet(target, 180, 110) as figure:
+        _choose(figure, data, x, y, colour, best)
         if data.chosen_of:
             words = f"{data.status.size} of {data.chosen_of} variants (evenly sampled, with the best)"
             figure.suptitle(words, fontsize=7, color=GREY)
@@ -389,13 +348,7 @@ def sweep_figure(
 
 
 def _choose(
-    figure: Figure,
-    data: SweepData,
-    x: str | None,
-    y: str | None,
-    colour: str | None,
-    best: int | None,
-    minimise: tuple[bool, bool] | None,
+    figure: Figure, data: SweepData, x: str | None, y: str | None, colour: str | None, best: int | None
 ) -> None:
     along, summaries = data.grid_parameters(), data.summaries
     if y is not None and np.ndim(data.arrays[y]) == 2:
@@ -419,4 +372,4 @@ def _choose(
         return parallel(figure.add_subplot(), data, names, colour, best)
     others = [name for name in (*summaries, *data.varied) if name not in (x, y)]
     x, y = x or others[0], y or others[0]
-    return scatter(figure.add_subplot(), data, x, y, colour, best, minimise)
+    return scatter(figure.add_subplot(), data, x, y, colour, best)

@@ -8,13 +8,14 @@ import numpy as np
 from engine import Verdict
 from sweeps.optimising.optimum import is_front
 from sweeps.pictures.picture_files import machine_pictures
-from sweeps.pictures.plans import reaction_pictures
+from sweeps.pictures.plans.files import reaction_pictures
 from sweeps.pictures.sweep.front_picture import front_picture
 from sweeps.pictures.sweep.maps import plot_result
 from sweeps.pictures.sweep.sweep_data import SweepData, evenly_chosen
 from sweeps.report.sweep_result import SweepResult
 from sweeps.store import read_columns
 from sweeps.study.sensitivity import RSS, WORST_CASE
+from sweeps.study.study_text import Best
 
 # Larger fields are not read for a plot.
 LARGEST_FIELD = 256e6
@@ -92,7 +93,7 @@ def sweep_data(
     best : int, optional
         Variant to mark.
     """
-    d, shape, chosen, goal = result.description, result.shape, slice(None), result.goal
+    d, shape, chosen = result.description, result.shape, slice(None)
     if is_too_many := d.variants > MOST_DRAWN and "search" not in result.record:
         shape, chosen = evenly_chosen(shape, best, MOST_DRAWN)
         best = None if best is None else int(np.searchsorted(chosen, best))
@@ -100,22 +101,39 @@ def sweep_data(
     along = {f: result.along(f) for f in result.fields if f in asked}
     small = [f for f, axis in along.items() if d.variants * axis.values.size * 8 <= LARGEST_FIELD]
     arrays |= {name: rows[chosen] for name, rows in read_columns(result.path, small).items()}
+    data = plot_data(result, arrays, shape, result.goal, result.candidates(chosen))
+    chosen_of = d.variants if is_too_many else None
+    return data._replace(along=along, condition=result.condition, chosen_of=chosen_of), best
+
+
+def plot_data(
+    result: SweepResult, arrays: dict[str, np.ndarray], shape: Sequence[int], aim: Best | None, candidates: np.ndarray
+) -> SweepData:
+    """Plot data of some variants of a result, with the objective as the first of its summaries.
+
+    Parameters
+    ----------
+    result : SweepResult
+    arrays : dict of str to ndarray (variants,)
+        Columns of these variants.
+    shape : sequence of int
+        Sizes of their grid.
+    aim : Best or None
+    candidates : ndarray (variants,) of bool
+        Which of them meet its condition.
+    """
     # Tolerances appear as bands on their summaries.
     alone = (name for name in result.summaries if not name.endswith((WORST_CASE, RSS)))
-    summaries = sorted(alone, key=lambda name: goal is None or name != goal.goal)
-    data = SweepData(
+    return SweepData(
         arrays,
         result.units,
         result.long_names,
         result.varied,
-        summaries,
+        sorted(alone, key=lambda name: aim is None or name != aim.goal),
         shape,
         arrays["status"],
-        along,
-        result.condition,
-        result.candidates(chosen),
-        d.variants if is_too_many else None,
-        result.lists,
-        result.symbols,
+        condition=aim.condition if aim else "",
+        candidates=candidates,
+        listed=result.lists,
+        symbols=result.symbols,
     )
-    return data, best

@@ -13,7 +13,7 @@ import numpy as np
 from engine import table_unit
 from sweeps.study.variant_tables import parquet_library
 from sweeps.text.input_files import InputError
-from sweeps.text.whole_files import whole_file
+from sweeps.text.whole_files import new_file
 
 # Maximum length of MATLAB names.
 _LONGEST_NAME = 63
@@ -105,12 +105,10 @@ def write_table(out: Path, table: Table) -> None:
     if out.suffix not in _WRITERS:
         raise InputError.of(str(out), f"unknown table format {out.suffix!r}; allowed: {', '.join(TABLE_ENDINGS)}")
     try:
-        with whole_file(out) as draft:
+        with new_file(out) as draft:
             _WRITERS[out.suffix](draft, _in_shown_units(table))
     except _TooLongError as error:
         raise InputError.of(str(out), str(error)) from None
-    except OSError as error:
-        raise InputError.of(str(out), f"can't be written: {error.strerror}") from None
 
 
 def plain_number(value: float) -> float | int | None:

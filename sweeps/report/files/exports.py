@@ -5,16 +5,17 @@ from pathlib import Path
 
 import numpy as np
 
-from engine import InputUnits, MovingMachine, Scene, Verdict, did_you_mean, history, history_fields
+from engine import Scene, Verdict, did_you_mean, history, history_fields
 from sweeps.report.files.data_files import DataTable, PartedTable
 from sweeps.report.readings import Readings
+from sweeps.report.readings_in_time import HistoryColumn, history_columns
 from sweeps.report.regime_words import failure_text
 from sweeps.report.sweep_result import SweepResult
 from sweeps.text.conditions import Where
 from sweeps.text.edited_text import edited_scene
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import with_values
-from sweeps.text.whole_files import whole_file
+from sweeps.text.whole_files import write_whole_text
 
 # Rows in memory at once.
 ROWS_AT_A_TIME = 1 << 16
@@ -96,46 +97,12 @@ def result_columns(path: Path, names: Sequence[str], where: Where = None) -> Par
     return PartedTable((*asked, *along, *fields), dict(result.units) | along, result.description.title, parts)
 
 
-def position_table(
-    scene: Scene, values: Mapping[str, float], positions: int = 360, names: Sequence[str] = ()
-) -> DataTable:
-    """Fields of one machine over the cycle, after the input angle or displacement.
-
-    Parameters
-    ----------
-    scene : Scene
-    values : mapping of path to float
-        Numbers (SI) that replace the scene's.
-    positions : int
-    names : sequence of str
-        Fields (default: all at constant input speed).
-
-    Raises
-    ------
-    InputError
-        The scene has no mechanism.
-    AskError
-        There is no such field, or the number of positions isn't allowed.
-    """
-    if scene.input is None:
-        message = "the scene has only machine elements, which have no positions; `sweeps run` gives their numbers"
-        raise InputError.of(scene.title or "scene", message)
-    machine = MovingMachine(with_values(scene, values), positions=positions)
-    fields, unit = list(names) or list(machine.register.available_fields), InputUnits.of(scene).q
-    place = "phi" if unit == "rad" else "q"
-    columns = {place: machine.q} | machine.fields(fields)
-    units = {place: unit} | {name: machine.register.fields[name].units for name in fields}
-    return DataTable(columns, units, scene.title)
-
-
 def reading_table(readings: Readings, title: str) -> DataTable:
     """Readings as a table, a row per position."""
     return DataTable({readings.place: readings.at} | readings.values, readings.units, title)
 
 
-def history_table(
-    scene: Scene, values: Mapping[str, float], fields: Sequence[str] = (), steps: int = 360
-) -> tuple[DataTable, str]:
+def history_table(scene: Scene, values: Mapping[str, float], fields: Sequence[str] = ()) -> tuple[DataTable, str]:
     """History of a machine through its regimes, with one cycle of steady running.
 
     Parameters
@@ -145,8 +112,6 @@ def history_table(
         Numbers (SI) that replace the scene's.
     fields : sequence of str
         Additional loads on pairs and frame, such as "input.reaction".
-    steps : int
-        Steps per cycle.
 
     Returns
     -------
@@ -168,25 +133,16 @@ def history_table(
         if name not in known:
             message = f"{name!r} is not a load of a history; {did_you_mean(name, known)}"
             raise InputError.of(scene.title or "scene", message, key="--columns")
-    seen = history(scene, steps, fields)
-    of_input = InputUnits.of(scene)
-    of_loads = {f"{channel}_moment": (moment, of_input.moment) for channel, moment in seen.load_moments.items()}
-    columns = {
-        "time": (seen.time, "s"),
-        "angle" if of_input.q == "rad" else "displacement": (seen.angle, of_input.q),
-        "speed": (seen.speed, of_input.speed),
-        "acceleration": (seen.acceleration, of_input.acceleration),
-        "motor_moment": (seen.motor_moment, of_input.moment),
-        **of_loads,
-        "energy": (seen.energy, "J"),
-    }
+    seen = history(scene, fields=fields)
+    columns = history_columns(scene, seen)
     if scene.couplings:
-        columns["shaft_speed"] = (seen.shaft_speed, "rad s-1")
-        columns["coupling_moment"] = (seen.coupling_moment, "N m")
-    columns |= {name: (row, known[name].units) for name, row in seen.loads_on_pairs.items()}
-    numbers, units = ({name: pair[i] for name, pair in columns.items()} for i in (0, 1))
+        columns["shaft_speed"] = HistoryColumn(seen.shaft_speed, "rad s-1")
+        columns["coupling_moment"] = HistoryColumn(seen.coupling_moment, "N m")
+    columns |= {name: HistoryColumn(row, known[name].units) for name, row in seen.loads_on_pairs.items()}
+    numbers = {"regime": seen.regime, "time": seen.time} | {name: column.row for name, column in columns.items()}
+    units = {"time": "s"} | {name: column.units for name, column in columns.items()}
     ended = "" if seen.verdict == Verdict.OK else failure_text(scene, seen.verdict, seen)
-    return DataTable({"regime": seen.regime} | numbers, units, scene.title), ended
+    return DataTable(numbers, units, scene.title), ended
 
 
 def scene_toml(scene: Scene, values: Mapping[str, float], out: Path, text: str, overwrite: bool = False) -> None:
@@ -210,8 +166,4 @@ def scene_toml(scene: Scene, values: Mapping[str, float], out: Path, text: str, 
     """
     if out.exists() and not overwrite:
         raise InputError.of(str(out), "exists already; name another file, or give --overwrite")
-    try:
-        with whole_file(out) as draft:
-            draft.write_text(edited_scene(scene, values, text, out.parent), encoding="utf8")
-    except OSError as error:
-        raise InputError.of(str(out), f"can't be written: {error.strerror}") from None
+    write_whole_text(out, edited_scene(scene, values, text, out.parent))

@@ -152,14 +152,14 @@ def test_exported_dxf__has_closed_outlines_in_millimetres(template):
 
 
 def test_element_that_is_no_cam__is_refused(template):
-    assert "cams: cam" in refused("export", template, "--to", "x.csv", "--element", "cm")
+    assert "name a cam of this scene: cam" in refused("export", template, "--to", "x.csv", "--element", "cm")
 
 
 def test_cams_of_a_scene_with_several__are_named(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     scene = Scene.model_validate({"elements": {"inlet": FLAT, "outlet": ROLLER}})
     Path("two.toml").write_text(write_scene(scene), encoding="utf8")
-    assert "name one of the cams: inlet, outlet" in refused("export", "two.toml", "--to", "x.svg")
+    assert "name a cam of this scene: inlet, outlet" in refused("export", "two.toml", "--to", "x.svg")
     assert "Wrote x.svg" in said("export", "two.toml", "--to", "x.svg", "--element", "inlet").output
 
 

@@ -8,7 +8,9 @@ from engine import Near, Scene, SceneError, assembly_modes
 from engine.mechanism.assembly import Slide
 from engine.mechanism.groups.closure_of_free import Direction
 from engine.scene.structure.ordering import order
-from sweeps.pictures.plans import MachineCycle, accelerations, loads_on_links, velocities
+from sweeps.pictures.plans.forces.loads import loads_on_links
+from sweeps.pictures.plans.polygons import accelerations, velocities
+from sweeps.pictures.plans.pose import MachineCycle
 
 EPS = np.finfo(float).eps
 ROUNDINGS = 1000

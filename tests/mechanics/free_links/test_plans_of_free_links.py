@@ -8,14 +8,11 @@ from free_link_scenes import free_link_scene
 from matplotlib.text import Text
 
 from engine import Scene
-from sweeps.pictures.plans import (
-    MachineCycle,
-    accelerations,
-    force_polygon,
-    kinematic_sheet,
-    loads_on_links,
-    velocities,
-)
+from sweeps.pictures.plans.forces.force_plan import force_polygon
+from sweeps.pictures.plans.forces.loads import loads_on_links
+from sweeps.pictures.plans.polygons import accelerations, velocities
+from sweeps.pictures.plans.pose import MachineCycle
+from sweeps.pictures.plans.sheets import kinematic_sheet
 
 # A plan adds a few vectors of the engine's, each good to some tens of roundings of the largest in it.
 EXACT = 1e-12

@@ -470,7 +470,7 @@ def test_links__named_and_no_name_on_another():
 
 def test_scale__is_that_of_the_paper(tmp_path, monkeypatch):
     made = []
-    monkeypatch.setattr("sweeps.pictures.drawing.painting.save", lambda figure, path: made.append(figure))
+    monkeypatch.setattr("sweeps.pictures.style.save", lambda figure, path: made.append(figure))
     picture(four_bar(), tmp_path / "a.svg", at=[1.0], shown=["scale"])
     (ax,) = made[0].axes
     made[0].draw_without_rendering()

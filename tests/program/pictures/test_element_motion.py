@@ -80,7 +80,7 @@ def test_animate__names_what_it_can_show(tmp_path, monkeypatch):
     (tmp_path / "cam.toml").write_text(CAM, encoding="utf8")
     (tmp_path / "rotor.toml").write_text(template_text("rotor"), encoding="utf8")
     assert "name a cam or gear train of this scene: cam" in refused("animate", "cam.toml", "--element", "camm")
-    assert "neither a cam nor a gear train" in refused("animate", "rotor.toml")
+    assert "only machine elements" in refused("animate", "rotor.toml")
 
 
 @pytest.mark.parametrize("follower", ["translating", "oscillating"])

@@ -18,26 +18,16 @@ from plan_machines import MACHINES, MECHANISMS, cycle_of
 
 from engine import FRAME, Machine, Scene
 from engine.scene.pairs import pairs
-from sweeps.pictures.drawing.racks import rack_bar
+from sweeps.pictures.drawing.racks import rack_shapes
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.plans import (
-    MachineCycle,
-    acceleration_plan,
-    bearing_load,
-    bearing_pictures,
-    force_plan,
-    force_polygon,
-    free_body,
-    least_loaded,
-    plan_pictures,
-    reaction_pictures,
-    shares,
-    velocity_plan,
-)
-from sweeps.pictures.plans.bearing_loads import load_polar
-from sweeps.pictures.plans.forces.free_body import LONGEST
+from sweeps.pictures.plans.bearing_loads import bearing_load, least_loaded, load_polar, shares
+from sweeps.pictures.plans.files import bearing_pictures, plan_pictures, reaction_pictures
+from sweeps.pictures.plans.forces.force_plan import force_plan, force_polygon
+from sweeps.pictures.plans.forces.free_body import LONGEST, free_body
+from sweeps.pictures.plans.kinematic_plans import acceleration_plan, velocity_plan
 from sweeps.pictures.plans.mechanism_plan import mechanism_plan
 from sweeps.pictures.plans.paper import Paper, round_scale
+from sweeps.pictures.plans.pose import MachineCycle
 from sweeps.pictures.plans.sheets import kinematic_sheet
 from sweeps.pictures.style import BLUE, MM_PER_INCH
 from sweeps.study.bundled import bundled_studies
@@ -177,7 +167,7 @@ def test_mechanism_plan__numbers_of_racks_stand_at_their_bars():
     pose = cycle_of("racks").at(0.6)
     paper = mechanism_plan(pose, ax)
     for rack in pose.scene.racks:
-        middle = np.mean(rack_bar(pose.motion, pose.k, rack)[-1].points)
+        middle = np.mean(next(p.points for p in rack_shapes(pose.motion, pose.k) if p.link == rack))
         (text,) = [t for t in ax.texts if t.get_text() == str(pose.number(rack)) and t.get_color() == BLUE]
         assert abs(complex(*text.get_position()) - middle) < 10 * paper.per_mm
 

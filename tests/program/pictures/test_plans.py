@@ -10,7 +10,10 @@ from plan_machines import CLOSED, HIGHER, MACHINES, cycle_of, poses
 
 from engine import Machine
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.plans import MachineCycle, accelerations, force_polygon, group_loads, loads_on_links, velocities
+from sweeps.pictures.plans.forces.force_plan import force_polygon
+from sweeps.pictures.plans.forces.loads import group_loads, loads_on_links
+from sweeps.pictures.plans.polygons import accelerations, velocities
+from sweeps.pictures.plans.pose import MachineCycle
 
 # A plan adds a few vectors of the engine's, each good to some tens of roundings of the largest in it.
 EXACT = 1e-12

@@ -10,7 +10,10 @@ from geared_links import CRANK
 from plan_machines import HIGHER, cycle_of, poses
 
 from engine import Scene
-from sweeps.pictures.plans import MachineCycle, accelerations, loads_on_links, plan_pictures, velocities
+from sweeps.pictures.plans.files import plan_pictures
+from sweeps.pictures.plans.forces.loads import loads_on_links
+from sweeps.pictures.plans.polygons import accelerations, velocities
+from sweeps.pictures.plans.pose import MachineCycle
 
 EXACT = 1e-12
 # Weights of derivatives at the middle of nine nodes (B. Fornberg, 1988).

@@ -13,8 +13,11 @@ from rubbing_machines import RHO, press, yoke
 from test_plans import assert_closed, assert_in_equilibrium
 
 from engine import Scene
-from sweeps.pictures.plans import MachineCycle, force_sheet, free_body, group_loads, loads_on_links
 from sweeps.pictures.plans.forces.force_plan import force_lines
+from sweeps.pictures.plans.forces.free_body import free_body
+from sweeps.pictures.plans.forces.loads import group_loads, loads_on_links
+from sweeps.pictures.plans.pose import MachineCycle
+from sweeps.pictures.plans.sheets import force_sheet
 
 # All kinds of groups, shafts, both kinds of inputs, guides that move; some sliders tilt.
 RUBBING = [("PRP", 0.02), ("turning yoke", None), ("geared five-bar", None), ("sliding input", 0.06)]

@@ -12,7 +12,6 @@ from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 
 from engine import Verdict
-from sweeps.optimising.pareto import pareto_front
 from sweeps.pictures.machine.diagrams import diagrams
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import PALE, new_figure, save
@@ -115,19 +114,6 @@ def test_map__of_numbers_of_teeth_is_made_of_cells():
     assert mesh.get_edgecolors().tolist() == [[1, 1, 1, 1]]
 
 
-def test_scatter__front_of_the_two_shown():
-    data = grid_data((20, 20))
-    rng = np.random.default_rng(3)
-    mass, cost = rng.random((2, 400))
-    data = data._replace(arrays=dict(data.arrays) | {"mass": mass, "cost": cost})
-    axes = Figure().add_subplot()
-    scatter(axes, data, "mass", "cost", "a", minimise=(True, False))
-    front = pareto_front(np.column_stack([mass, cost]), (True, False))
-    drawn = axes.lines[0].get_xydata() / [1000, 1]
-    order = np.argsort(mass[front])
-    assert drawn == pytest.approx(np.column_stack([mass, cost])[front][order])
-
-
 @pytest.mark.parametrize(
     ("shape", "asked", "axes"),
     [
@@ -211,15 +197,14 @@ def test_map__missing_cells_are_veiled():
     assert labels_of(axes.figure) == [MISSING, "can't be assembled"]
 
 
-def test_scatter__missing_dots_are_pale_and_not_on_the_front():
+def test_scatter__missing_dots_are_pale():
     axes = Figure().add_subplot()
     data = conditioned((5, 4), range(10), failed=[19])
-    scatter(axes, data, "mass", "cost", "a", minimise=(True, False))
+    scatter(axes, data, "mass", "cost", "a")
     pale, coloured = axes.collections
     assert len(pale.get_offsets()) == 10
     assert len(coloured.get_offsets()) == 9
-    assert axes.lines[0].get_xdata().min() == pytest.approx(1000 * data.arrays["mass"][10:19].min())
-    assert labels_of(axes.figure) == [MISSING, "Pareto front"]
+    assert labels_of(axes.figure) == [MISSING]
 
 
 def test_parallel__missing_lines_are_pale():

@@ -49,8 +49,8 @@ def test_part_of_another_study_without_a_block__thrown_away(path: Path) -> None:
     [
         {"variants": 23},
         {"positions": 6},
-        {"position": np.arange(5.0)},
-        {"position_units": "deg"},
+        {"position": layout().position._replace(values=np.arange(5.0))},
+        {"position": layout().position._replace(units="deg")},
         {"coordinates": ("length",)},
         {"status_codes": {0: "ok", 1: "jams"}},
         {"columns": layout().columns[:-1]},
@@ -300,26 +300,10 @@ def test_bytes__at_least_the_size_of_the_file(path, part, variants, block, posit
     assert describe_result(part).attributes["study"] == text * 50
 
 
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"variants": 0}, "variants = 0"),
-        ({"attributes": {}}, "study_hash"),
-        ({"attributes": {"study_hash": "1", "finished": "now"}}, "finished are written by the store"),
-        ({"columns": (Column("a", "", "1"), Column("a", "", "1"))}, "twice or reserved: a"),
-        ({"columns": (Column("variant", "", "1"),)}, "twice or reserved: variant"),
-        ({"columns": (Column("a b", "", "1"),)}, "no blanks"),
-        ({"columns": (Column("a", "", "1", ("position",)),)}, "dims"),
-        ({"columns": (Column("a", "", "1", dtype=bool),)}, "not a float or integer"),
-        ({"columns": (Column("status", "", "1", dtype=np.int8),)}, "cannot hold 255"),
-        ({"coordinates": ("torque",)}, "coordinates torque"),
-        ({"position": None}, "fields need"),
-        ({"status_codes": {255: "odd"}}, "255 is reserved"),
-    ],
-)
-def test_contradictory_layout__value_error(changes: dict, words: str) -> None:
-    with pytest.raises(ValueError, match=words):
-        layout(**changes)
+@pytest.mark.parametrize("name", ["length", "variant", "progress", "phi"])
+def test_name_of_another_column__refused(name: str) -> None:
+    with pytest.raises(StoreError, match=f"result files have other columns named {name}:"):
+        layout(columns=(*layout().columns, Column(name, "", "1")))
 
 
 def test_long_texts__kept_whole(path: Path) -> None:

@@ -43,7 +43,7 @@ def test_h5py__contiguous_data_over_positions_as_given(path: Path) -> None:
     with h5py.File(path, "r") as file:
         for name in NAMES:
             assert (file[name].chunks, file[name].compression) == (None, None)
-        assert file["phi"][:].tobytes() == layout().position.tobytes()
+        assert file["phi"][:].tobytes() == layout().position.values.tobytes()
         assert file["status"].attrs["flag_meanings"] == "ok cannot_be_assembled not_computed"
 
 

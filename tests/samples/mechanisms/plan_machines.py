@@ -11,7 +11,7 @@ from racks import LIFT, ON_CRANK
 
 from engine import Scene
 from engine.scene.pairs import pairs
-from sweeps.pictures.plans import MachineCycle
+from sweeps.pictures.plans.pose import MachineCycle
 from sweeps.text.scene_text import read_scene
 from sweeps.text.templates import bundled_templates, templates
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sweeps.store import Column, FileLayout, Store, StoreError, read_columns
+from sweeps.store import Column, FieldAxis, FileLayout, Store, StoreError, read_columns
 
 # 42 MB in 40 blocks, mostly writing: kills fall on creation, rows and flags.
 KILLED = {"variants": 314, "block": 8, "positions": 32768}
@@ -32,7 +32,7 @@ def layout(variants: int = 22, block: int = 4, positions: int = 5, **changes: ob
         "attributes": {"study_hash": "1a2b", "title": "Shear", "study": "steps = 3\nload = 12 kN"},
         "coordinates": ("length", "speed"),
         "status_codes": {0: "ok", 1: "cannot be assembled"},
-        "position": np.linspace(0, 2 * np.pi, positions, endpoint=False),
+        "position": FieldAxis("phi", "crank angle", "rad", np.linspace(0, 2 * np.pi, positions, endpoint=False)),
     }
     return FileLayout(**{**fields, **changes})
 
@@ -45,7 +45,7 @@ def results(store: Store, i: int) -> dict[str, np.ndarray]:
     arrays = {name: rng.normal(size=count) for name in ("length", "speed", "peak_torque")}
     arrays["order"] = rng.integers(1, 9, count)
     arrays["status"] = rng.integers(0, 2, count, dtype=np.uint8)
-    positions = len(store.layout.position)
+    positions = len(store.layout.position.values)
     arrays["torque"] = np.arange(i, i + count * positions, dtype=np.float32).reshape(count, positions)
     arrays["peak_torque"][arrays["status"] > 0] = np.nan
     return arrays

@@ -84,8 +84,7 @@ def _per_mm(cloud: np.ndarray, size: complex) -> float:
 
 def _spread(pose: Pose, figure: list[Primitive], loads: list[DrawnLoad], size: complex) -> tuple[complex, np.ndarray]:
     """Middle of a link, and points that must fit, with arrows, on paper of a size [mm]."""
-    low_x, low_y, high_x, high_y = bounds(figure)
-    corners = complex(low_x, low_y), complex(high_x, high_y)
+    corners = bounds(figure)
     middle = sum(corners) / 2
     # A single slider is drawn at symbol size.
     least = middle + LEAST * pose.motion.radius * np.array([-1, 1, -0.5j, 0.5j])

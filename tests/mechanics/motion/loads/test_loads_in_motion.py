@@ -18,7 +18,7 @@ from press import actions, bodies, press
 from engine import Machine, Scene, Verdict
 from engine.quantities.quantity import STATISTICS
 from engine.scene.pairs import pairs
-from sweeps.report.files.exports import position_table
+from sweeps.report.readings import readings_at
 from sweeps.study.bundled import STUDIES
 from sweeps.text.scene_text import read_scene
 
@@ -299,7 +299,7 @@ def test_table_of_positions__without_regimes():
         "moments": {"dc": MOMENTS["dc"] | {"on": "crank"}, "fan": MOMENTS["fan"]},
         "regimes": {"on": {"type": "steady"}},
     }
-    names = position_table(Scene.model_validate(scene), {}, 8).columns
+    names = readings_at(Scene.model_validate(scene), 8).values
     assert "input.reaction" in names
     assert not [name for name in names if name.startswith("on.")]
 
