@@ -4,7 +4,12 @@ import sys
 from importlib import import_module
 
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
+from numba.core.compiler import Compiler, Flags
+from numba.core.typed_passes import NopythonRewrites
+from numba.core.untyped_passes import InlineClosureLikes, LiteralPropagationSubPipelinePass, LiteralUnroll, WithLifting
+
+# Passes for what the engine's functions don't contain: `with`, closures, mixed tuples in loops, arithmetic on arrays.
+_FOR_OTHERS = {WithLifting, InlineClosureLikes, LiteralUnroll, LiteralPropagationSubPipelinePass, NopythonRewrites}
 
 
 def _load_array_functions() -> None:
@@ -53,23 +58,54 @@ class PartOfCallers(JITCodeLibrary):
         """Ignore the environment: nothing reads it."""
 
 
-class Within(Compiler):
+class _ListedFlags(Flags):
+    """Flags that list their values once, as nothing changes them later.
+
+    Numba compares all flags at every call of a built-in function, which takes a twentieth of the compile time.
+    """
+
+    __slots__ = ("_listed",)
+
+    def values(self) -> dict:
+        """Values of all flags, by name."""
+        if not hasattr(self, "_listed"):
+            self._listed = super().values()
+        return self._listed
+
+
+class Plain(Compiler):
+    """Compiler of functions of numbers and loops."""
+
+    def __init__(
+        self, typing: object, target: object, library: object, args: tuple, result: object, flags: Flags, locals: dict
+    ) -> None:
+        super().__init__(typing, target, library, args, result, _ListedFlags(flags), locals)
+
+    def define_pipelines(self) -> list:
+        """Numba's usual passes, apart from those for other functions, which take a tenth of the compile time."""
+        (passes,) = super().define_pipelines()
+        passes.passes = [made for made in passes.passes if made[0] not in _FOR_OTHERS]
+        passes.finalize()
+        return [passes]
+
+
+class Within(Plain):
     """Compiler for functions that only compiled code calls."""
 
     def define_pipelines(self) -> list:
-        """Numba's usual passes, with `PartOfCallers` as the library."""
+        """The passes of `Plain`, with `PartOfCallers` as the library."""
         self.state.library = PartOfCallers(self.state.targetctx.codegen(), self.state.func_id.func_qualname)
         return super().define_pipelines()
 
 
-class Apart(Compiler):
+class Apart(Plain):
     """Compiler that assumes that an array argument that is written to overlaps no other argument.
 
     It then emits no overlap check before each loop and no slow second loop for the case of overlap.
     """
 
     def define_pipelines(self) -> list:
-        """Numba's usual passes, with the `noalias` flag."""
+        """The passes of `Plain`, with the `noalias` flag."""
         self.state.flags.noalias = True
         return super().define_pipelines()
 

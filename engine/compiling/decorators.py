@@ -72,10 +72,21 @@ def in_order(function: Callable) -> Law:
 
 def driver(function: Callable, makes_arrays: bool = False) -> Callable:
     """Compile a function that runs without Python's lock, and cache its machine code on disk."""
-    return _kept(function, RULES, nogil=True, **({} if makes_arrays else BORROWING))
+    return _kept(function, RULES, nogil=True, **({} if makes_arrays else _plain()))
 
 
-def _kept(function: Callable, rules: frozenset[str], **options: bool) -> Callable:
+def separate(function: Callable) -> Callable:
+    """Compile a function that drivers call at its address; its machine code is cached on disk apart from theirs."""
+    return _kept(function, RULES, no_cpython_wrapper=True, **_plain())
+
+
+def _plain() -> dict[str, object]:
+    from engine.compiling.compilers import Plain
+
+    return {**BORROWING, "pipeline_class": Plain}
+
+
+def _kept(function: Callable, rules: frozenset[str], **options: object) -> Callable:
     from numba import njit
 
     from engine.compiling.kept_code import keep_compiled

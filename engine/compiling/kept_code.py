@@ -36,9 +36,9 @@ _DIGEST_SIZE = _DIGEST().digest_size
 
 @contextmanager
 def compiling() -> Iterator[None]:
-    """Hold the compile lock, so that one thread compiles at a time, and pause garbage collection.
+    """Hold the compile lock, so that one thread compiles at a time, and keep garbage collection off what it makes.
 
-    Numba makes millions of objects and keeps most of them: collecting among them takes a tenth of the compile time.
+    Numba makes millions of objects and keeps most of them: every collection among them takes half a second.
     """
     with _ONE_COMPILES:
         collects = gc.isenabled()
@@ -46,6 +46,7 @@ def compiling() -> Iterator[None]:
         try:
             yield
         finally:
+            gc.freeze()
             if collects:
                 gc.enable()
 

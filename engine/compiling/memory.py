@@ -11,7 +11,6 @@ dozens of arguments.
 import math
 import operator
 from collections.abc import Callable
-from typing import get_type_hints
 
 from numba import types
 from numba.core import cgutils
@@ -127,30 +126,3 @@ def memory(kind: Memory) -> Callable:
         return kind(array), generate
 
     return taken
-
-
-def _kind_within(kind: types.Type, hint: object) -> types.Type:
-    """Type of a field in the result of `as_memory`: nested records likewise, `Memory` where annotated so."""
-    if isinstance(kind, types.BaseNamedTuple):
-        hints = get_type_hints(kind.instance_class)
-        kinds = [_kind_within(k, hints[name]) for k, name in zip(kind.types, kind.fields, strict=True)]
-        return types.BaseTuple.from_types(kinds, pyclass=kind.instance_class)
-    return hint if isinstance(hint, Memory) else kind
-
-
-def _value_within(context: object, builder: object, kind: types.Type, made: types.Type, value: object) -> object:
-    if isinstance(kind, types.BaseNamedTuple):
-        parts = zip(kind.types, made.types, cgutils.unpack_tuple(builder, value), strict=True)
-        return context.make_tuple(builder, made, [_value_within(context, builder, *part) for part in parts])
-    return context.make_array(kind)(context, builder, value).data if isinstance(made, Memory) else value
-
-
-@intrinsic
-def as_memory(typing_context: object, arrays: types.BaseNamedTuple) -> tuple:
-    """View the arrays of a record as the `Memory` that its annotations name; other fields stay as they are."""
-    made = _kind_within(arrays, None)
-
-    def generate(context: object, builder: object, sig: object, args: list) -> object:
-        return _value_within(context, builder, arrays, made, args[0])
-
-    return made(arrays), generate

@@ -6,14 +6,18 @@ from functools import wraps
 import numba
 import numpy as np
 from numba import types
+from numba.core.compiler import CompileResult
 
 from engine.compiling.decorators import driver
 from engine.compiling.kept_code import compiling
+from engine.compiling.packed import Packed
 from engine.compiling.threads import on_all_threads, pieces_of
 from engine.compiling.tiles import TypedFunction
 
 # Machine code of drivers, by driver and layout of its arguments.
 _code: dict[tuple[Callable, Hashable], Callable] = {}
+# Addresses of machine code, by function and types of its arguments.
+_addresses: dict[tuple, int] = {}
 # Flags of an array that don't change its type in Numba: whether it owns its memory.
 _OWNS_DATA = 0x4
 
@@ -24,6 +28,9 @@ def _layout(value: object) -> Hashable:
         return value.dtype, value.ndim, value.flags.num & ~_OWNS_DATA
     if isinstance(value, tuple):
         return type(value), tuple(map(_layout, value))
+    if isinstance(value, Packed):
+        # Each type is made once.
+        return id(value.kind)
     if isinstance(value, TypedFunction):
         # Each signature is made once; comparing signatures takes long.
         return id(value.signature())
@@ -48,12 +55,35 @@ def run_piece(compiled: Callable, piece: tuple[int, int], arguments: tuple) -> N
     if known not in _code:
         with compiling():
             kinds = types.intp, types.intp, *map(numba.typeof, arguments)
-            if kinds not in compiled.overloads:
-                compiled.disable_compile(False)
-                compiled.compile(types.void(*kinds))
-                compiled.disable_compile()
-            _code[known] = compiled.overloads[kinds].entry_point
+            _code[known] = _made(compiled, kinds).entry_point
     _code[known](*piece, *arguments)
+
+
+def _made(compiled: Callable, kinds: tuple[types.Type, ...]) -> CompileResult:
+    """Machine code for some types of arguments, compiled or from the cache."""
+    if kinds not in compiled.overloads:
+        compiled.disable_compile(False)
+        compiled.compile(types.void(*kinds))
+        compiled.disable_compile()
+    return compiled.overloads[kinds]
+
+
+def address_of(compiled: Callable, *kinds: types.Type) -> int:
+    """Address of the machine code of a `separate` function for some types of arguments.
+
+    Parameters
+    ----------
+    compiled : callable
+        Returns nothing.
+    kinds : types
+    """
+    # Each type is made once; comparing types takes long.
+    known = compiled, *map(id, kinds)
+    if known not in _addresses:
+        with compiling():
+            made = _made(compiled, kinds)
+            _addresses[known] = made.library.get_pointer_to_function(made.fndesc.llvm_func_name)
+    return _addresses[known]
 
 
 def spread(compiled: Callable, count: int, arguments: Callable) -> None:

@@ -10,7 +10,7 @@ from numba.core.typing import Signature
 
 from engine.compiling.compilers import Apart
 from engine.compiling.decorators import RULES
-from engine.compiling.kept_code import keep_compiled
+from engine.compiling.kept_code import compiling, keep_compiled
 
 _ROWS = types.float64[:, ::1]
 # (P, T, q, cos_q, sin_q, tile): numbers (numbers, lanes), all tables, three arrays (positions, lanes), and the tile
@@ -82,9 +82,20 @@ class TileFunction(TypedFunction):
 
     Parameters
     ----------
-    function : callable
-        Compiled for `TILE_SIGNATURE`.
+    function : callable or None
+        Compiled for `TILE_SIGNATURE`; None where there is nothing to fill.
     """
 
-    def __init__(self, function: Callable) -> None:
-        super().__init__(function, TILE_SIGNATURE)
+    def __init__(self, function: Callable | None) -> None:
+        super().__init__(_nothing() if function is None else function, TILE_SIGNATURE)
+
+
+@cache
+def _nothing() -> Callable:
+    def nothing(
+        P: np.ndarray, T: np.ndarray, q: np.ndarray, cos_q: np.ndarray, sin_q: np.ndarray, tile: np.ndarray
+    ) -> None:
+        """Leave the tile unchanged."""
+
+    with compiling():
+        return filling(TILE_SIGNATURE)(nothing)

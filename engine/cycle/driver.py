@@ -1,6 +1,6 @@
 """The function that runs every machine: blocks of variants, one after another, each through its cycle.
 
-A machine supplies four functions of one signature, and index arrays of the results wanted.
+A machine supplies four functions of one signature, the measures of its plan, and index arrays of the results wanted.
 """
 
 import math
@@ -11,7 +11,7 @@ import numpy as np
 
 from engine.compiling.blocks import Row, Rows, copy_rows, gather, hand_out, hand_out_row, in_lanes
 from engine.compiling.decorators import driver, routine
-from engine.compiling.memory import as_memory
+from engine.compiling.packed import call_at, unpacked
 from engine.compiling.widths import LANES
 from engine.cycle.close_turns import ADDED, CloseTurns, add_close_turns, begin_close_turns, new_close_turns
 from engine.cycle.events import (
@@ -26,23 +26,13 @@ from engine.cycle.events import (
     note_coarse,
     scan_positions,
 )
-from engine.cycle.measures.angles import FollowedAngle, add_angle
-from engine.cycle.measures.averages import Averages, find_averages
-from engine.cycle.measures.extremes import (
-    EACH_TURN,
-    GREATEST,
-    LEAST,
-    LEAST_MAGNITUDE,
-    ExtremeRows,
-    Search,
-    SoughtExtreme,
-    find_extreme,
-)
-from engine.cycle.measures.fluctuation import Fluctuation, SpeedEnds, SteadyWheel, add_speed, find_fluctuation
-from engine.cycle.measures.magnitudes import Parts, integrate_roots
-from engine.cycle.measures.spaced import fill_spaced
-from engine.cycle.measures.unloaded_arcs import Stretches, find_unloaded_arcs
-from engine.cycle.measures.works import WorkSums, add_work
+from engine.cycle.measures.angles import FollowedAngle
+from engine.cycle.measures.averages import Averages
+from engine.cycle.measures.extremes import ExtremeRows, Search
+from engine.cycle.measures.fluctuation import Fluctuation, SpeedEnds
+from engine.cycle.measures.magnitudes import Parts
+from engine.cycle.measures.unloaded_arcs import MOST_STRETCHES, Stretches, new_stretches
+from engine.cycle.measures.works import WorkSums
 from engine.cycle.panels.chebyshev import POSITIONS
 from engine.cycle.panels.directions import change_by_rounding, panel_positions
 from engine.cycle.panels.integrals import IntegralRows, add_panels
@@ -63,7 +53,7 @@ from engine.cycle.panels.walk import (
 )
 from engine.cycle.roots import GivenNumbers, Roots, Samples, new_roots, new_samples, sample, solve_roots
 
-_SCALES, _INTEGRAL, _EXTREME = len(Scales._fields), len(IntegralRows._fields), len(ExtremeRows._fields)
+_SCALES, _INTEGRAL = len(Scales._fields), len(IntegralRows._fields)
 
 
 class MachineFunctions(NamedTuple):
@@ -83,6 +73,7 @@ class Task(NamedTuple):
 
     Attributes
     ----------
+    functions : MachineFunctions
     most_roots : int
         Room for turning points of each switching function, and for its crossings of one level.
     kept : ndarray of int
@@ -100,6 +91,7 @@ class Task(NamedTuple):
         1 for curves of the machine that are only integrated, else 0.
     """
 
+    functions: MachineFunctions
     ends: np.ndarray
     landmarks: np.ndarray
     levels: np.ndarray
@@ -240,6 +232,7 @@ class Workspace(NamedTuple):
     fluctuation: one(Fluctuation)
     ends: SpeedEnds
     averages: one(Averages)
+    stretches: Stretches
     parts: Parts
     root: one(IntegralRows)
     broken_at: Row
@@ -274,6 +267,7 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
         edges=crossings + task.cuts.size,
         search=search,
         ends=new_record(SpeedEnds),
+        stretches=new_stretches(MOST_STRETCHES if len(task.arcs) else 0),
         parts=new_record(Parts, edges=1),
         record=room_for(task.kept.size + len(task.works) + len(task.angles) + task.speeds.size, steps, task.degree),
     )
@@ -325,49 +319,50 @@ def sample_beside(events: Callable, given: GivenNumbers, samples: Samples, besid
 
 
 @routine
-def cut(functions: MachineFunctions, task: Task, given: GivenNumbers, work: Workspace) -> int:
+def cut(task: Task, given: GivenNumbers, work: Workspace) -> int:
     """Find each lane's landmarks and the numbers that follow from them, and lay its edges; returns their number."""
-    # Unpacked, because Numba warns about functions in tuples.
-    events = functions.events
+    events, levels = task.functions.events, task.functions.levels
     block, most, place = in_lanes(given.block), task.most_roots, work.place
-    turns, crossings, noted, count = work.turns, work.crossings, work.noted, task.landmarks.shape[0]
+    turns, crossings, noted, count = unpacked(work.turns), unpacked(work.crossings), work.noted, task.landmarks.shape[0]
+    scan, beside, close_turns = unpacked(work.scan), unpacked(work.scan_beside), unpacked(work.close_turns)
     crossings.used[0] = 0
     for _ in range(task.looks):
         if count > 0:
             turns.used[0] = 0
-            scan_positions(block[task.ends[0]], block[task.ends[1]], task.scan, in_lanes(work.scan.place[0]))
-            sample(events, given, task.scan, work.scan)
-            begin_close_turns(task.scan, work.scan, work.close_turns)
-            sample_beside(events, given, work.scan, work.scan_beside)
+            scan_positions(block[task.ends[0]], block[task.ends[1]], task.scan, in_lanes(scan.place[0]))
+            sample(events, given, task.scan, scan)
+            begin_close_turns(task.scan, scan, close_turns)
+            sample_beside(events, given, scan, beside)
             for f in range(count):
-                note_coarse(f, work.scan, noted, work.too_many)
+                note_coarse(f, scan, noted, work.too_many)
             for f in range(count):
-                add_close_turns(f, events, given, work.walk.range, work.scan, work.close_turns)
+                add_close_turns(f, events, given, work.walk.range, scan, close_turns)
             for f in range(count):
-                find_turns(f, work.scan, most, noted, turns)
+                find_turns(f, scan, most, noted, turns)
             solve_roots(events, given, work.heights, turns)
             for f in range(count):
-                find_landmarks(f, work.scan, work.scan_beside, turns, noted.steepest, work.landmarks[f])
+                find_landmarks(f, scan, beside, turns, noted.steepest, work.landmarks[f])
                 copy_rows(work.landmarks[f], task.landmarks[f], block)
         if task.levels.shape[0] > 0:
-            functions.levels(given.block, given.tables, place[0, :1], place[1, :1], place[2, :1], work.level_tile)
+            levels(given.block, given.tables, place[0, :1], place[1, :1], place[2, :1], work.level_tile)
             copy_rows(in_lanes(work.level_tile), task.levels, block)
     for c in range(task.crossings.shape[0]):
         f, row, offset = int(task.crossings[c, 0]), int(task.crossings[c, 1]), task.crossings[c, 2]
         height, scale = work.heights[c], work.landmarks[f].scale
         for lane in range(LANES):
             height[lane] = block[row, lane] + offset
-        find_crossings(Level(f, c, height, scale), work.scan, turns, most, noted, crossings)
+        find_crossings(Level(f, c, height, scale), scan, turns, most, noted, crossings)
         note_too_many(noted.counts, most, scale, work.too_many)
     solve_roots(events, given, work.heights, crossings)
     return lay_edges(crossings, work.landmarks, task.cuts, block, work.walk, work.edges)
 
 
 @routine
-def follow(functions: MachineFunctions, task: Task, given: GivenNumbers, edges: int, work: Workspace) -> bool:
+def follow(task: Task, given: GivenNumbers, edges: int, work: Workspace) -> bool:
     """Walk over each lane's range, integrate and keep curves; returns False if the record has no room for a step."""
+    states, curves = task.functions.states, task.functions.curves
     count, kept, degree = task.tolerance.shape[0], task.kept.shape[0], task.degree
-    walk, record, place, middle = work.walk, work.record, work.place, task.degree // 2
+    walk, record, place, middle = work.walk, unpacked(work.record), work.place, task.degree // 2
     block, tile, figures, scales = in_lanes(given.block), in_panels(work.tile), work.figures, work.scales
     q, cos_q, sin_q = in_lanes(place[0]), in_lanes(place[1]), in_lanes(place[2])
     any_lost = any_positive(work.too_many)
@@ -376,10 +371,10 @@ def follow(functions: MachineFunctions, task: Task, given: GivenNumbers, edges: 
         if task.states.shape[0] > 0:
             middle_q, middle_cos = place[0, middle : middle + 1], place[1, middle : middle + 1]
             middle_sin = place[2, middle : middle + 1]
-            functions.states(given.block, given.tables, middle_q, middle_cos, middle_sin, work.state_tile)
+            states(given.block, given.tables, middle_q, middle_cos, middle_sin, work.state_tile)
             copy_rows(in_lanes(work.state_tile), task.states, block)
         rows_q, rows_cos, rows_sin = place[0, : degree + 1], place[1, : degree + 1], place[2, : degree + 1]
-        functions.curves(given.block, given.tables, rows_q, rows_cos, rows_sin, work.tile)
+        curves(given.block, given.tables, rows_q, rows_cos, rows_sin, work.tile)
         if any_lost:
             spoil(count, work.too_many, tile)
         broken = False
@@ -421,6 +416,7 @@ def follow(functions: MachineFunctions, task: Task, given: GivenNumbers, edges: 
 def begin_block(task: Task, work: Workspace) -> None:
     """Reset sums, scales and marks for a new block."""
     begin_record(work.record)
+    set_row(work.search.period, task.period)
     for c in range(task.tolerance.shape[0]):
         fill(work.scales[c], _SCALES, 0.0)
     for k in range(task.integrals.shape[0]):
@@ -436,56 +432,15 @@ def set_row(row: Row, value: float) -> None:
         row[lane] = value
 
 
-@routine
-def derive(task: Task, block: Rows, first: int, work: Workspace, answers: DriverAnswers) -> None:
-    """Add the record's curves that follow from others; also store the results of the fluctuations."""
-    record, kept, search = work.record, task.kept.shape[0], work.search
-    for k in range(task.works.shape[0]):
-        add_work(record, task.works[k, 0], task.works[k, 1], kept + k, work.sums)
-    kept += task.works.shape[0]
-    for k in range(task.angles.shape[0]):
-        add_angle(record, task.angles[k, 0], task.angles[k, 1], kept + k, work.turning)
-    kept += task.angles.shape[0]
-    set_row(search.period, task.period)
-    for k in range(task.fluctuations.shape[0]):
-        asked = task.fluctuations[k]
-        steady = SteadyWheel(asked[0], asked[1], block[asked[2]], block[asked[3]])
-        find_fluctuation(record, steady, search, work.ends, work.fluctuation)
-        hand_out(work.fluctuation, first, answers.fluctuations[k])
-        for j in range(task.speeds.shape[0]):
-            if task.speeds[j] == k:
-                add_speed(record, steady, work.ends, work.fluctuation, kept + j)
-
-
-@routine
-def answer_extremes(task: Task, block: Rows, first: int, work: Workspace, answers: DriverAnswers) -> None:
-    """Find the extremes and store them."""
-    record, search, found, sign = work.record, work.search, work.found, work.sign
-    for k in range(task.extremes.shape[0]):
-        a, b, row, sides = task.extremes[k, 0], task.extremes[k, 1], task.extremes[k, 2], task.extremes[k, 3]
-        factor = block[row] if row >= 0 else search.zero
-        set_row(search.period, task.turn if sides & EACH_TURN else task.period)
-        for side in range(2):
-            if sides & (GREATEST if side == 1 else LEAST + LEAST_MAGNITUDE):
-                for lane in range(LANES):
-                    away = sides == LEAST_MAGNITUDE and record.whole[a].first[lane] < 0.0
-                    sign[lane] = 1.0 if side == 1 or away else -1.0
-                find_extreme(record, SoughtExtreme(a, b, factor, sign), search, found)
-            else:
-                fill(found, _EXTREME, math.nan)
-            hand_out(found, first, answers.extremes[k, side])
-
-
 @driver
 def evaluate_blocks(
     begin: int,
     end: int,
-    functions: MachineFunctions,
     task: Task,
-    variants: EvaluatedVariants,
     answers: DriverAnswers,
-    workspace: Workspace,
-    stretches: Stretches | None,
+    work: Workspace,
+    variants: EvaluatedVariants,
+    measures: np.ndarray,
 ) -> None:
     """Evaluate blocks of variants.
 
@@ -493,53 +448,36 @@ def evaluate_blocks(
     ----------
     begin, end : int
         Range of entries of `variants.blocks`; `end` is excluded.
-    functions : MachineFunctions
     task : Task
-    variants : EvaluatedVariants
     answers : DriverAnswers
-    workspace : Workspace
-    stretches : Stretches or None
-        None without unloaded arcs: few machines need them, and without them there is less to compile.
+    work : Workspace
+    variants : EvaluatedVariants
+    measures : ndarray of int
+        Addresses of functions of `engine.cycle.block_measures`.
     """
-    work, given = as_memory(workspace), GivenNumbers(workspace.block, variants.tables)
-    record, search, walk, block = work.record, work.search, work.walk, in_lanes(workspace.block)
-    starts, ends = block[task.ends[0]], block[task.ends[1]]
+    given, block = GivenNumbers(work.block, variants.tables), in_lanes(work.block)
+    record, walk, starts, ends = unpacked(work.record), work.walk, block[task.ends[0]], block[task.ends[1]]
     for i in range(begin, end):
         b = variants.blocks[i]
         first = b * LANES
         gather(variants.numbers, first, block)
         begin_block(task, work)
         set_out(starts, ends, task.longest, walk)
-        edges = cut(functions, task, given, work)
+        edges = cut(task, given, work)
         for lane in range(LANES):
             # Infinite, because the cause has no single position.
             work.broken_at[lane] = math.inf if work.too_many[lane] > 0.0 else work.broken_at[lane]
-        answers.short_of_room[b] = not follow(functions, task, given, edges, work)
+        answers.short_of_room[b] = not follow(task, given, edges, work)
         if answers.short_of_room[b]:
             continue
-        derive(task, block, first, work, answers)
+        for k in range(measures.shape[0]):
+            call_at(measures[k], (task, answers, work, first))
         for f in range(task.landmarks.shape[0]):
             hand_out(work.landmarks[f], first, answers.landmarks[f])
         for k in range(task.integrals.shape[0]):
             hand_out(work.integrals[k], first, answers.integrals[k])
-        for k in range(task.roots.shape[0]):
-            integrate_roots(record, task.roots[k], task.tolerance[task.kept[task.roots[k]]], work.parts, work.root)
-            hand_out(work.root, first, answers.roots[k])
         for c in range(task.tolerance.shape[0]):
             hand_out_row(work.scales[c].greatest, first, answers.sizes[c])
-        answer_extremes(task, block, first, work, answers)
-        for k in range(task.averages.shape[0]):
-            find_averages(record, task.averages[k], work.averages)
-            hand_out(work.averages, first, answers.averages[k])
-        if stretches is not None:
-            found, arcs = work.found, as_memory(stretches)
-            for k in range(task.arcs.shape[0]):
-                square = task.arcs[k, 2]
-                find_extreme(record, SoughtExtreme(square, square, search.zero, search.up), search, found)
-                find_unloaded_arcs(record, task.arcs[k, 0], task.arcs[k, 1], found, arcs)
-                hand_out(arcs.arc, first, answers.arcs[k])
-        for k in range(task.spaced.shape[0]):
-            fill_spaced(record, task.spaced[k], starts, ends, task.intervals, first, answers.spaced[k])
         for k in range(task.kept.shape[0]):
             hand_out_row(record.whole[k].first, first, answers.firsts[k])
         hand_out_row(walk.taken, first, answers.panels)

@@ -21,20 +21,20 @@ import math
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
+from numba import types
 
-from engine.compiling.nothing import nothing
-from engine.compiling.running import spread
+from engine.compiling.packed import Packed
+from engine.compiling.running import address_of, spread
 from engine.compiling.tiles import TileFunction
 from engine.compiling.widths import LANES
+from engine.cycle.block_measures import MEASURES
 from engine.cycle.driver import (
     DriverAnswers,
     EvaluatedVariants,
     MachineFunctions,
     Task,
-    Workspace,
     evaluate_blocks,
     new_workspace,
 )
@@ -43,7 +43,7 @@ from engine.cycle.measured import Measured, maximum
 from engine.cycle.measures.averages import Averages
 from engine.cycle.measures.extremes import BOTH, ExtremeRows
 from engine.cycle.measures.fluctuation import Fluctuation
-from engine.cycle.measures.unloaded_arcs import Arc, new_stretches
+from engine.cycle.measures.unloaded_arcs import Arc
 from engine.cycle.panels.chebyshev import DEGREE
 
 # Fields that are equal in a plan and its task: as arrays, and as they are.
@@ -286,17 +286,16 @@ class CycleMachine:
     Attributes
     ----------
     plan : Plan
-    curves, events, levels, states : callable
-        See the module docstring.
+    curves, events, levels, states : callable or None
+        See the module docstring; None where there is nothing to fill.
     """
 
     plan: Plan
-    curves: Callable
-    events: Callable = nothing
-    levels: Callable = nothing
-    states: Callable = nothing
-    _task: Task = field(init=False)
-    # Kinds of arguments that the driver is compiled for.
+    curves: Callable | None
+    events: Callable | None = None
+    levels: Callable | None = None
+    states: Callable | None = None
+    _packed: Packed = field(init=False)
     # Each thread's workspace, reused by its next call.
     _per_thread: threading.local = field(init=False, default_factory=threading.local)
 
@@ -330,7 +329,9 @@ class CycleMachine:
             *((own["speeds", k], own["speeds", k], -1, BOTH) for k in range(len(plan.speeds))),
         ]
         same = {name: _integers(getattr(plan, name)) for name in _SHARED}
+        functions = (self.events, self.levels, self.states, self.curves)
         task = Task(
+            MachineFunctions(*map(TileFunction, functions)),
             **same,
             **{name: getattr(plan, name) for name in _SAME},
             landmarks=_integers(plan.landmarks, 4),
@@ -348,16 +349,12 @@ class CycleMachine:
             tolerance=np.broadcast_to(np.asarray(plan.tolerance, dtype=float), (plan.curves,)).copy(),
             only_integrals=np.array([float(c in plan.integrals and c not in kept) for c in range(plan.curves)]),
         )
-        object.__setattr__(self, "_task", task)
-
-    @cached_property
-    def _functions(self) -> MachineFunctions:
-        return MachineFunctions(*(TileFunction(f) for f in (self.events, self.levels, self.states, self.curves)))
+        object.__setattr__(self, "_packed", Packed(task))
 
     @property
     def task(self) -> Task:
         """The plan in the driver's format."""
-        return self._task
+        return self._packed.record
 
     def evaluate(self, numbers: np.ndarray, tables: np.ndarray | None = None) -> CycleOutcome:
         """Evaluate variants on all threads.
@@ -369,38 +366,46 @@ class CycleMachine:
         tables : ndarray, optional
             T.
         """
-        task = self._task
+        asked = self._packed
         numbers = np.ascontiguousarray(numbers, dtype=float)
         tables = np.zeros(1) if tables is None else np.ascontiguousarray(tables, dtype=float)
-        answers = self._answers(task, numbers, tables)
+        answers = self._answers(asked, numbers, tables)
         for _ in range(MOST_DOUBLINGS):
             coarse = np.flatnonzero(np.isinf(answers.broken_at))
             if not coarse.size:
                 break
             # In separate blocks, so that a variant's results don't depend on the other variants.
-            task = task._replace(scan=2 * task.scan, most_roots=2 * task.most_roots)
-            again = self._answers(task, np.ascontiguousarray(numbers[:, coarse]), tables)
+            task = asked.record
+            asked = Packed(task._replace(scan=2 * task.scan, most_roots=2 * task.most_roots))
+            again = self._answers(asked, np.ascontiguousarray(numbers[:, coarse]), tables)
             for part, finer in zip(answers[:-2], again[:-2], strict=True):
                 part[..., coarse] = finer
             answers.spaced[:, coarse] = again.spaced
         return self._outcome(numbers, answers)
 
-    def _answers(self, task: Task, numbers: np.ndarray, tables: np.ndarray) -> DriverAnswers:
+    def _answers(self, asked: Packed, numbers: np.ndarray, tables: np.ndarray) -> DriverAnswers:
         blocks = np.arange(-(-numbers.shape[1] // LANES))
         answers = self._new_answers(numbers.shape[1], blocks.size)
-        steps = _STEPS + 2 * len(task.crossings)
+        steps = _STEPS + 2 * len(self.task.crossings)
+        both = asked, Packed(answers)
         while blocks.size:
-            self._run(task, EvaluatedVariants(blocks, numbers, tables), answers, steps)
+            variants = Packed(EvaluatedVariants(blocks, numbers, tables))
+
+            def arguments(variants: Packed = variants, steps: int = steps) -> tuple:
+                room = self._workspace(asked.record, len(numbers), steps)
+                return *both, room, variants, self._measures(*both, room)
+
+            spread(evaluate_blocks, blocks.size, arguments)
             blocks, steps = np.flatnonzero(answers.short_of_room), 2 * steps
         return answers
 
     def _new_answers(self, variants: int, blocks: int) -> DriverAnswers:
-        plan, kept = self.plan, self._task.kept.size
+        plan, kept = self.plan, self.task.kept.size
         shapes = {
             "integrals": (len(plan.integrals), 2),
             "roots": (len(plan.roots), 2),
             "sizes": (plan.curves,),
-            "extremes": (len(self._task.extremes), 2, 4),
+            "extremes": (len(self.task.extremes), 2, 4),
             "fluctuations": (len(plan.fluctuations), 8),
             "averages": (len(plan.averages), 4),
             "arcs": (len(plan.arcs), len(Arc._fields)),
@@ -415,21 +420,18 @@ class CycleMachine:
             short_of_room=np.zeros(blocks, np.bool_),
         )
 
-    def _run(self, task: Task, variants: EvaluatedVariants, answers: DriverAnswers, steps: int) -> None:
-        stretches = new_stretches if self.plan.arcs else lambda: None
+    def _measures(self, *records: Packed) -> np.ndarray:
+        """Addresses of the measures that the plan needs."""
+        kinds = (*(record.kind for record in records), types.intp)
+        needed = [measure for name, measure in MEASURES.items() if len(getattr(self.task, name))]
+        return np.array([address_of(measure, *kinds) for measure in needed], np.int64)
 
-        def arguments() -> tuple:
-            work = self._workspace(task, len(variants.numbers), steps)
-            return self._functions, task, variants, answers, work, stretches()
-
-        spread(evaluate_blocks, len(variants.blocks), arguments)
-
-    def _workspace(self, task: Task, numbers: int, steps: int) -> Workspace:
+    def _workspace(self, task: Task, numbers: int, steps: int) -> Packed:
         """Workspace of the calling thread, reused if its size fits."""
         mine = self._per_thread.__dict__
         size = (task.scan, numbers, steps)
         if mine.get("size") != size:
-            mine["size"], mine["work"] = size, new_workspace(task, numbers, steps)
+            mine["size"], mine["work"] = size, Packed(new_workspace(task, numbers, steps))
         return mine["work"]
 
     def _outcome(self, numbers: np.ndarray, answers: DriverAnswers) -> CycleOutcome:
@@ -455,7 +457,7 @@ class CycleMachine:
             *_measured(Averages, answers.averages, "mean", "square"),
             *_measured(Arc, answers.arcs, "arc", "middle"),
             answers.spaced,
-            dict(zip(self._task.kept.tolist(), answers.firsts, strict=True)),
+            dict(zip(self.task.kept.tolist(), answers.firsts, strict=True)),
             answers.panels.astype(np.int64),
             answers.broken_at,
         )

@@ -286,15 +286,15 @@ def _planned(
 
 
 def _printed(graph: Graph, title: str, plan: _Plan, *parts: _Part) -> Functions:
-    rows, texts, laws, missing = plan.rows, [], [], []
+    rows, texts, laws = plan.rows, [], []
     for part in parts:
         if not part.outputs:
-            missing.append(f"from engine.compiling.nothing import nothing as {part.name}")
+            texts.append(f"{part.name} = None")
             continue
         text, called = in_lanes(part.name, part.doc, part.outputs, rows, part.stage, part.positions, part.inline_held)
         texts.append(f"@filling(TILE_SIGNATURE)\n{text}")
         laws += called
-    imports = [*missing, "from engine.compiling.tiles import TILE_SIGNATURE, filling", *_imports(laws)]
+    imports = ["from engine.compiling.tiles import TILE_SIGNATURE, filling", *_imports(laws)]
     places = {curve: i for i, (curve, _) in enumerate(plan.events)}
     return Functions(
         "\n\n".join([_HEAD.format(title=title, imports="\n".join(imports), dtype="float64"), *texts]),

@@ -39,7 +39,7 @@ class KeptFields:
     curves : sequence of Node or Angle
     functions : Functions
         Functions of the machine, with the numbers of these curves' `field_node` in their layout.
-    levels : callable
+    levels : callable or None
         The machine's `levels` function.
     dtype : float64 or float32
         Type in which they are stored; they are computed in double precision.
@@ -53,7 +53,7 @@ class KeptFields:
     """
 
     def __init__(
-        self, curves: Sequence[Node | Angle], functions: Functions, levels: Callable, dtype: np.dtype, title: str
+        self, curves: Sequence[Node | Angle], functions: Functions, levels: Callable | None, dtype: np.dtype, title: str
     ) -> None:
         self._functions, self._levels, self._dtype = functions, TileFunction(levels), np.dtype(dtype)
         self.count = len(curves)

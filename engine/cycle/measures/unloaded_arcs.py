@@ -111,11 +111,11 @@ class Force(NamedTuple):
     least_error: float
 
 
-def new_stretches() -> Stretches:
-    """Allocate stretches."""
-    pairs = {name: np.zeros((MOST_STRETCHES, 2)) for name in ("ends", "errors", "margins")}
-    places, known = np.zeros((MOST_STRETCHES, 2), np.int64), np.zeros((MOST_STRETCHES, 2), np.bool_)
-    step, order = (np.zeros(MOST_STRETCHES, np.int64) for _ in range(2))
+def new_stretches(room: int) -> Stretches:
+    """Allocate room for a number of stretches."""
+    pairs = {name: np.zeros((room, 2)) for name in ("ends", "errors", "margins")}
+    places, known = np.zeros((room, 2), np.int64), np.zeros((room, 2), np.bool_)
+    step, order = (np.zeros(room, np.int64) for _ in range(2))
     return new_record(Stretches, step=step, places=places, known=known, order=order, **pairs)
 
 

@@ -6,8 +6,7 @@ import numpy as np
 
 from engine.compiling.blocks import gather, hand_out, hand_out_row, in_lanes
 from engine.compiling.decorators import driver
-from engine.compiling.memory import as_memory
-from engine.compiling.nothing import nothing
+from engine.compiling.packed import Packed
 from engine.compiling.printed import load_printed
 from engine.compiling.running import spread
 from engine.compiling.tiles import TileFunction
@@ -65,7 +64,7 @@ class Landmarks:
         plan = Plan(
             (0, 1), 0, landmarks=functions.landmarks, levels=functions.level_rows, crossings=crossings, **looked_at
         )
-        return CycleMachine(plan, nothing).task
+        return CycleMachine(plan, None).task
 
     def __call__(self, numbers: Numbers, direction: np.ndarray) -> tuple[Ends, Breaks]:
         """Ends of strokes on which a node depends, and the breaks of all actions.
@@ -108,11 +107,12 @@ class Landmarks:
         module = load_printed(functions.text)
         found, coarse = np.full((len(self.watches), task.most_roots, variants), np.nan), np.zeros(variants)
 
-        given = MachineFunctions(TileFunction(module.events), TileFunction(module.levels), *[TileFunction(nothing)] * 2)
-        chosen = EvaluatedVariants(np.zeros(0, np.int64), parameters, functions.memory)
+        given = MachineFunctions(TileFunction(module.events), TileFunction(module.levels), *[TileFunction(None)] * 2)
+        asked = Packed(task._replace(functions=given))
+        chosen = Packed(EvaluatedVariants(np.zeros(0, np.int64), parameters, functions.memory))
 
         def arguments() -> tuple:
-            return given, task, chosen, new_workspace(task, len(parameters), 0), found, coarse
+            return asked, chosen, Packed(new_workspace(task, len(parameters), 0)), found, coarse
 
         spread(find_places, -(-variants // LANES), arguments)
         return found, coarse
@@ -138,10 +138,9 @@ class Landmarks:
 def find_places(
     begin: int,
     end: int,
-    functions: MachineFunctions,
     task: Task,
     variants: EvaluatedVariants,
-    workspace: Workspace,
+    work: Workspace,
     found: np.ndarray,
     coarse: np.ndarray,
 ) -> None:
@@ -150,15 +149,15 @@ def find_places(
     `found` (crossings, roots, variants) receives the positions, NaN for missing ones; `coarse` (variants,) is set to 1
     where the scan is too coarse; `variants.numbers` receives the landmarks and numbers that depend on them.
     """
-    work, given = as_memory(workspace), GivenNumbers(workspace.block, variants.tables)
-    block, numbers, crossings = in_lanes(workspace.block), variants.numbers, work.crossings
+    given, block = GivenNumbers(work.block, variants.tables), in_lanes(work.block)
+    numbers, crossings = variants.numbers, work.crossings
     for b in range(begin, end):
         first = b * LANES
         gather(numbers, first, block)
         set_out(block[task.ends[0]], block[task.ends[1]], task.longest, work.walk)
         for lane in range(LANES):
             work.too_many[lane] = 0.0
-        count = cut(functions, task, given, work)
+        count = cut(task, given, work)
         level, slot = -1, 0
         for r in range(count):
             # Roots of one level are consecutive.
