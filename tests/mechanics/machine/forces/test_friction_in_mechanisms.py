@@ -5,6 +5,7 @@ jamming the error grows with the reciprocal of the margin.
 """
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -27,7 +28,9 @@ ROUNDINGS = 100
 
 
 # Crank and rocker, with a slider hung on the rocker.
-RANDOM = in_all_pairs(loaded(chain(0, 2, True), 0), 0, 0.3)
+@cache
+def random_dyads() -> dict:
+    return in_all_pairs(loaded(chain(0, 2, True), 0), 0, 0.3)
 
 
 def outcome_of(scene: dict, fields: list[str], summaries: list[str] = (), **settings: object) -> tuple:
@@ -39,12 +42,9 @@ def outcome_of(scene: dict, fields: list[str], summaries: list[str] = (), **sett
 
 
 # RRR and RRP; RRP and RPR; RPP and PRP; a shaft in its pivot; a sliding input.
-MACHINES = [chain(0, 2, True), chain(1, 2, True), chain(3, 1, True)]
-MACHINES += [scene.model_dump(exclude_unset=True) for scene in (geared_five_bar(), sliding_input())]
-
-
-@pytest.mark.parametrize("plain", MACHINES)
-def test_friction__agrees_with_a_dense_non_linear_solution(plain):
+@pytest.mark.parametrize("made", [(0, 2, True), (1, 2, True), (3, 1, True), geared_five_bar, sliding_input], ids=str)
+def test_friction__agrees_with_a_dense_non_linear_solution(made):
+    plain = chain(*made) if isinstance(made, tuple) else made().model_dump(exclude_unset=True)
     scene = in_all_pairs(loaded(plain, 1), 1, 0.3)
     machine = MovingMachine(Scene.model_validate(scene), positions=8)
     names = [name for name in asked(machine.scene) if not name.startswith("frame")]
@@ -58,7 +58,7 @@ def test_friction__agrees_with_a_dense_non_linear_solution(plain):
 
 
 def test_friction__costs_at_every_position_what_the_input_supplies_more():
-    scene = RANDOM
+    scene = random_dyads()
     powers = [f"{friction['pair']}.friction_power" for friction in scene["friction"].values()]
     fields = ["input_moment", "input_moment_with_friction", "friction_moment", *powers]
     checks = ["input_moment_disagreement", "equilibrium_residual", "friction_residual"]
@@ -80,7 +80,7 @@ def test_friction__costs_at_every_position_what_the_input_supplies_more():
 
 
 def test_friction__goes_over_into_none():
-    scene = RANDOM
+    scene = random_dyads()
     plain = {key: part for key, part in scene.items() if key != "friction"}
     paths = [f"friction.{name}.coefficient" for name in scene["friction"]]
     names = asked(Scene.model_validate(scene))
@@ -288,7 +288,7 @@ def test_guide__of_v_form_presses_harder():
 
 def settled_groups(*fields: str) -> set[str]:
     """Groups on whose friction some fields depend."""
-    return {margin.group for margin in Machine(Scene.model_validate(RANDOM), fields=fields)._measuring.margins}
+    return {margin.group for margin in Machine(Scene.model_validate(random_dyads()), fields=fields)._measuring.margins}
 
 
 def test_friction__is_left_out_where_nothing_asked_feels_it():
