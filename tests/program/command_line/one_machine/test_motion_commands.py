@@ -184,17 +184,12 @@ def test_run__draws_the_history_and_the_steady_cycle(folder):
 FAILURES = cases(r"""
 weak motor | stall_moment = "800 N m" | stall_moment = "60 N m" | STALLS | regime work | motors can't carry the loads
     | stronger motor
-rubbing | [moments.brake] | [moments.rub]\ntype = "against_motion"\non = "crank"\nmoment = "900 N m"\n\n[moments.brake]
-    | STALLS | regime start | does not start at φ = 0 ° | 800 N·m drives it there, 900 N·m holds it | a stronger motor
 too fast | speed = "60 rpm"\nat_most | speed = "80 rpm"\nat_most | NO_END | regime start
     | 80 rpm is not reached | cycles, and closer to that speed it slows down | choose a speed that the
 driven | off = ["motor", "punch"]\nrest | off = ["brake", "punch"]\nat_most = 5\nrest | NO_END | regime stop
     | it does not come to rest | a slower machine accelerates | switch off the drive
 too short | speed = "60 rpm"\nat_most = 20 | cycles = 30\nat_most = 20 | NO_END | regime start
     | regimes.start.at_most ends it early | raise it
-no balance | type = "dc_motor"\non = "crank"\nstall_moment = "800 N m"\nno_load_speed = "66 rpm"
-    | type = "constant"\non = "crank"\nmoment = "800 N m"\nrole = "driving" | RUNS_AWAY | regime work
-    | the loads balance the drive at no speed | add a load
 """)
 
 
