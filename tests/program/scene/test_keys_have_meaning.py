@@ -211,6 +211,7 @@ def element_scenes() -> list[Scene]:
 
 
 def test_key_of_an_element__changes_something_or_is_refused():
+    """It takes 10 s: each key of elements of all kinds is given several values."""
     ignored = []
     of_all = [named for scene in element_scenes() for named in scene.elements.items()]
     for name, element in of_all:

@@ -204,6 +204,7 @@ def uninterrupted(tmp_path_factory) -> dict:
 
 
 def test_killed_runs__go_on_to_the_same_bits(uninterrupted, tmp_path):
+    """It takes 14 s: three programs start, compute, and are killed but for the last."""
     rng = np.random.default_rng(3)
     done, kills = 0, 0
     for _ in range(2):
