@@ -72,14 +72,6 @@ def test_press_with_every_action__newton_euler():
         compare(found, variant, lambda of, q=q: rows_of(of, q), truncation=dict.fromkeys(found, 10 * ends))
 
 
-def test_input_moment_three_ways__agree():
-    _, outcome = evaluated(PRESS, [], BOTH_WAYS, positions=360, summaries=CHECKS)
-    for name in CHECKS:
-        # Each way sums some hundred products; their parts are at most ten times the sum at its peak.
-        assert (outcome.summaries[name] > 0.0).all()
-        assert (outcome.summaries[name] < 1000 * EPS).all()
-
-
 def test_piston_in_a_slot__cylinder_is_borne_by_the_rocker():
     scene = loaded(quick_return().model_dump(exclude_none=True), 2)
     cylinder = {"type": "pump", "piston": "stone", "bore": 0.05, "suction": 9e4, "discharge": 4e5}
