@@ -36,17 +36,19 @@ def type_checking(node: ast.AST) -> bool:
     return isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)
 
 
-def imports_in(node: ast.AST, module: str, typed: bool = False) -> set[str]:
+def imports_in(node: ast.Module, module: str, typed: bool = False) -> set[str]:
     """Modules imported by a piece of code, inside functions too; `typed`: also those for type checkers alone."""
-    found: set[str] = used_of_rooms(node) if isinstance(node, ast.Module) else set()
-    for child in ast.iter_child_nodes(node):
-        if type_checking(child) and not typed:
-            continue
-        if isinstance(child, ast.Import):
-            found.update(alias.name for alias in child.names)
-        elif isinstance(child, ast.ImportFrom):
-            found.update(imported(child, module))
-        found |= imports_in(child, module, typed)
+    found, pending = used_of_rooms(node), [node]
+    while pending:
+        for child in ast.iter_child_nodes(pending.pop()):
+            if type_checking(child) and not typed:
+                continue
+            if isinstance(child, ast.Import):
+                found.update(alias.name for alias in child.names)
+            elif isinstance(child, ast.ImportFrom):
+                found.update(imported(child, module))
+            elif not isinstance(child, ast.expr):
+                pending.append(child)
     return found
 
 
@@ -91,17 +93,22 @@ def imported(node: ast.ImportFrom, module: str) -> set[str]:
     return within if within and len(within) == len(node.names) else within | {base}
 
 
-IMPORTS = {module: imports_in(tree_of(module), module) for module in FILES}
+@cache
+def imports(typed: bool = False) -> dict[str, set[str]]:
+    """What each module imports."""
+    return {module: imports_in(tree_of(module), module, typed) for module in FILES}
 
 
 def test_engine__imports_neither_sweeps_nor_files_nor_pictures():
-    engine_only = {m: {name.split(".")[0] for name in found} for m, found in IMPORTS.items() if m.startswith("engine")}
+    engine_only = {
+        m: {name.split(".")[0] for name in found} for m, found in imports().items() if m.startswith("engine")
+    }
     assert {m: found for m, found in engine_only.items() if found.intersection(NOT_IN_ENGINE)} == {}
 
 
 def test_private_parts_of_the_compiler__are_used_in_compiling_alone():
     private = ("numba.core", "numba.extending", "llvmlite")
-    others = {m: found for m, found in IMPORTS.items() if m.startswith("engine.") and "compiling" not in m}
+    others = {m: found for m, found in imports().items() if m.startswith("engine.") and "compiling" not in m}
     assert {m: found for m, found in others.items() if any(name.startswith(private) for name in found)} == {}
 
 
@@ -112,7 +119,7 @@ def test_engine_alone__loads_without_what_only_sweeps_needs():
 
 
 def graph(typed: bool = False) -> dict[str, set[str]]:
-    return {m: {n for n in imports_in(tree_of(m), m, typed) if n in FILES and n != m} for m in FILES}
+    return {m: {n for n in found if n in FILES and n != m} for m, found in imports(typed).items()}
 
 
 @pytest.mark.parametrize("package", PACKAGES)
@@ -325,7 +332,9 @@ def public(node: ast.AST, prefix: str) -> list[tuple[str, Definition, bool]]:
     return found
 
 
-PUBLIC = [entry for module in FILES for entry in public(tree_of(module), module)]
+@cache
+def everything_public() -> list[tuple[str, Definition, bool]]:
+    return [entry for module in FILES for entry in public(tree_of(module), module)]
 
 
 def decorators(node: Definition) -> set[str]:
@@ -338,7 +347,7 @@ def arguments(node: ast.FunctionDef) -> list[ast.arg]:
 
 
 def test_there_is_something_public():
-    assert len(PUBLIC) > 200
+    assert len(everything_public()) > 200
 
 
 def test_every_module__has_a_docstring():
@@ -346,13 +355,13 @@ def test_every_module__has_a_docstring():
 
 
 def test_everything_public__has_a_docstring():
-    without = [name for name, node, _ in PUBLIC if not ast.get_docstring(node)]
+    without = [name for name, node, _ in everything_public() if not ast.get_docstring(node)]
     assert without == []
 
 
 def test_everything_public__has_annotations():
     without = []
-    for name, node, method in PUBLIC:
+    for name, node, method in everything_public():
         if isinstance(node, ast.FunctionDef):
             own = arguments(node)
             own = own[1:] if method and "staticmethod" not in decorators(node) else own
@@ -388,7 +397,7 @@ def parameters_of(node: Definition) -> set[str]:
 
 def test_described_parameters__exist():
     wrong = []
-    for name, node, _ in PUBLIC:
+    for name, node, _ in everything_public():
         described = named(ast.get_docstring(node) or "", "Parameters")
         wrong += [f"{name}: {p}" for p in described if p not in parameters_of(node)]
     assert wrong == []
@@ -413,7 +422,7 @@ def test_public_names__are_given_once():
 
 def test_parameters__are_described_all_or_not_at_all():
     wrong = []
-    for name, node, _ in PUBLIC:
+    for name, node, _ in everything_public():
         described = set(named(ast.get_docstring(node) or "", "Parameters"))
         if described and isinstance(node, ast.FunctionDef):
             missing = parameters_of(node) - described - {"self", "cls"}
@@ -423,7 +432,7 @@ def test_parameters__are_described_all_or_not_at_all():
 
 def test_described_attributes__exist():
     wrong = []
-    for name, node, _ in PUBLIC:
+    for name, node, _ in everything_public():
         described = named(ast.get_docstring(node) or "", "Attributes")
         text = ast.unparse(node)
         wrong += [f"{name}: {p}" for p in described if not re.search(rf"\b{p}\b", text.split('"""', 2)[-1])]

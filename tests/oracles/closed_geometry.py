@@ -1,12 +1,10 @@
-"""References for the dyads at 50 digits: closed geometry in complex numbers, and differentiation along a motion."""
+"""References for the dyads at 50 digits: closed geometry in complex numbers."""
 
 import mpmath
 from hypothesis import strategies as st
 from mpmath import mpc, mpf
 
 EPS = 2.0**-53
-# Noise of references found by differences at 50 digits.
-NOISE = 1e-30
 
 coordinate = st.floats(-4.0, 4.0)
 angle = st.floats(-3.2, 3.2)
@@ -37,41 +35,7 @@ def parts(*vectors):
 
 def near(value, reference, tolerance):
     told = value, mpmath.nstr(reference, 20), mpmath.nstr(tolerance, 3)
-    assert abs(mpf(value) - reference) <= tolerance + NOISE, told
-
-
-class Path:
-    """A number or vector that moves with q as a cubic: value, speed and acceleration at q = 0 are as given."""
-
-    def __init__(self, value, speed, acceleration):
-        self.value, self.speed, self.acceleration = value, speed, acceleration
-
-    def __call__(self, q):
-        return self.value + q * (self.speed + q * (self.acceleration / 2 + q * self.speed / 3))
-
-
-@st.composite
-def moving_points(draw):
-    return Path(*(vector(draw(coordinate), draw(coordinate)) for _ in range(3)))
-
-
-@st.composite
-def moving_angles(draw):
-    return Path(*(mpf(draw(angle)) for _ in range(3)))
-
-
-def derivatives(position):
-    """First and second derivative at q = 0 by differences at 50 digits, some 20 digits good."""
-    return mpmath.diff(position, 0, 1), mpmath.diff(position, 0, 2)
-
-
-def turned(angle):
-    """An angle's turn since q = 0, so that no jump of the argument lies between."""
-    start = unit(angle(0))
-    return lambda q: mpmath.arg(unit(angle(q)) / start)
-
-
-# Closed geometry
+    assert abs(mpf(value) - reference) <= tolerance, told
 
 
 def rrr_angles(a, d, r1, r2, sign):

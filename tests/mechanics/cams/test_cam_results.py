@@ -389,18 +389,6 @@ def test_peaks_of_a_table__are_those_of_its_exact_cubics(gaps, interpolation):
                     assert gaps != "even" or errors[name] < 1e-10 * float(true), name
 
 
-def test_table_of_a_law__is_near_the_law():
-    angles = np.linspace(0, 2 * math.pi, 181)[:-1]
-    lift = 0.005 * (1 - np.cos(angles))
-    table = {"over_angle": angles.tolist(), "lift": lift.tolist()}
-    values, _, status = cam_answers(FLAT, sections=None, table=table)
-    assert status == Verdict.OK
-    # A spline's curvature is off by the square of the rows' distance.
-    assert values["convex_radius"] == pytest.approx(0.035, rel=2e-4)
-    assert values["greatest_velocity"] == pytest.approx(0.005 * OMEGA, rel=1e-6)
-    assert values["acceleration_jump"] == 0.0
-
-
 def test_sections_of_variants__that_make_no_turn_are_outside_limits():
     scene = cam_scene(ROLLER)
     alone = ElementsAlone(scene, ["cam.greatest_velocity"], varied=["elements.cam.sections.out.angle"])

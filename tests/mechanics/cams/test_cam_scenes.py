@@ -74,6 +74,7 @@ def test_table_of_a_cam__keeps_its_units(tmp_path):
 
 @pytest.fixture(scope="module")
 def result(tmp_path_factory):
+    """Result of the bundled study of a valve train: thousands of cams in 10 s."""
     path = tmp_path_factory.mktemp("valve") / "valve_train.h5"
     return SweepResult(run_study(read_study(bundled_studies()["valve_train"]), path))
 

@@ -141,11 +141,6 @@ def test_what_only_a_mechanism_has__is_refused(ask, words):
         made_ready(scene(jack=JACK), **ask)
 
 
-def test_wrong_variants__are_refused():
-    with pytest.raises(AskError, match=r"no values are given for 'elements.jack.pitch'"):
-        ElementsAlone(scene(jack=JACK), varied=["elements.jack.pitch"]).evaluate({})
-
-
 # Studies and commands
 
 

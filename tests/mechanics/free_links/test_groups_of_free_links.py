@@ -7,6 +7,7 @@ import pytest
 from commands import said
 from free_link_scenes import KINDS, dyads_twice, four_sided, free_link_scene, six_sided, triad_data
 from link_coordinates import LinkCoordinates
+from machines import moving
 
 from engine import AskError, Machine, MovingMachine, Near, Scene, SceneError, Verdict, assembly_modes
 from engine.scene.structure.free_groups import cutting_of
@@ -223,8 +224,8 @@ def test_sweep__follows_the_mode_of_its_scene():
         data = triad_data()
         data["links"]["lower"]["length"] = float(length)
         data["near"]["C"] = {"x": float(swept.fields["C.x"][i][0]), "y": float(swept.fields["C.y"][i][0])}
-        alone = Machine(Scene.model_validate(data), fields=fields, positions=8).evaluate({})
-        assert swept.fields["plate.angle"][i] == pytest.approx(alone.fields["plate.angle"][0], abs=1e-13)
+        alone = moving(data, fields[:1], 8)[1]["plate.angle"]
+        assert swept.fields["plate.angle"][i] == pytest.approx(alone, abs=1e-13)
 
 
 def test_place_that_tells_the_mode__is_not_varied():
@@ -247,10 +248,7 @@ def test_free_links_that_are_dyads__agree_with_the_dyads():
         "reduced_inertia": "reduced_inertia",
         "reduced_moment": "reduced_moment",
     }
-    one = Machine(Scene.model_validate(dyads), fields=same, positions=16).evaluate({})
-    scene = Scene.model_validate(free)
-    assert [group.group_class for group in order(scene).free_groups.values()] == [2, 2]
-    other = Machine(scene, fields=same.values(), positions=16).evaluate({})
+    assert [group.group_class for group in order(Scene.model_validate(free)).free_groups.values()] == [2, 2]
+    one, other = moving(dyads, list(same), 16)[1], moving(free, list(same.values()), 16)[1]
     for name, own in same.items():
-        expected = one.fields[name][0]
-        assert other.fields[own][0] == pytest.approx(expected, abs=1e-12 * np.abs(expected).max()), name
+        assert other[own] == pytest.approx(one[name], abs=1e-12 * np.abs(one[name]).max()), name

@@ -91,16 +91,6 @@ def test_vyshnegradsky__is_the_polynomial_in_other_units(inertia, m, b, c, s, ga
     assert (x * y > 1) == (growth(inertia, m, b, c, s, gain, pull) < 0)
 
 
-def test_without_self_regulation_and_own_inertia__the_textbooks_formulas():
-    inertia, m, b, c, gain, pull = 3.0, 2.0, 50.0, 400.0, 1e4, 1e-9
-    assert critical_damping_of_sleeve(inertia, m, c, 0.0, gain, pull) == pytest.approx(m * gain * pull / (inertia * c))
-    assert critical_inertia_of_engine(m, b, c, 0.0, gain, pull) == pytest.approx(m * gain * pull / (b * c))
-    x, y, time = vyshnegradsky(*governed_polynomial(inertia, m, b, c, 0.0, gain, pull))
-    assert time**3 == pytest.approx(inertia * m / (gain * pull))
-    assert (x, y) == (pytest.approx(b / m * time), pytest.approx(c / m * time**2))
-    assert most_gain(inertia, m, b, c, 0.0, pull) / gain == pytest.approx(x * y)
-
-
 @some
 @given(scale, scale, maybe, maybe, scale, scale)
 def test_critical_damping__is_where_roots_reach_the_imaginary_axis(inertia, m, c, s, gain, pull):

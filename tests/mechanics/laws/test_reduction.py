@@ -39,6 +39,7 @@ def test_reduced_inertia_and_its_slope__kinetic_energy():
 
 
 def test_reduced_moments__power_of_real_forces_on_real_velocities():
+    """It takes 5 s: the oracle moves a press with every action four times."""
     scene = press(bodies=bodies(), **actions())
     names = [n for table in actions().values() for n in table] + ["gravity"]
     fields = [*(f"{n}.moment" for n in names), "reduced_moment", "input_moment"]

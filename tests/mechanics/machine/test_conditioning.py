@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import cache
 
 import mpmath
 import numpy as np
@@ -22,7 +23,6 @@ from engine.scene.scene import Numbers, scene_numbers
 
 EPS = np.finfo(float).eps
 POSITIONS = 720
-CHAIN = Scene.model_validate(chain(0, 5, False))
 
 # Of each dyad of the chain: numbers of its own, and fields that they displace.
 DISPLACED = {
@@ -37,11 +37,16 @@ FIELDS = [field for _, fields in DISPLACED.values() for field in fields]
 STEP = 1e-3
 
 
+@cache
+def five_dyads() -> Scene:
+    return Scene.model_validate(chain(0, 5, False))
+
+
 @pytest.fixture(scope="module")
 def displaced() -> dict[str, np.ndarray]:
     """Derivative of every field by every number (numbers, positions), by differences of the fourth order."""
-    machine = Machine(CHAIN, (), [*FIELDS, "T1.x", "T1.y"], NUMBERS, POSITIONS)
-    nominal = Numbers(scene_numbers(CHAIN), {})
+    machine = Machine(five_dyads(), (), [*FIELDS, "T1.x", "T1.y"], NUMBERS, POSITIONS)
+    nominal = Numbers(scene_numbers(five_dyads()), {})
     moved = {path: np.full(4 * len(NUMBERS), nominal[path]) for path in NUMBERS}
     for i, path in enumerate(NUMBERS):
         moved[path][4 * i : 4 * i + 4] += STEP * np.array([1, -1, 2, -2])
@@ -53,21 +58,21 @@ def displaced() -> dict[str, np.ndarray]:
         found[name] = (8 * (one - other) - (far - beyond)) / (12 * STEP)
     # The last number moves nothing before the pin of the last dyad.
     x, y = (outcome.fields[f"T1.{axis}"][-1] for axis in "xy")
-    pivot = CHAIN.points["D2"]
+    pivot = five_dyads().points["D2"]
     return found | {"arm": np.hypot(x - pivot.x, y - pivot.y)}
 
 
 def test_residual_of_rounding__takes_no_panels_from_what_is_asked_beside_it():
-    alone = Machine(CHAIN, ["g0.error_magnification", "positions_used"]).evaluate({})
-    beside = Machine(CHAIN, ["g0.error_magnification", "positions_used", "loop_closure_residual"]).evaluate({})
+    alone = Machine(five_dyads(), ["g0.error_magnification", "positions_used"]).evaluate({})
+    beside = Machine(five_dyads(), ["g0.error_magnification", "positions_used", "loop_closure_residual"]).evaluate({})
     for name, values in alone.summaries.items():
         assert beside.summaries[name][0] == pytest.approx(values[0], rel=1e-12)
 
 
 @pytest.fixture(scope="module")
 def magnified() -> dict[str, float]:
-    names = [*(f"{group}.error_magnification" for group in CHAIN.groups), "error_magnification"]
-    outcome = Machine(CHAIN, [*names, "loop_closure_residual"], positions=POSITIONS).evaluate({})
+    names = [*(f"{group}.error_magnification" for group in five_dyads().groups), "error_magnification"]
+    outcome = Machine(five_dyads(), [*names, "loop_closure_residual"], positions=POSITIONS).evaluate({})
     return {name: float(values[0]) for name, values in outcome.summaries.items()}
 
 
@@ -98,7 +103,7 @@ def top_between(row: np.ndarray) -> float:
 
 def test_magnification_of_the_machine__that_of_its_worst_group(magnified):
     of_groups = [value for name, value in magnified.items() if name.endswith(".error_magnification")]
-    assert len(of_groups) == len(CHAIN.groups)
+    assert len(of_groups) == len(five_dyads().groups)
     assert magnified["error_magnification"] == max(of_groups)
 
 
@@ -117,7 +122,7 @@ def test_magnification_near_a_change_point__closed_form(short):
 
 
 def test_magnification__its_error_figure_covers_other_positions():
-    few, many = (Machine(CHAIN, ["error_magnification"], positions=n).evaluate({}) for n in (24, 768))
+    few, many = (Machine(five_dyads(), ["error_magnification"], positions=n).evaluate({}) for n in (24, 768))
     gap = abs(few.summaries["error_magnification"][0] - many.summaries["error_magnification"][0])
     assert gap <= few.errors["error_magnification"][0] + many.errors["error_magnification"][0]
 
@@ -126,23 +131,21 @@ def test_magnification__its_error_figure_covers_other_positions():
 
 
 @pytest.mark.parametrize(
-    "scene",
+    "made",
     [
-        CHAIN,
-        Scene.model_validate(chain(4, 10, True)),
-        geared_five_bar(),
-        sliding_input(),
-        quick_return(0.01),
-        scotch_yoke(),
+        five_dyads,
+        lambda: Scene.model_validate(chain(4, 10, True)),
+        geared_five_bar,
+        sliding_input,
+        lambda: quick_return(0.01),
+        scotch_yoke,
     ],
     ids=["chain", "series", "five-bar", "sliding input", "quick return", "yoke"],
 )
-def test_loops__close_to_rounding(scene):
-    made = (
-        Machine(scene, ["loop_closure_residual"], positions=POSITIONS).evaluate({}).summaries["loop_closure_residual"]
-    )
+def test_loops__close_to_rounding(made):
+    outcome = Machine(made(), ["loop_closure_residual"], positions=POSITIONS).evaluate({})
     # Some ten roundings of coordinates up to ten times as great as a link.
-    assert 0 < made[0] < 100 * EPS
+    assert 0 < outcome.summaries["loop_closure_residual"][0] < 100 * EPS
 
 
 def test_crank_alone__has_no_loop():
@@ -169,7 +172,7 @@ def added(place: int, by: float) -> Callable:
 
 def closures(spoilt: str = "", change: Callable | None = None) -> dict[str, float]:
     """What the loops of the chain miss at one position, with the results of one law changed."""
-    mechanics = Mechanics(CHAIN)
+    mechanics = Mechanics(five_dyads())
     nodes = mechanics.kinematics.closures
     values = Spoilt(mechanics, spoilt, change)(list(nodes.values()), np.array([0.7]))
     return {group: float(value[0]) for group, value in zip(nodes, values, strict=True)}

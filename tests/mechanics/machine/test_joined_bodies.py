@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from machines import slider_crank
+from machines import moving, slider_crank
 from oracle import EPS
 from press import press
 
@@ -41,7 +41,7 @@ def scenes_of(on_links):
     """The press with the bodies of each link apart, and with one body in their place."""
     apart = {f"part_{link}_{i}": body(link, p) for link, parts in on_links.items() for i, p in enumerate(parts)}
     joined = {f"whole_{link}": {"link": link, **resultant(*parts)} for link, parts in on_links.items()}
-    return [Scene.model_validate(press(bodies=bodies)) for bodies in (apart, joined)]
+    return [press(bodies=bodies) for bodies in (apart, joined)]
 
 
 def links_of(scene):
@@ -56,22 +56,22 @@ PARTS = [(3.0, 0.4, 0.1, 0.02), (1.0, -0.2, 0.05, 0.0), (0.25, 0.0, -0.3, 0.5), 
 
 def test_parts_of_bodies__act_as_their_resultant():
     scenes = scenes_of({link: PARTS[i % 2 :] for i, link in enumerate(LINKS)})
-    reactions = [f for f in Machine(scenes[1]).available_fields if ".reaction" in f]
-    rows = [Machine(s, fields=[*DYNAMICS, *reactions], positions=48).evaluate({}) for s in scenes]
-    assert (rows[0].status == Verdict.OK).all()
+    known = Machine(Scene.model_validate(scenes[1])).available_fields
+    reactions = [field for field in known if ".reaction" in field]
+    apart, joined = (moving(scene, [*DYNAMICS, *reactions], 48)[1] for scene in scenes)
     # Reactions follow from small systems of equations: tolerances are of the greatest of them.
-    greatest = max(np.abs(rows[1].fields[name]).max() for name in reactions)
+    greatest = max(np.abs(joined[name]).max() for name in reactions)
     for name in [*DYNAMICS, *reactions]:
-        scale = greatest if name in reactions else np.abs(rows[1].fields[name]).max()
-        np.testing.assert_allclose(rows[0].fields[name], rows[1].fields[name], rtol=0, atol=500 * EPS * scale)
+        scale = greatest if name in reactions else np.abs(joined[name]).max()
+        np.testing.assert_allclose(apart[name], joined[name], rtol=0, atol=500 * EPS * scale)
 
 
 def test_bodies_without_mass__leave_their_inertia():
     link = LINKS[1]
     rows = []
     for parts in ([(0.0, 0.0, 0.0, 0.5), (0.0, 1.0, 2.0, 0.5)], [(0.0, 0.0, 0.0, 1.0)]):
-        scene = Scene.model_validate(press(bodies={f"b{i}": body(link, part) for i, part in enumerate(parts)}))
-        rows.append(Machine(scene, fields=["reduced_inertia"], positions=24).evaluate({}).fields["reduced_inertia"])
+        scene = press(bodies={f"b{i}": body(link, part) for i, part in enumerate(parts)})
+        rows.append(moving(scene, ["reduced_inertia"], 24)[1]["reduced_inertia"])
     np.testing.assert_array_equal(*rows)
     assert (rows[0] > 0).any()
 
@@ -80,10 +80,7 @@ def test_body_named_as_another_link__is_not_taken_for_its_resultant():
     first, second = LINKS[1], LINKS[2]
     parts = {first: body(second, PARTS[0]), "p": body(first, PARTS[1]), "q": body(first, PARTS[2])}
     renamed = {"r": parts[first], "p": parts["p"], "q": parts["q"]}
-    rows = [
-        Machine(Scene.model_validate(press(bodies=bodies)), fields=DYNAMICS, positions=24).evaluate({}).fields
-        for bodies in (parts, renamed)
-    ]
+    rows = [moving(press(bodies=bodies), DYNAMICS, 24)[1] for bodies in (parts, renamed)]
     for name in DYNAMICS:
         np.testing.assert_array_equal(rows[0][name], rows[1][name])
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from machines import changed, crank, four_bar, frame, on, rrp
+from machines import changed, crank, four_bar, frame, moving, on, rrp, variants_of
 from oracle import EPS
 from press import bodies, press
 
@@ -50,16 +50,11 @@ def test_dynamic_replacement_of_every_body__changes_nothing(choice):
         "bodies.coupler_body.mass": [3.0, 30.0, 1.0],
         "groups.bars.first.length": [1.0, 0.95, 1.05],
     }
-    numbers = {path: np.array(values) for path, values in varied.items()}
-    rows = []
-    for scene in (plain, replaced):
-        machine = Machine(Scene.model_validate(scene), fields=DYNAMICS, varied=varied, positions=48)
-        outcome = machine.evaluate(numbers)
-        assert (outcome.status == Verdict.OK).all()
-        rows.append(outcome.fields)
-    # Replacement masses are some times the body's own, with signs: some hundred roundings of the greatest value.
-    for name in DYNAMICS:
-        np.testing.assert_allclose(rows[1][name], rows[0][name], rtol=0, atol=500 * EPS * np.abs(rows[0][name]).max())
+    for one, other in zip(variants_of(plain, varied), variants_of(replaced, varied), strict=True):
+        own, made = moving(one, DYNAMICS, 48)[1], moving(other, DYNAMICS, 48)[1]
+        # Replacement masses are some times the body's own, with signs: some hundred roundings of the greatest value.
+        for name in DYNAMICS:
+            np.testing.assert_allclose(made[name], own[name], rtol=0, atol=500 * EPS * np.abs(own[name]).max())
 
 
 def test_static_replacement__misses_the_moment_of_inertia_it_says():
@@ -141,11 +136,9 @@ def test_points_of_every_kind_of_link__may_carry_masses(link, at):
     scene["bodies"] = {"b": {"link": link, "mass": 2.0, "x": 0.11, "y": 0.0 if len(at) == 2 else 0.07, "inertia": 0.03}}
     # What the masses add: a body with the inertia that the static replacement says.
     replaced = changed(scene, {"bodies.b.replace": {"type": "static", "at": at}})
-    machine = Machine(Scene.model_validate(replaced), ["b.replacement_error"], ["reduced_inertia"], positions=16)
-    found = machine.evaluate({})
-    scene["bodies"]["b"]["inertia"] += float(found.summaries["b.replacement_error"][0])
-    expected = Machine(Scene.model_validate(scene), fields=["reduced_inertia"], positions=16).evaluate({})
-    rows = found.fields["reduced_inertia"], expected.fields["reduced_inertia"]
+    missed = Machine(Scene.model_validate(replaced), ["b.replacement_error"]).evaluate({}).summaries
+    scene["bodies"]["b"]["inertia"] += float(missed["b.replacement_error"][0])
+    rows = [moving(data, ["reduced_inertia"], 16)[1]["reduced_inertia"] for data in (replaced, scene)]
     np.testing.assert_allclose(*rows, rtol=0, atol=64 * EPS * np.abs(rows[1]).max())
 
 
@@ -158,8 +151,7 @@ def test_bodies_on_a_yoke__whatever_their_names():
         second = {"link": "yoke", "guide": "way", "slot_angle": 1.2}
         scene["groups"]["saw"] = {"type": "RPP", "first": {"link": "stone", "joint": "A"}, "second": second}
         scene["bodies"] = {n: {"link": "yoke", "mass": 2.0, "x": 0.2, "y": 0.1} for n in names}
-        machine = Machine(Scene.model_validate(scene), fields=["reduced_inertia"], positions=8)
-        rows.append(machine.evaluate({}).fields["reduced_inertia"])
+        rows.append(moving(scene, ["reduced_inertia"], 8)[1]["reduced_inertia"])
     assert (rows[0] == rows[1]).all()
 
 

@@ -1,6 +1,7 @@
 """Machines written by hand as the four functions that `engine.cycle` takes."""
 
 import math
+from functools import cache
 
 import numpy as np
 from numba import njit
@@ -24,18 +25,26 @@ COMPILED = {**TILE_OPTIONS, "cache": False}
 
 
 def at_positions(law):
-    """A function that fills a tile by a law: what its curves are in a lane at a position."""
-    law = njit(error_model="numpy", fastmath=TILE_OPTIONS["fastmath"])(law)
+    """What makes a function that fills a tile by a law: what its curves are in a lane at a position.
 
-    @njit(TILE_SIGNATURE, **COMPILED)
-    def filled(P, T, q, cos_q, sin_q, tile):
-        count, room = q.shape[0], tile.shape[1]
-        P, q, cos_q, sin_q, tile = in_lanes(P), in_lanes(q), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
-        for i in range(count):
-            for lane in range(LANES):
-                law(P, lane, q[i, lane], cos_q[i, lane], sin_q[i, lane], tile, i, room)
+    It compiles when first called, in the process that needs it.
+    """
 
-    return filled
+    @cache
+    def made():
+        compiled = njit(error_model="numpy", fastmath=TILE_OPTIONS["fastmath"])(law)
+
+        @njit(TILE_SIGNATURE, **COMPILED)
+        def filled(P, T, q, cos_q, sin_q, tile):
+            count, room = q.shape[0], tile.shape[1]
+            P, q, cos_q, sin_q, tile = in_lanes(P), in_lanes(q), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
+            for i in range(count):
+                for lane in range(LANES):
+                    compiled(P, lane, q[i, lane], cos_q[i, lane], sin_q[i, lane], tile, i, room)
+
+        return filled
+
+    return made
 
 
 @at_positions
@@ -85,7 +94,7 @@ def press(**asked):
     """The press, cut where its loads set in and end; curves are its inertia (0) and the moment of the loads (1)."""
     loads = {"levels": [NEAR, FAR], "states": [LOAD], "crossings": [(0, NEAR, 0.0), (0, FAR, 0.0)], "cuts": [FROM, TO]}
     plan = Plan(ends=(FIRST, LAST), curves=2, landmarks=[(LOW, HIGH, LOW_AT, HIGH_AT)], **loads, **asked)
-    return CycleMachine(plan, press_curves, press_events, press_levels, press_states)
+    return CycleMachine(plan, press_curves(), press_events(), press_levels(), press_states())
 
 
 def slide(numbers, q):
@@ -115,7 +124,7 @@ def smooth_numbers(e, phase, first=0.0, last=2.0 * np.pi):
 
 def smooth(**asked):
     """The smooth curves, with nothing that switches."""
-    return CycleMachine(Plan(ends=(CURVE_FIRST, CURVE_LAST), curves=4, **asked), smooth_curves)
+    return CycleMachine(Plan(ends=(CURVE_FIRST, CURVE_LAST), curves=4, **asked), smooth_curves())
 
 
 # Harmonics of a wave: cosine and sine parts of order k in rows 2 k and 2 k + 1, the range in the first two.
@@ -160,7 +169,7 @@ def forces(**asked):
 
     Both with a phase, number 3; the last curve is the rate of the first one's angle.
     """
-    return CycleMachine(Plan(ends=(0, 1), curves=7, **asked), force_curves)
+    return CycleMachine(Plan(ends=(0, 1), curves=7, **asked), force_curves())
 
 
 def force_numbers(swing, phase):
@@ -178,4 +187,4 @@ def square_curve(P, lane, q, c, s, tile, i, room):
 
 def squares(**asked):
     """The square cos² x + b² sin² x of a vector that nearly vanishes twice; numbers as of `smooth_numbers`, b for e."""
-    return CycleMachine(Plan(ends=(CURVE_FIRST, CURVE_LAST), curves=1, **asked), square_curve)
+    return CycleMachine(Plan(ends=(CURVE_FIRST, CURVE_LAST), curves=1, **asked), square_curve())

@@ -1,4 +1,5 @@
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -13,7 +14,11 @@ from engine.cycle.panels.lanes import many
 from engine.cycle.panels.walk import Edge
 
 TURN = 2.0 * math.pi
-PRESS = press(integrals=(1,), extremes=(1,))
+
+
+@cache
+def cut_press():
+    return press(integrals=(1,), extremes=(1,))
 
 
 def stroke_ends(numbers):
@@ -37,7 +42,7 @@ def presses():
 
 
 def test_landmarks_are_the_dead_centres(presses):
-    found = PRESS.evaluate(presses).landmarks
+    found = cut_press().evaluate(presses).landmarks
     near, far = stroke_ends(presses)
     # Each found from a few roundings.
     assert np.all(np.abs(found.least.value[0] - near) <= found.least.error[0])
@@ -54,7 +59,7 @@ def test_landmarks_are_the_dead_centres(presses):
 def test_a_window_where_stroke_begins_and_ends_sets_in_at_the_dead_centres():
     numbers = press_numbers(3, force=100.0, near_share=np.array([0.0, 0.0, 0.9]), far_share=np.array([1.0, 0.1, 1.0]))
     numbers[OFFSET] = 0.0
-    found = PRESS.evaluate(numbers)
+    found = cut_press().evaluate(numbers)
     exact = -100.0 * np.array([1.0, 0.1, 0.1]) * 0.2
     assert np.all(np.abs(found.integrals.value[0] - exact) <= found.integrals.error[0])
     # Roots beside a dead centre would each add a panel.
@@ -64,13 +69,13 @@ def test_a_window_where_stroke_begins_and_ends_sets_in_at_the_dead_centres():
 def test_levels_that_are_never_reached_and_no_levels_cut_nothing():
     shares = {"near_share": -0.2, "far_share": 1.2}
     never, none = press_numbers(1, **shares), press_numbers(1, **dict.fromkeys(shares, np.nan))
-    assert PRESS.evaluate(never).panels[0] == PRESS.evaluate(none).panels[0]
+    assert cut_press().evaluate(never).panels[0] == cut_press().evaluate(none).panels[0]
 
 
 def test_a_variant_that_cannot_be_assembled_spoils_no_other():
     rod = np.where(np.arange(200) % 3 == 0, 0.05, 0.4)
-    found = PRESS.evaluate(press_numbers(200, rod=rod, force=100.0))
-    alone = PRESS.evaluate(press_numbers(1, force=100.0))
+    found = cut_press().evaluate(press_numbers(200, rod=rod, force=100.0))
+    alone = cut_press().evaluate(press_numbers(1, force=100.0))
     good = rod == 0.4
     assert np.isnan(found.integrals.value[0][~good]).all()
     assert np.isnan(found.landmarks.least.value[0][~good]).all()
@@ -83,7 +88,10 @@ def test_a_range_that_ends_before_a_dead_centre_takes_the_ends_for_landmarks():
     rng = np.random.default_rng(4)
     first, last = rng.uniform(0.3, 1.5, 100), rng.uniform(1.6, 2.8, 100)
     numbers = press_numbers(100, first=first, last=last, force=100.0, near_share=0.25, far_share=0.75)
-    there, back = PRESS.evaluate(numbers), press_numbers(100, first=last, last=first, near_share=0.25, far_share=0.75)
+    there, back = (
+        cut_press().evaluate(numbers),
+        press_numbers(100, first=last, last=first, near_share=0.25, far_share=0.75),
+    )
     ends = slide(numbers, first), slide(numbers, last)
     assert np.all(np.abs(there.landmarks.greatest.value[0] - ends[0]) < 4e-16)
     assert np.all(there.landmarks.least_at.value[0] == last)
@@ -91,7 +99,7 @@ def test_a_range_that_ends_before_a_dead_centre_takes_the_ends_for_landmarks():
     assert np.all(np.abs(there.integrals.value[0] - exact) <= there.integrals.error[0])
     # Backwards the rate by q is the same, so the force acts there too; the range is negative.
     back[7] = 100.0
-    found = PRESS.evaluate(back)
+    found = cut_press().evaluate(back)
     assert np.all(np.abs(found.integrals.value[0] + exact) <= found.integrals.error[0])
     assert np.all(found.means.value[0] < 0.0)
 
@@ -108,7 +116,7 @@ def constant_curve(P, lane, q, c, s, tile, i, room):
 
 def test_what_switches_ever_more_often_is_looked_at_more_closely_until_it_has_no_results_and_spoils_no_other():
     plan = Plan((0, 1), 1, landmarks=[(-1, -1, -1, -1)], crossings=[(0, 3, 0.0)], integrals=[0], extremes=[0])
-    machine = CycleMachine(plan, constant_curve, events=wavy_events)
+    machine = CycleMachine(plan, constant_curve(), events=wavy_events())
     # A sine of n waves has 2 n zeros, and at first there is room for twelve; among waves at 2304 positions it is lost.
     waves = np.array([1.0, 6.0, 7.0, 35.0, 300.0, 2e4, 3.0])
     found = machine.evaluate(np.stack([np.zeros(7), np.full(7, TURN), waves, np.zeros(7)]))
@@ -162,7 +170,7 @@ def two_top_power(P, lane, q, c, s, tile, i, room):
 
 def test_a_load_against_a_ram_with_two_tops_acts_on_both_rises():
     plan = Plan((0, 1), 1, landmarks=[(-1, -1, -1, -1)], crossings=[(0, 4, 0.0)], states=[5], integrals=[0])
-    machine = CycleMachine(plan, two_top_power, events=two_top_velocity, states=two_top_sense)
+    machine = CycleMachine(plan, two_top_power(), events=two_top_velocity(), states=two_top_sense())
     rng = np.random.default_rng(4)
     # The ram is at −(cos x − cos h)²: its tops, at ±h, are 2 h apart, anywhere in the cycle and at its ends.
     h, phase, zeros = 10.0 ** rng.uniform(-7.0, -0.3, 2000), rng.uniform(0.0, TURN, 2000), np.zeros(2000)
@@ -197,7 +205,7 @@ def tilted_top(h, tilt):
 
 def test_the_end_of_a_stroke_with_two_close_tops_is_the_higher_one():
     plan = Plan((0, 1), 1, landmarks=[(-1, -1, -1, -1)], integrals=[0])
-    machine = CycleMachine(plan, constant_curve, events=tilted_tops)
+    machine = CycleMachine(plan, constant_curve(), events=tilted_tops())
     rng = np.random.default_rng(5)
     h, phase, zeros = 10.0 ** rng.uniform(-5.0, -0.3, 2000), rng.uniform(0.0, TURN, 2000), np.zeros(2000)
     phase[::5] = rng.uniform(-2.0, 2.0, 400) * h[::5]

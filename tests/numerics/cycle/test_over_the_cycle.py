@@ -86,7 +86,7 @@ def test_unloaded_arc__is_as_uncertain_as_the_peak_by_which_its_force_ceases_to_
     random, count = np.random.default_rng(7), 200
     high, at = random.uniform(2.0, 9.0, count), random.uniform(-1.0, 1.0, count)
     width, exact = random.uniform(0.05, 0.2, count), np.zeros(count)
-    machine = CycleMachine(Plan(ends=(0, 1), curves=3, arcs=((0, 1, 2),), tolerance=tolerance), sharp_force)
+    machine = CycleMachine(Plan(ends=(0, 1), curves=3, arcs=((0, 1, 2),), tolerance=tolerance), sharp_force())
     found = machine.evaluate(np.array([np.full(count, -math.pi), np.full(count, math.pi), high, at, width])).arcs
     for k in range(count):
 

@@ -87,6 +87,7 @@ def cluster_of_two():
 
 
 def test_job_that_kills_its_workers__is_given_up_and_the_others_are_not(tmp_path):
+    """It takes 9 s: processes that load the program are killed and started anew."""
     with cluster_of_two() as client, crew_on(client, study_of(tmp_path, DISTINCT)) as crew:
         found = dict(crew.results(cluster_jobs.squared_by_survivors, ((n, (n,)) for n in range(12))))
         assert found == {n: n**2 for n in range(12) if n != 3}

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import done, row, said
+from commands import done, said
 from press_texts import PRESS
 
 from engine import show_units
@@ -25,16 +25,6 @@ def inches(press_folder):
     show_units({})
 
 
-def test_scene_in_inches__is_shown_in_inches(inches):
-    # In line, the stroke is twice the crank.
-    shown = said("run", inches, "--no-plots", "--out", "r.h5").stdout
-    name, _, value, unit, *_ = row(shown, "ram.stroke")
-    assert (name, value, unit) == ("ram.stroke", "4", "in")
-    # At 90° the point is at its highest, 8 in − 2 in below the pivot.
-    assert row(said("show", inches, "--at", "90", "--columns", "B.y").stdout, "B.y")[1:3] == ["-6", "in"]
-    assert row(said("show", inches, "--at", "0", "--columns", "B.vy").stdout, "B.vy")[2] == "in/s"
-
-
 def test_result_of_a_scene_in_inches__is_shown_so_later_and_others_are_not(inches, press_folder):
     done("run", inches, "--no-plots", "--out", "r.h5")
     done("run", "press.toml", "--no-plots", "--out", "mm.h5")
@@ -42,11 +32,6 @@ def test_result_of_a_scene_in_inches__is_shown_so_later_and_others_are_not(inche
     units = said("show", "r.h5", "--columns", "ram.stroke").stdout
     assert " in\n" in units
     assert "mm" in said("show", "mm.h5", "--columns", "ram.stroke").stdout
-
-
-def test_scene_mostly_in_millimetres__is_shown_in_them(press_folder):
-    Path("press.toml").write_text(PRESS.replace("200 mm", "8 in"))
-    assert row(said("run", "press.toml", "--no-plots").stdout, "ram.stroke")[3] == "mm"
 
 
 def table_of(path: str) -> dict[str, list[str]]:

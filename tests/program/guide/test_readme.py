@@ -135,6 +135,7 @@ OPTIMISED = ["optimise", "four_bar_counterweights"]
 
 
 def test_commands__run_in_the_order_written(folder, monkeypatch):
+    """It takes 30 s, as a reader who tries all 41 commands needs, and 28 s of compiling the first time."""
     monkeypatch.chdir(folder)
     listed, drawn = commands(), drawn_by_worked_pages()
     assert len(listed) >= 12

@@ -140,6 +140,7 @@ def test_machine_that_does_not_start__is_a_page_that_says_why():
     assert figure.axes == []
     text = " ".join(figure.get_suptitle().split())
     assert "regime start: the machine does not start at φ = 0 °: 20 N·m drives it there, 30 N·m holds it" in text
+    assert "a stronger motor" in text
     with pytest.raises(PictureError, match="no steady motion 'work': regime start: the machine does not start"):
         cycle_diagrams(scene, seen, "work", Figure())
 
@@ -162,7 +163,10 @@ def test_machine_that_runs_away__shows_its_start_and_says_where_it_fails(tmp_pat
     assert [path.name for path in made] == ["a.png", "a_diagrams.png", "a_history.png"]
     figure = history_diagrams(scene, history(scene), Figure())
     assert [ax.get_title() for ax in figure.axes[:1]] == ["start"]
-    assert "regime work: the machine runs away" in figure.get_suptitle()
+    told = " ".join(figure.get_suptitle().split())
+    assert "regime work: the machine runs away" in told
+    assert "the loads balance the drive at no speed" in told
+    assert "add a load" in told
 
 
 def test_long_row__keeps_its_extremes_when_thinned():

@@ -8,7 +8,7 @@ from drawn_machines import slider_crank
 from each_case import each
 from plan_machines import CLOSED, HIGHER, MACHINES, cycle_of, poses
 
-from engine import Machine
+from engine import Machine, MovingMachine
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.plans.forces.force_plan import force_polygon
 from sweeps.pictures.plans.forces.loads import group_loads, loads_on_links
@@ -170,7 +170,7 @@ def test_acting_forces__their_power_is_their_reduced_moment(name):
     actions = [field.removesuffix(".force_x") for field in known if field.endswith(".force_x")]
     moments = [field.removesuffix(".acting_moment") for field in known if field.endswith(".acting_moment")]
     fields = [f"{action}.moment" for action in (*actions, *moments)]
-    reduced = Machine(scene, fields=fields).evaluate({}).fields
+    reduced = MovingMachine(scene, positions=720).fields(fields)
     for pose in poses(name):
         for action in actions:
             if action in scene.forces:
@@ -182,11 +182,11 @@ def test_acting_forces__their_power_is_their_reduced_moment(name):
                 velocity = pose.origin(scene.cylinders[action].piston).v
             power = (acting(cycle, action, pose.k).conjugate() * velocity).real
             # Two products and a sum of the same numbers in another order.
-            greatest = np.abs(reduced[f"{action}.moment"][0]).max() * abs(cycle.omega)
-            assert power == pytest.approx(reduced[f"{action}.moment"][0, pose.k] * cycle.omega, abs=1e-12 * greatest)
+            greatest = np.abs(reduced[f"{action}.moment"]).max() * abs(cycle.omega)
+            assert power == pytest.approx(reduced[f"{action}.moment"][pose.k] * cycle.omega, abs=1e-12 * greatest)
         for action in moments:
             power = acting(cycle, action, pose.k) * pose.turn(scene.moments[action].on).omega
-            assert power == pytest.approx(reduced[f"{action}.moment"][0, pose.k] * cycle.omega, rel=1e-12)
+            assert power == pytest.approx(reduced[f"{action}.moment"][pose.k] * cycle.omega, rel=1e-12)
 
 
 def test_force_plan_of_what_is_not_there__refused():

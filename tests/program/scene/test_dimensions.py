@@ -1,5 +1,7 @@
 """Dimensions of expressions: the same verdicts and dimensions as Pint's own arithmetic, and messages that help."""
 
+from functools import cache
+
 import numpy as np
 import pint
 import pytest
@@ -25,9 +27,13 @@ UNITS = {"length": "m", "bore": "m", "mass": "kg", "time": "s", "force": "N", "p
 UNITS |= {"inertia": "kg m2", "work": "J", "phi": "rad", "omega": "rad s-1"}
 KNOWN = {name: dimension_of_unit(unit) for name, unit in UNITS.items()}
 # The reference: quantities of Pint's own registry, in which radians are plain numbers, computed by Python.
-REGISTRY = pint.UnitRegistry()
 SPELT = {"kg m2": "kg * m**2", "rad s-1": "rad / s", "1": ""}
-QUANTITIES = {name: REGISTRY.Quantity(np.float64(1.5), SPELT.get(unit, unit)) for name, unit in UNITS.items()}
+
+
+@cache
+def quantities():
+    registry = pint.UnitRegistry()
+    return {name: registry.Quantity(np.float64(1.5), SPELT.get(unit, unit)) for name, unit in UNITS.items()}
 
 
 def chosen(one, other):
@@ -51,7 +57,7 @@ def verdict_of_pint(text):
     """Powers of length, mass and time; None where Pint refuses."""
     try:
         with np.errstate(all="ignore"):
-            found = eval(text, {"__builtins__": {}}, QUANTITIES | FUNCTIONS)
+            found = eval(text, {"__builtins__": {}}, quantities() | FUNCTIONS)
     except pint.DimensionalityError:
         return None
     return {base: float(power) for base, power in found.dimensionality.items()}

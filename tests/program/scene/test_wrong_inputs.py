@@ -158,10 +158,6 @@ def placed(file: str, place: str) -> str:
     return f"{file}, line {line}:{key}" if line else f"{file}:{key}"
 
 
-def test_list__has_sixty_inputs_and_more():
-    assert sum(map(len, (SCENES, STUDIES, TABLES, COMMANDS, GIVEN))) >= 60
-
-
 @each("slip", SCENES)
 def test_wrong_scene__is_answered(slip, tmp_path):
     old, new, place, *words = SCENES[slip]

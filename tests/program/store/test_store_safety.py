@@ -1,23 +1,18 @@
 """What survives kills and full disks."""
 
-import random
 import shutil
 import sys
-import time
 from pathlib import Path
 from types import SimpleNamespace
 
 import h5py
 import numpy as np
 import pytest
-from store_samples import KILLED, NAMES, complete, files, fill, layout, results, run_child, same_bits, start_child
+from store_samples import KILLED, NAMES, complete, files, fill, layout, results, run_child, same_bits
 
-from sweeps.store import Store, StoreError, describe_result, read_columns
+from sweeps.store import Store, StoreError, describe_result
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals and limits")
-
-
-KILLS = 6
 
 
 def check_flagged_blocks(path: Path) -> int:
@@ -33,35 +28,6 @@ def check_flagged_blocks(path: Path) -> int:
             for name, values in results(expected, i).items():
                 assert file[name][rows].tobytes() == values.tobytes()
     return len(done)
-
-
-@posix
-def test_kills_at_random_times__flagged_blocks_intact_and_final_file_bit_for_bit(tmp_path: Path) -> None:
-    path, reference = tmp_path / "out.h5", tmp_path / "reference.h5"
-    with start_child(f"child_sweep(Path({str(reference)!r}))") as child:
-        child.stdout.readline()
-        begin = time.monotonic()
-        child.stdout.readline()
-        whole = time.monotonic() - begin
-    expected = read_columns(reference, NAMES)
-    dice = random.Random(5)
-    kills, done = 0, 0
-    while kills < KILLS:
-        with start_child(f"child_sweep(Path({str(path)!r}))") as child:
-            child.stdout.readline()
-            time.sleep(dice.uniform(0, whole))
-            child.kill()
-        if path.exists():
-            # It was quicker than the kill: start with a new file.
-            assert same_bits(read_columns(path, NAMES), expected)
-            path.unlink()
-            done = 0
-        else:
-            kills += 1
-            before, done = done, check_flagged_blocks(path)
-            assert done >= before
-    assert same_bits(complete(path, layout(**KILLED)), expected)
-    assert files(tmp_path) == ["out.h5", "reference.h5"]
 
 
 def test_every_flush__flagged_blocks_are_in_the_file(path: Path, part: Path, monkeypatch: pytest.MonkeyPatch) -> None:

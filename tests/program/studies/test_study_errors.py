@@ -12,15 +12,12 @@ from sweeps.text.input_files import InputError
 
 # Name | what to change | what into | a mark of the line | key | words of the message.
 SLIPS = cases(r"""
-misspelt path | "input.length" = | "input.lenght" = | lenght | vary.input.lenght | 'input.length'
 nested misspelt path | bodies.ram.mass | bodies.ram.maas | maas | vary.bodies.ram.maas | 'bodies.ram.mass'
 path of a text | "input.length" = | "input.pivot" = | input.pivot | vary.input.pivot | not a number
 path of a table | "input.length" = | "input" = | "input" | vary.input | not a number
 unused parameter | reach = | rich = | rich | vary.rich | not a number
 part of a used name | reach = | rea = {values = [1]}\nreach = | rea = | vary.rea | not a number
 wrong unit | "60 mm" | "60 kg" | 60 kg | vary.input.length | a length such as
-bare number | "60 mm" | 60 | to = 60 | vary.input.length | no unit
-decimal comma | "60 mm" | "60,5 mm" | 60,5 | vary.input.length | decimal point
 unit of a free parameter | [3, 4, 5] | ["3 foo"] | 3 foo | vary.reach | 3 foo
 no count | , count = 3 |  | "input.length" | vary.input.length.count | is missing
 count of none | count = 3 | count = 0 | count = 0 | vary.input.length.count | at least 1
@@ -67,7 +64,6 @@ Python in an expression | reach * input.length | __import__('os').system('touch 
 wrong unit in an expression | reach * input.length | '3 foo' | foo | derive.groups.slide.first.length | '3 foo'
 number for a condition | positions | require = ["reach + 1"]\npositions | require | require | condition
 entry of conditions | positions | require = ["reach > 1", "reach + 1"]\npositions | require | require | entry 2
-unknown name in a condition | positions | require = ["reach > 1", "reech > 1"]\npositions | require | require | reech
 require of a number | positions | require = 1\npositions | require | require | a list in brackets
 require in best | where = | require = | require | best.require | did you mean 'where'? | before they are computed
 subject_to | where = | subject_to = | subject_to | best.subject_to | did you mean 'where'?
@@ -95,14 +91,10 @@ dimension of a derived number | positions | require = ["2 * groups.slide.first.l
 power that varies | reach * input.length | input.length**reach | **reach | derive.groups.slide.first.length
     | fixed number
 several kinds | [3, 4, 5] | [3, "4 mm", "5 kg"] | 4 mm | vary.reach | number and length and mass | one dimension
-best where a mass | > '90 mm' | > '90 kg' | where | best.where | compares a length with a mass | ram.stroke
 best where a bare number | > '90 mm' | > 90 | where | best.where | 90 has no unit: write '90 m' or '90 mm'
 best where a number | ram.stroke > '90 mm' | ram.stroke | where | best.where | condition
-no such scene | press.toml | pres.toml | scene = | scene | pres.toml | can't be read
 scene that is a folder | press.toml | . | scene = | scene | can't be read
 no such csv | positions | variants = "choice.csv"\npositions | variants | variants | choice.csv | can't be read
-misspelt table | [vary] | [varry] | [varry] | varry | did you mean 'vary'?
-not TOML | [vary] | [vary | [vary |  | not valid TOML
 """)
 
 

@@ -79,11 +79,15 @@ def evaluated(scene: dict, fields: list[str], varied: dict[str, list], positions
     return machine, outcome
 
 
-def check(scene: dict, fields: list[str] | None = None, **varied: list) -> None:
-    """Compare kinematic fields (all of them when none are named) of a scene and its variants with the oracle.
+def moving(scene: dict, fields: list[str], positions: int) -> tuple[MovingMachine, dict[str, np.ndarray]]:
+    """A sound machine and its fields by NumPy: that compiled code gives the same is tested in `test_one_machine.py`."""
+    machine = MovingMachine(Scene.model_validate(scene), positions=positions)
+    assert machine.verdict(fields) == Verdict.OK
+    return machine, machine.fields(fields)
 
-    By NumPy: that compiled code gives the same is tested in `test_one_machine.py`.
-    """
+
+def check(scene: dict, fields: list[str] | None = None, **varied: list) -> None:
+    """Compare kinematic fields (all of them when none are named) of a scene and its variants with the oracle."""
     paths = {path.replace("__", "."): values for path, values in varied.items()}
     for numbers in variants_of(scene, paths):
         machine = MovingMachine(Scene.model_validate(numbers), positions=16)

@@ -105,12 +105,6 @@ def run_child(call: str) -> str:
     return out
 
 
-def child_sweep(path: Path) -> None:
-    print("go", flush=True)
-    sweep(path, layout(**KILLED))
-    print("done", flush=True)
-
-
 def limit_file_size(size: int) -> None:
     import resource  # absent on Windows
 

@@ -1,7 +1,7 @@
-"""Dyads and rigid links against closed geometry in complex numbers and differentiation, at 50 digits.
+"""Dyads between and at their dead centres against closed geometry in complex numbers, at 50 digits.
 
-The references know nothing of the formulas under test: a joint is found by angles (law of cosines, arcsine),
-its velocity and acceleration by differentiating that solution along a random motion of what the dyad hangs on.
+The references know nothing of the formulas under test: a joint is found by angles (law of cosines, arcsine). Velocities
+and accelerations, and dyads on two guides, are tested in `test_mechanisms.py`.
 
 Tolerances: lengths and angles are exact float64 numbers, so errors come from rounding alone. A rounding of
 EPS in a length moves the joint by EPS·(sum of lengths)/sine; each bound below is that sensitivity times ROUNDINGS,
@@ -17,27 +17,21 @@ from closed_geometry import (
     angle,
     coordinate,
     cross,
-    derivatives,
     dot,
     exponent,
     mode,
-    moving_angles,
-    moving_points,
     near,
     parts,
     rpr_angle,
     rrp_angle,
     rrr_angles,
-    turned,
     unit,
     vector,
 )
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from mpmath import mp, mpc, mpf
+from mpmath import mp, mpf
 
-from engine.laws.kinematics.prp import prp_position, prp_rates
-from engine.laws.kinematics.rpp import rpp_position, rpp_rates
 from engine.laws.kinematics.rpr import rpr_position, rpr_rates
 from engine.laws.kinematics.rrp import rrp_position, rrp_rates
 from engine.laws.kinematics.rrr import rrr_position, rrr_rates
@@ -93,28 +87,6 @@ def test_rrr_position__closed_geometry(triangle, sign):
 
 
 @modest
-@given(moving_points(), moving_points(), share, st.floats(-0.9, 0.9), mode)
-def test_rrr_rates__derivatives_of_closed_geometry(a, d, place, unevenness, sign):
-    span = abs(d.value - a.value)
-    assume(span > 0.1)
-    # r1 + r2 ≥ span > |r1 − r2|: links that meet, from nearly stretched to nearly folded.
-    total = span / (abs(unevenness) + place * (1 - abs(unevenness)) + mpf(10) ** -3)
-    assume(abs(unevenness) * total < span < total)
-    r1, r2 = (mpf(float(total * (1 + k * unevenness) / 2)) for k in (1, -1))
-    angles = [lambda q, i=i: rrr_angles(a(q), d(q), r1, r2, sign)[i] for i in (0, 1)]
-    u1, u2 = (unit(t(0)) for t in angles)
-    sine = abs(cross(u1, u2))
-    (w1, e1), (w2, e2) = (derivatives(turned(t)) for t in angles)
-    velocity = d.speed - a.speed
-    acceleration = d.acceleration - a.acceleration + w1**2 * r1 * u1 - w2**2 * r2 * u2
-    for gap, one, two in ((velocity, w1, w2), (acceleration, e1, e2)):
-        links = (float(r1), *parts(u1)), (float(r2), *parts(u2))
-        rates = rrr_rates(parts(gap), *links, float(sign * sine))
-        for rate, reference, r in zip(rates, (one, two), (r1, r2), strict=True):
-            near(rate, reference, ROUNDINGS * EPS * abs(gap) / (r * sine))
-
-
-@modest
 @given(coordinate, coordinate, angle, exponent, st.floats(1e-9, 1e3), mode, st.booleans())
 def test_rrr_out_of_reach__nan(ax, ay, at, ratio, miss, sign, stretched):
     r1, r2 = 10**ratio, 1.0
@@ -165,31 +137,6 @@ def test_rrp_position__closed_geometry(ax, ay, gx, gy, guide, size, height, sign
 
 
 @modest
-@given(moving_points(), moving_points(), moving_angles(), st.floats(0.1, 10), st.floats(-0.999, 0.999), mode)
-def test_rrp_rates_on_a_moving_guide__derivatives_of_closed_geometry(a, g, guide, r, height, sign):
-    offset = cross(unit(guide.value), a.value - g.value) + mpf(height) * r
-    r = mpf(r)
-
-    def rod(q):
-        return rrp_angle(a(q), g(q), guide(q), r, offset, sign)
-
-    def slide(q):
-        return dot(unit(guide(q)), a(q) + r * unit(rod(q)) - g(q))
-
-    t, u, sine = rod(0), unit(guide.value), mpmath.cos(rod(0) - guide.value)
-    arm = a.value + r * unit(t) - g.value
-    (w, e), (v, acceleration) = derivatives(turned(rod)), derivatives(slide)
-    under_v = g.speed + 1j * guide.speed * arm
-    coriolis = 2j * guide.speed * v * u
-    under_a = g.acceleration + 1j * guide.acceleration * arm - guide.speed**2 * arm + coriolis
-    gaps = (under_v - a.speed, under_a - a.acceleration + w**2 * r * unit(t))
-    for gap, references in zip(gaps, ((w, v), (e, acceleration)), strict=True):
-        rates = rrp_rates(parts(gap), (float(r), *parts(unit(t))), parts(u), float(sine))
-        near(rates[0], references[0], ROUNDINGS * EPS * abs(gap) / (r * abs(sine)))
-        near(rates[1], references[1], ROUNDINGS * EPS * abs(gap) / abs(sine))
-
-
-@modest
 @given(coordinate, coordinate, angle, exponent, st.floats(1e-9, 1e6), mode, mode)
 def test_rrp_rod_too_short__nan(ax, ay, guide, size, miss, side, sign):
     r = 10**size
@@ -231,30 +178,6 @@ def test_rpr_position__closed_geometry(dx, dy, size, at, share_of_distance, sign
 
 
 @modest
-@given(moving_points(), moving_points(), st.floats(-0.999, 0.999), mode)
-def test_rpr_rates__derivatives_of_closed_geometry(a, d, share_of_distance, sign):
-    distance = abs(a.value - d.value)
-    assume(distance > 1e-3)
-    offset = mpf(share_of_distance) * distance
-
-    def slot(q):
-        return rpr_angle(a(q), d(q), offset, sign)
-
-    def slide(q):
-        return dot(unit(slot(q)), a(q) - d(q))
-
-    u = unit(slot(0))
-    (w, e), (v, acceleration) = derivatives(turned(slot)), derivatives(slide)
-    arm = a.value - d.value
-    relative = a.acceleration - d.acceleration + w**2 * arm - 2j * w * v * u
-    for gap, references in ((a.speed - d.speed, (w, v)), (relative, (e, acceleration))):
-        rates = rpr_rates(parts(gap), parts(u), float(offset), float(slide(0)))
-        tolerance = ROUNDINGS * EPS * abs(gap)
-        near(rates[0], references[0], tolerance / abs(slide(0)))
-        near(rates[1], references[1], tolerance * (1 + abs(offset / slide(0))))
-
-
-@modest
 @given(angle, exponent, st.floats(1e-9, 1e6), mode, mode)
 def test_rpr_pin_inside_the_offset__nan(at, size, miss, side, sign):
     distance = 10**size
@@ -280,69 +203,7 @@ def test_rpr_pin_on_the_pivot__nan():
     assert all(math.isnan(x) for x in rpr_position((1.0, 1.0), (1.0, 1.0), 0.0, 1.0)[:2])
 
 
-# PRP and RPP
-
-
-@modest
-@given(coordinate, coordinate, angle, angle)
-def test_oblique_components__solution_of_the_two_equations(gx, gy, t1, t2):
-    u1, u2 = (vector(math.cos(t), math.sin(t)) for t in (t1, t2))
-    sine = cross(u1, u2)
-    assume(abs(sine) > 1e-9)
-    p, q = mpmath.lu_solve(mpmath.matrix([[u1.real, u2.real], [u1.imag, u2.imag]]), mpmath.matrix([gx, gy]))
-    found = oblique_components((gx, gy), parts(u1), parts(u2))
-    # The sine of nearly parallel directions has lost digits: EPS/sine relative.
-    tolerance = ROUNDINGS * EPS * abs(vector(gx, gy)) / abs(sine) * (1 + 1 / abs(sine))
-    near(found[0], p, tolerance)
-    near(found[1], q, tolerance)
-
-
-@modest
-@given(coordinate, coordinate, coordinate, coordinate, angle, angle, coordinate, coordinate)
-def test_prp_position__crossing_of_the_two_lines(g1x, g1y, g2x, g2y, t1, t2, offset1, offset2):
-    u1, u2 = (vector(math.cos(t), math.sin(t)) for t in (t1, t2))
-    assume(abs(cross(u1, u2)) > 1e-9)
-    q1, q2 = vector(g1x, g1y) + 1j * offset1 * u1, vector(g2x, g2y) + 1j * offset2 * u2
-    # With line 1 on the real axis, line 2 crosses it at B.
-    gap, turn = (q2 - q1) / u1, u2 / u1
-    slide1 = gap.real - gap.imag * turn.real / turn.imag
-    b = q1 + slide1 * u1
-    found = prp_position((g1x, g1y, *parts(u1)), offset1, (g2x, g2y, *parts(u2)), offset2)
-    # Points and offsets reach some 16 m together; their roundings are magnified by 1/sine, and so is the rounding of
-    # the sine itself.
-    tolerance = ROUNDINGS * EPS * 16 / abs(turn.imag) * (1 + 1 / abs(turn.imag))
-    for value, reference in zip(found, (b.real, b.imag, slide1, dot(u2, b - q2), turn.imag), strict=True):
-        near(value, reference, tolerance)
-
-
-@modest
-@given(moving_points(), moving_points(), moving_angles(), moving_angles())
-def test_prp_rates__joint_on_two_moving_guides(q1, q2, t1, t2):
-    sine = mpmath.sin(t2.value - t1.value)
-    assume(abs(sine) > 1e-3)
-
-    def place(q):
-        # Line 1 is real after a turn back by its angle; the joint is where line 2 crosses it.
-        gap = (q2(q) - q1(q)) / unit(t1(q))
-        return gap.real - gap.imag / mpmath.tan(t2(q) - t1(q))
-
-    def other(q):
-        return dot(unit(t2(q)), q1(q) + place(q) * unit(t1(q)) - q2(q))
-
-    (v1, a1), (v2, a2) = derivatives(place), derivatives(other)
-    joint = q1.value + place(0) * unit(t1.value)
-    gap = (q2.value - q1.value, mpc(0), mpc(0))
-    for sign, line, t, v in ((1, q2, t2, v2), (-1, q1, t1, v1)):
-        arm = joint - line.value
-        under_v = line.speed + 1j * t.speed * arm
-        under_a = line.acceleration + 1j * t.acceleration * arm - t.speed**2 * arm
-        coriolis = 2j * t.speed * v * unit(t.value)
-        gap = (gap[0], gap[1] + sign * under_v, gap[2] + sign * (under_a + coriolis))
-    for one, references in zip(gap, ((place(0), other(0)), (v1, v2), (a1, a2)), strict=True):
-        rates = prp_rates(*(parts(v) for v in (one, unit(t1.value), unit(t2.value))))
-        tolerance = ROUNDINGS * EPS * abs(one) / abs(sine) * (1 + 1 / abs(sine))
-        near(rates[0], references[0], tolerance)
-        near(rates[1], references[1], tolerance)
+# Two guides
 
 
 @pytest.mark.parametrize("direction", [(1.0, 0.0), (0.0, -1.0)])
@@ -351,38 +212,3 @@ def test_oblique_components_of_parallel_directions__not_finite(gap, direction):
     # Directions oblique to the axes are parallel to rounding only: a machine judges by their sine.
     c, s = direction
     assert not any(math.isfinite(x) for x in oblique_components(gap, (c, s), (-c, -s)))
-
-
-@modest
-@given(coordinate, coordinate, coordinate, coordinate, angle, st.floats(0.1, 3.0))
-def test_rpp_position__crossing_of_slot_and_guide(ax, ay, gx, gy, way, turn):
-    u, by = vector(math.cos(way), math.sin(way)), vector(math.cos(turn), math.sin(turn))
-    # With the guide on the real axis, the slot rises from the crossing to A.
-    there = vector(ax - gx, ay - gy) / u
-    along, slide = there.real - there.imag * by.real / by.imag, there.imag / by.imag
-    crossing, slot = vector(gx, gy) + along * u, u * by
-    found = rpp_position((ax, ay), (gx, gy, *parts(u)), parts(by))
-    expected = (crossing.real, crossing.imag, slot.real, slot.imag, along, slide)
-    # As for PRP.
-    tolerance = ROUNDINGS * EPS * 16 / by.imag * (1 + 1 / by.imag)
-    for value, reference in zip(found, expected, strict=True):
-        near(value, reference, tolerance)
-
-
-@modest
-@given(moving_points(), angle, st.floats(0.1, 3.0))
-def test_rpp_rates__derivatives_of_closed_geometry(a, way, turn):
-    u, by = vector(math.cos(way), math.sin(way)), vector(math.cos(turn), math.sin(turn))
-
-    def along(q):
-        there = a(q) / u
-        return there.real - there.imag * by.real / by.imag
-
-    def slide(q):
-        return (a(q) / u).imag / by.imag
-
-    references = zip(derivatives(along), derivatives(slide), strict=True)
-    for gap, expected in zip((a.speed, a.acceleration), references, strict=True):
-        tolerance = ROUNDINGS * EPS * abs(gap) / by.imag * (1 + 1 / by.imag)
-        for rate, reference in zip(rpp_rates(parts(gap), parts(u), parts(u * by)), expected, strict=True):
-            near(rate, reference, tolerance)

@@ -12,7 +12,6 @@ from mpmath import mpf
 from numba import njit
 from numpy.testing import assert_allclose
 from packed import assert_packed
-from scipy.optimize import brentq
 
 from engine.compiling.tiles import TILE_OPTIONS
 from engine.laws.friction.coefficients import (
@@ -24,7 +23,6 @@ from engine.laws.friction.coefficients import (
 )
 from engine.laws.friction.guides import (
     edge_forces,
-    jamming_overhang,
     overhung_drive,
     slider_friction,
     tilts,
@@ -70,14 +68,6 @@ def test_vee_guide__is_friction_on_two_faces_that_carry_the_load(half_angle, loa
     assert_allclose(vee_friction(friction, half_angle) * load, 2 * friction * face, rtol=4 * EPS)
 
 
-@pytest.mark.parametrize(("factor", "pressure"), [(WORN_IN, mpmath.cos), (NEW, lambda angle: mpf(1))])
-def test_factor_of_a_half_round_seat__is_the_sum_of_pressures_over_the_load(factor, pressure):
-    ends = [-mpmath.pi / 2, mpmath.pi / 2]
-    pressed = mpmath.quad(pressure, ends)
-    carried = mpmath.quad(lambda angle: pressure(angle) * mpmath.cos(angle), ends)
-    assert_allclose(factor, float(pressed / carried), rtol=2 * EPS)
-
-
 @quick
 @given(loads, loads, sizes, frictions)
 def test_slider_under_force_and_moment__is_in_equilibrium_on_its_edges(normal, moment, half_length, friction):
@@ -117,18 +107,6 @@ def test_overhung_drive__satisfies_its_equilibrium(resistance, normal, overhang,
     assert_allclose(drive, resistance + rubbing, rtol=8 * EPS / (1 - friction * overhang))
 
 
-def test_overhang_that_jams__is_found_at_the_analytic_place():
-    half_length, friction = 0.06, 0.17
-
-    def moves(overhang):
-        return 1.0 if math.isfinite(overhung_drive(1.0, 0.0, overhang, half_length, friction)) else -1.0
-
-    found = brentq(moves, 0.0, 1.0, xtol=1e-14)
-    assert_allclose(found, jamming_overhang(half_length, friction), atol=2e-14)
-    # The limit of mounting for plain bushings: twice the spacing of the bearings at f = 0.25.
-    assert jamming_overhang(0.5, 0.25) == 2.0
-
-
 # Journals
 
 
@@ -144,14 +122,6 @@ def test_journal__is_the_integral_of_pressure_and_friction_over_the_bush(factor,
     reaction = mpmath.hypot(along, across)
     assert_allclose(friction_circle(radius, friction, factor), float(moment / reaction), rtol=8 * EPS)
     assert_allclose(journal_moment(float(-reaction), radius, friction, factor), float(moment), rtol=10 * EPS)
-
-
-@quick
-@given(sizes, frictions)
-def test_friction_circle__is_the_radius_times_the_sine_of_the_friction_angle(radius, friction):
-    with mpmath.workdps(50):
-        exact = mpf(radius) * mpmath.sin(mpmath.atan(mpf(friction)))
-    assert_allclose(friction_circle(radius, friction, 1.0), float(exact), rtol=5 * EPS)
 
 
 def test_a_loop_over_speeds__is_compiled_to_packed_instructions():

@@ -4,20 +4,15 @@ import math
 
 import mpmath
 import numpy as np
-import pytest
 from friction_ranges import frictions, quick, sizes, slopes
 from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mpf
 from numpy.testing import assert_allclose
-from scipy.optimize import brentq
 
 from engine.laws.friction.inclines import (
     incline_down,
     incline_up,
-    push_down,
-    push_up,
-    self_locking,
     wedge_drive,
     wedge_withdraw,
 )
@@ -62,29 +57,6 @@ def test_incline__is_in_equilibrium_both_ways(angle, pull_angle, friction, load)
                 # Numerator and denominator may cancel, each from terms no greater than 1 + f.
                 allowed = 8 * EPS * (1 + f) * (q + abs(force)) / left
                 assert abs(mpf(got) - force) <= allowed
-
-
-@quick
-@given(slopes, frictions)
-def test_push__is_the_tangent_of_the_sum_of_the_angles(slope, friction):
-    with mpmath.workdps(50):
-        alpha, phi = mpmath.atan(mpf(slope)), mpmath.atan(mpf(friction))
-        up, down = mpmath.tan(alpha + phi), mpmath.tan(phi - alpha)
-    left = 1 - slope * friction
-    if abs(left) > 1e-9:
-        expected = float(up) if left > 0 else math.inf
-        assert_allclose(push_up(1.0, slope, friction), expected, rtol=(4 + 2 / abs(left)) * EPS)
-    assert_allclose(push_down(1.0, slope, friction), float(down), rtol=0, atol=4 * EPS * (1 + abs(float(down))))
-
-
-@pytest.mark.parametrize("friction", [0.01, 0.1, 0.35, 1.0])
-def test_self_locking_of_an_incline__begins_at_the_friction_angle(friction):
-    found = brentq(lambda angle: incline_down(1.0, angle, friction, 0.0), 0.0, 1.5, xtol=1e-15)
-    # sin(phi - alpha) passes 0 with a slope of about 1: the root is as good as its argument.
-    assert_allclose(found, math.atan(friction), atol=4 * EPS)
-    assert self_locking(math.tan(found * (1 - 1e-9)), friction) == 1.0
-    assert self_locking(math.tan(found * (1 + 1e-9)), friction) == 0.0
-    assert push_down(1.0, friction, friction) == 0.0
 
 
 @quick

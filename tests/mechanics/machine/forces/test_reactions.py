@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from drawn_machines import geared_five_bar, quick_return, scotch_yoke, sliding_input
 from loaded_machines import asked, loaded
-from machines import chain, compare, crank, evaluated, frame, variants_of
+from machines import chain, compare, crank, evaluated, frame, moving, variants_of
 from newton_euler import reactions
 from oracle import EPS
 from press import actions, bodies, press
@@ -54,34 +54,22 @@ def test_reactions_without_inertia__are_those_of_the_machine_all_but_at_rest(mac
     compare(found, slow, lambda of: rows_of(of, static.q))
 
 
-@pytest.fixture(scope="module")
-def pressed() -> tuple:
-    """A press with every action, run both ways; its machine, outcome and variants."""
-    scene, varied = press(bodies=bodies(), **actions()), {"input.speed": [7.0, -3.0]}
-    fields = [*asked(Scene.model_validate(scene)), "drive.second.reaction_x", "drive.second.reaction_y"]
+# A press with every action, run both ways.
+PRESS, BOTH_WAYS = press(bodies=bodies(), **actions()), {"input.speed": [7.0, -3.0]}
+
+
+def test_press_with_every_action__newton_euler():
+    fields = [*asked(Scene.model_validate(PRESS)), "drive.second.reaction_x", "drive.second.reaction_y"]
     fields += ["input_moment_by_power", "input_moment"]
-    machine, outcome = evaluated(scene, fields, varied, positions=360, summaries=CHECKS)
-    return machine, outcome, variants_of(scene, varied)
-
-
-def test_press_with_every_action__newton_euler(pressed):
-    machine, outcome, variants = pressed
     # The ends of the stroke come from cubics between positions, (h⁴/384) max|d⁗| [m]; a table's slope of 2000 N/m
     # makes a force of it, and reactions are at most some ten times a force on the ram.
     ends = (2 * math.pi / 360) ** 4 / 384 * 20 * 2000
     # Each of these lies well between the positions at which resistances change their sign.
     some = slice(5, None, 24)
-    for i, variant in enumerate(variants):
-        found = {field: row[i, some] for field, row in outcome.fields.items()}
-        compare(found, variant, lambda of: rows_of(of, machine.nodes[some]), truncation=dict.fromkeys(found, 10 * ends))
-
-
-def test_input_moment_three_ways__agree(pressed):
-    _, outcome, _ = pressed
-    for name in CHECKS:
-        # Each way sums some hundred products; their parts are at most ten times the sum at its peak.
-        assert (outcome.summaries[name] > 0.0).all()
-        assert (outcome.summaries[name] < 1000 * EPS).all()
+    for variant in variants_of(PRESS, BOTH_WAYS):
+        machine, rows = moving(variant, fields, 360)
+        found, q = {field: row[some] for field, row in rows.items()}, machine.q[some]
+        compare(found, variant, lambda of, q=q: rows_of(of, q), truncation=dict.fromkeys(found, 10 * ends))
 
 
 def test_piston_in_a_slot__cylinder_is_borne_by_the_rocker():

@@ -5,7 +5,7 @@ import math
 import mpmath as mp
 import numpy as np
 import pytest
-from machines import changed, crank, evaluated, four_bar, frame, on, rpr, rrp, rrr
+from machines import changed, crank, four_bar, frame, moving, on, rpr, rrp, rrr
 from oracle import EPS, Motion
 from oracle_dynamics import body_of
 
@@ -81,11 +81,11 @@ def rate(rows: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("about", [None, "Q"])
 def test_shaking__is_the_rate_of_momentum(name, about):
     scene = MACHINES[name] | ({"balance": {"about": about}} if about else {})
-    machine, outcome = evaluated(scene, SHAKING, {}, POSITIONS)
+    machine, rows = moving(scene, SHAKING, POSITIONS)
     checked = Scene.model_validate(scene)
     at = checked.points[about or "O"]
-    momentum = momenta(checked, (at.x, at.y), machine.nodes)
-    found = np.stack([outcome.fields[field][0] for field in SHAKING])
+    momentum = momenta(checked, (at.x, at.y), machine.q)
+    found = np.stack([rows[field] for field in SHAKING])
     # Rounding of the momenta, in the orders up to N/2 that the derivative multiplies it with; and what the machine's
     # own sensitivity makes of it, some ten roundings of its second derivatives.
     size = np.abs(momentum).max(axis=1, keepdims=True)
@@ -96,8 +96,8 @@ def test_shaking__is_the_rate_of_momentum(name, about):
 @pytest.mark.parametrize("name", MACHINES)
 def test_shaking__is_what_the_frame_bears_without_loads(name):
     fields = [*SHAKING, "frame.reaction_x", "frame.reaction_y", "frame.reaction_moment"]
-    _, outcome = evaluated(MACHINES[name] | {"balance": {"about": "Q"}}, fields, {}, 16)
-    fx, fy, moment, rx, ry, about_origin = (outcome.fields[field][0] for field in fields)
+    _, rows = moving(MACHINES[name] | {"balance": {"about": "Q"}}, fields, 16)
+    fx, fy, moment, rx, ry, about_origin = (rows[field] for field in fields)
     x, y = (MACHINES[name]["points"]["Q"][axis] for axis in ("x", "y"))
     forces = np.abs(fx).max() + np.abs(fy).max()
     # Sums of some twenty terms, of the size of the greatest reactions: a few times what is left of them.
@@ -125,12 +125,12 @@ def test_point_of_the_moment__is_on_the_frame(about, message):
 def test_replaced_body__shakes_as_its_point_masses():
     scene = six_bar()
     scene["bodies"]["b"]["replace"] = {"type": "dynamic", "at": ["A"]}
-    _, replaced = evaluated(scene, SHAKING, {}, 32)
-    _, whole = evaluated(six_bar(), SHAKING, {}, 32)
+    _, replaced = moving(scene, SHAKING, 32)
+    _, whole = moving(six_bar(), SHAKING, 32)
     # A dynamic replacement keeps the body's inertia but for the rounding of its numbers.
     for field in SHAKING:
-        row = whole.fields[field][0]
-        np.testing.assert_allclose(replaced.fields[field][0], row, rtol=0, atol=256 * EPS * np.abs(row).max())
+        row = whole[field]
+        np.testing.assert_allclose(replaced[field], row, rtol=0, atol=256 * EPS * np.abs(row).max())
 
 
 def test_sliding_input__shakes_about_its_guide():
@@ -143,10 +143,12 @@ def test_sliding_input__shakes_about_its_guide():
         "groups": {"g": rrr("B", ("rod", "A", 0.9), ("lever", "D", 0.8))},
         "bodies": {"b": body("lever", 2.0, 0.4, 0.1, 0.3)},
     }  # fmt: skip
-    machine, outcome = evaluated(scene, [*SHAKING, "frame.reaction_moment"], {}, 16)
+    machine = Machine(Scene.model_validate(scene))
     assert "about way at" in machine.available_fields["shaking_moment"].long_name
     assert "shaking_force.order_1" not in machine.available_summaries
-    fx, fy, moment, about_origin = (outcome.fields[field][0] for field in outcome.fields)
+    fields = [*SHAKING, "frame.reaction_moment"]
+    _, rows = moving(scene, fields, 16)
+    fx, fy, moment, about_origin = (rows[field] for field in fields)
     size = np.abs(about_origin).max() + np.hypot(fx, fy).max()
     np.testing.assert_allclose(moment + 0.2 * fy - 0.1 * fx, about_origin, rtol=0, atol=256 * EPS * size)
 
