@@ -1,4 +1,4 @@
-"""Planar machines: kinematics, reduced inertia and moments, flywheels; one variant or millions, with error figures.
+"""Planar machines: kinematics, reduced inertia and moments, flywheels; one variant or millions, with error estimates.
 
 All that others use of this package is imported from here: `from engine import Scene, Machine`. The names stand in
 `__init__.pyi`, with the modules they come from; a module is loaded when the first of its names is used, so that

@@ -75,7 +75,7 @@ def check_positions(positions: int) -> None:
         It is odd, less than 8, too large, or not a whole number.
     """
     if isinstance(positions, (int, np.integer)) and positions > MOST_POSITIONS:
-        raise AskError(f"positions = {positions}: at most {MOST_POSITIONS} are allowed; try accuracy in their place")
+        raise AskError(f"positions = {positions}: at most {MOST_POSITIONS} are allowed; give accuracy instead")
     if isinstance(positions, bool) or not isinstance(positions, (int, np.integer)) or positions < 8 or positions % 2:
         raise AskError(f"positions = {positions!r}: an even number of at least 8 is needed, such as 360 or 720")
 

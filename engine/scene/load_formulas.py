@@ -232,7 +232,7 @@ def _check_turns(scene: Scene, formula: LoadFormula) -> None:
     for tree in switching.operations(expression.tree):
         if any(switching.turns(part, cycles) > switching.MOST_TURNS for x in switching.compared(tree) for part in x):
             what = (
-                f"{tree.name} may switch oftener in a cycle than is looked for: take lower powers, and sines of phi "
+                f"{tree.name} may switch too often in a cycle to be found: take lower powers, and sines of phi "
                 f"(or t) times a number that is written out, up to {switching.MOST_TURNS / 2:g} periods in a cycle"
             )
             raise _refused(expression, tree, what)

@@ -254,7 +254,7 @@ def _at_two_speeds(scene: Scene) -> Iterator[Problem]:
         at = f"regimes.{name}"
         if regime.type == "steady":
             if set(scene.couplings) & set(regime.off):
-                message = "with its coupling open a machine has two motions that know nothing of each other; use a run"
+                message = "with its coupling open a machine has two independent motions; use a run"
                 yield f"{at}.type", message
             continue
         if regime.lock_up and not clutches - set(regime.off):

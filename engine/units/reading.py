@@ -1,10 +1,9 @@
 """Quantities with units in texts: "80 mm", "1450 rpm", "12 kN" become SI numbers.
 
-A text is one number and one unit. Both are read by a strict grammar of our own, so that a text is never
-evaluated and never guessed at. Each unit is defined by those before it, down to metre, kilogram, second
-and radian.
+A text is one number and one unit, read by a strict grammar: it is neither evaluated nor guessed. Each unit is defined
+by earlier ones, down to metre, kilogram, second and radian.
 
-Of numbers in even steps a text says the first, the last and how many: "40 mm to 80 mm, 5".
+Evenly spaced numbers are given by the first, the last and their count: "40 mm to 80 mm, 5".
 """
 
 from __future__ import annotations
@@ -36,8 +35,8 @@ _TWO_PI = "6.283185307179586476925286766559005768394"
 
 # gal is the US gallon, 231 in³.
 # hp is the mechanical horsepower, 550 ft lbf/s; PS the metric one, 75 kgf m/s. The pound is 0.45359237 kg, standard
-# gravity 9.80665 m/s², tonf the short ton-force, 2000 lbf. spm is strokes per minute, one a revolution. Left out is
-# what may be taken for something else: nm and kn (N m and kN in small letters), ton (three of them), cal (several), P,
+# gravity 9.80665 m/s², tonf the short ton-force, 2000 lbf. spm is strokes per minute, one a revolution. Ambiguous
+# units are omitted: nm and kn (N m and kN in small letters), ton (three of them), cal (several), P,
 # c and d.
 _DEFINITIONS = f"""
 m = [length]

@@ -166,7 +166,7 @@ def _immovable(scene: Scene) -> Iterator[Problem]:
         outer = [_outer(attached(scene)[link]) for link in group_links(scene, name)]
         if {carriers(scene)[ref] if kind == "point" else scene.guides[ref].link for kind, ref in outer} == {FRAME}:
             words = "both outer pairs are on the frame, so its 2 links can't move (W = 3·2 − 2·3 = 0)"
-            yield f"groups.{name}", f"over-constrained: {words}; hang one of them on a moving link"
+            yield f"groups.{name}", f"over-constrained: {words}; attach one of them to a moving link"
 
 
 def _sliding_loops(scene: Scene, ordering: _Ordering) -> list[Problem]:
@@ -205,10 +205,10 @@ def _free_problems(scene: Scene, ordering: _Ordering) -> Iterator[Problem]:
         outer = {link for pair in group.pairs for link in (pair.link, pair.other)} - set(group.links)
         at, n, p = f"links.{group.links[0]}", len(group.links), len(group.pairs)
         if outer == {FRAME}:
-            words = f"{', '.join(group.links)} hang on the frame alone, so they can't move (W = 3·{n} − 2·{p} = 0)"
-            yield at, f"over-constrained: {words}; hang one of them on a moving link"
+            words = f"{', '.join(group.links)} meet the frame alone, so they can't move (W = 3·{n} − 2·{p} = 0)"
+            yield at, f"over-constrained: {words}; attach one of them to a moving link"
         if name in {*scene.groups, *scene.links, *scene.points, *scene.regimes, *scene.cams}:
-            yield at, f"the name {name!r} is that of the group found here; call what has it otherwise"
+            yield at, f"the name {name!r} is that of the group found here; rename the other part"
     moving = {link for group in ordering.free_groups.values() for link in group.links}
     on_links = {point for point, link in carriers(scene).items() if link in moving}
     for point in scene.near:
@@ -221,13 +221,13 @@ def _free_problems(scene: Scene, ordering: _Ordering) -> Iterator[Problem]:
 _WAITING = {
     "shaft": "gears that nothing drives: {chain}; gear one to a link that moves",
     "noncircular wheel": "a wheel that nothing drives; gear it to the crank, a shaft with a pivot, or such a wheel",
-    "rack": "a rack that nothing drives, or whose axis or guide nothing holds; hang it on what moves",
-    "pinion": "a pinion that nothing drives, or whose axis or guide nothing holds; hang it on what moves",
-    "second input": "{held!r} hangs on what this input would drive, or on nothing that moves; name one known before it",
+    "rack": "a rack that nothing drives, or whose axis or guide nothing holds; attach it to a moving part",
+    "pinion": "a pinion that nothing drives, or whose axis or guide nothing holds; attach it to a moving part",
+    "second input": "{held!r} is on what this input would drive, or on nothing that moves; name one known before it",
     "cam": "a cam that nothing turns, or whose follower nothing holds; put it on the crank or a shaft",
-    "group": "can't be ordered: {lacks}. These {count} groups ({links} links, {pairs} pairs) hang on each other: a "
+    "group": "can't be ordered: {lacks}. These {count} groups ({links} links, {pairs} pairs) depend on each other: a "
     "structural group of class III or higher, which is given by free links, [links], or a chain that nothing connects "
-    "to the input. Hang one of them on points that are known before it",
+    "to the input. Attach one of them to points that are known before it",
 }
 
 

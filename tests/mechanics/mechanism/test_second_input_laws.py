@@ -310,7 +310,7 @@ def test_wrong_laws__are_refused_in_words(changes, told):
             {"inputs__table": INDEX["inputs"]["table"] | {"pivot": "O"}},
             "inputs.table.sections: 'table' makes 0.25 turns",
         ),
-        ({"guides__way__link": "left"}, "inputs.ram.guide: 'way' hangs on what this input would drive"),
+        ({"guides__way__link": "left"}, "inputs.ram.guide: 'way' is on what this input would drive"),
         (
             {"inputs__fore": {"type": "crank", "pivot": "B", "ratio": 1}},
             "inputs.fore.pivot: 'B' is a joint of two links",

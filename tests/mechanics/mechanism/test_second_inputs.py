@@ -122,7 +122,7 @@ MOTOR = {"type": "dc_motor", "on": "crank", "stall_moment": 5, "no_load_speed": 
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
-        ({"inputs__second__pivot": "B"}, "inputs.second.pivot: 'B' hangs on what this input would drive"),
+        ({"inputs__second__pivot": "B"}, "inputs.second.pivot: 'B' is on what this input would drive"),
         ({"inputs__second__ratio": 0.5}, "makes 0.5 turns in a cycle of 1 of the crank"),
         (
             {"inputs": {"left": {"type": "crank", "pivot": "C", "ratio": 1}}},

@@ -306,7 +306,7 @@ def test_machine_that_cannot_be_assembled__isn_t_helped_by_a_piece_that_holds_wi
     ],
 )
 def test_what_may_switch_oftener_than_is_looked_for__is_refused(formula):
-    with pytest.raises(SceneError, match="may switch oftener in a cycle than is looked for"):
+    with pytest.raises(SceneError, match="may switch too often in a cycle to be found"):
         order(slider_crank({"f": force(formula, numbers={"n": 2})}))
 
 
