@@ -145,6 +145,11 @@ def test_slider_crank__has_the_efficiency_of_its_works():
     found, error = value["mechanical_efficiency"]
     loss, doubt = value["friction_loss"]
     assert abs(found - useful / (useful + loss)) <= error + doubt / useful
+    # In line, the press loses as much with the crank turning clockwise.
+    scene["input"] |= {"speed": -scene["input"]["speed"]}
+    _, outcome = outcome_of(scene, [], names)
+    assert abs(outcome.summaries["mechanical_efficiency"][0] - found) <= 2 * error
+    assert outcome.summaries["friction_loss"][0] == pytest.approx(loss, rel=1e-12)
 
 
 # Wedge: two guides
