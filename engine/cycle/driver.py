@@ -347,7 +347,7 @@ def cut(functions: MachineFunctions, task: Task, given: GivenNumbers, work: Work
                 find_turns(f, work.scan, most, noted, turns)
             solve_roots(events, given, work.heights, turns)
             for f in range(count):
-                find_landmarks(f, work.scan, work.scan_beside, turns, noted.steepest, work.landmarks[f])
+                find_landmarks(f, work.scan, work.scan_beside, turns, task.turn, noted.steepest, work.landmarks[f])
                 copy_rows(work.landmarks[f], task.landmarks[f], block)
         if task.levels.shape[0] > 0:
             functions.levels(given.block, given.tables, place[0, :1], place[1, :1], place[2, :1], work.level_tile)
