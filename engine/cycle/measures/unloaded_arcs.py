@@ -38,6 +38,8 @@ from engine.cycle.panels.record import Record, known_slot
 
 # Fraction of the peak load below which a bearing counts as unloaded.
 LEAST_LOAD = 1e-3
+# The loads of a bar point along it: the circle is cut beside −π by more than their errors [rad].
+LATE = 1e-6
 # Room for stretches.
 MOST_STRETCHES = 1024
 # Parts of the interval between two positions, in each of which a force turns back, and is shortest, at most once.
@@ -270,10 +272,13 @@ def extend_near(record: Record, force: Force, stretches: Stretches, count: int, 
 
 @routine
 def widest_gap(stretches: Stretches, count: int) -> tuple[float, int, int]:
-    """Widest gap between stretches on the circle: its width [rad], the stretch before it and the stretch after it."""
-    ends, order = stretches.ends, stretches.order
+    """Widest gap between stretches on the circle: its width [rad], the stretch before it and the stretch after it.
+
+    Of gaps that are equal but for their errors, the first from −π; directions within `LATE` of −π count as later.
+    """
+    ends, errors, order = stretches.ends, stretches.errors, stretches.order
     for i in range(count):
-        turns = math.floor((ends[i, 0] + math.pi) / TURN) * TURN
+        turns = math.floor((ends[i, 0] + math.pi + LATE) / TURN) * TURN
         ends[i, 0] -= turns
         ends[i, 1] -= turns
         k = i
@@ -281,7 +286,7 @@ def widest_gap(stretches: Stretches, count: int) -> tuple[float, int, int]:
             order[k] = order[k - 1]
             k -= 1
         order[k] = i
-    widest, before, after, last = -1.0, order[0], order[0], order[0]
+    widest, known, off, before, after, last = -1.0, -1.0, 0.0, order[0], order[0], order[0]
     reach = ends[last, 1]
     # Stretches that begin before the end of the turn may extend beyond its start.
     for i in range(count):
@@ -290,8 +295,10 @@ def widest_gap(stretches: Stretches, count: int) -> tuple[float, int, int]:
     for k in range(1, count + 1):
         i = order[k % count]
         begins = ends[i, 0] + (TURN if k == count else 0.0)
-        if begins - reach > widest:
-            widest, before, after = begins - reach, last, i
+        gap, off_here = begins - reach, errors[last, 1] + errors[i, 0] + 2.0 * ROUNDING * TURN
+        widest = max(gap, widest)
+        if gap > known + off + off_here:
+            known, off, before, after = gap, off_here, last, i
         if ends[i, 1] > reach:
             last, reach = i, ends[i, 1]
     return widest, before, after
