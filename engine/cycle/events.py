@@ -229,6 +229,16 @@ def _distance_if(equal: bool, place: float, at: float, turn: float) -> float:
     return (abs(distance - turns * turn) if turns > 0.0 else distance) if equal else 0.0
 
 
+@inlined
+def _note_rival(f: float, place: float, off: float, turn: float, lane: int, found: LandmarkRows) -> None:
+    """Extend the error of an extreme's position to another one, with its own error, where the function may be equal."""
+    near = 2.0 * (found.value_error[lane] + ROUNDING * found.scale[lane])
+    low = _distance_if(f <= found.least[lane] + near, place, found.least_at[lane], turn)
+    high = _distance_if(f >= found.greatest[lane] - near, place, found.greatest_at[lane], turn)
+    found.least_at_error[lane] = larger(low + off if low > 0.0 else 0.0, found.least_at_error[lane])
+    found.greatest_at_error[lane] = larger(high + off if high > 0.0 else 0.0, found.greatest_at_error[lane])
+
+
 @routine
 def find_landmarks(
     function: int, samples: Samples, beside: Samples, turns: Roots, turn: float, steepest: Row, found: LandmarkRows
@@ -295,12 +305,12 @@ def find_landmarks(
             continue
         root = turns.rows[r]
         for lane in range(LANES):
-            f, place, off = at_turns[r, lane], root.x[lane], _turn_error(root, lane, steepest[lane])
-            near = 2.0 * (found.value_error[lane] + ROUNDING * found.scale[lane])
-            low = _distance_if(f <= found.least[lane] + near, place, found.least_at[lane], turn)
-            high = _distance_if(f >= found.greatest[lane] - near, place, found.greatest_at[lane], turn)
-            found.least_at_error[lane] = larger(low + off if low > 0.0 else 0.0, found.least_at_error[lane])
-            found.greatest_at_error[lane] = larger(high + off if high > 0.0 else 0.0, found.greatest_at_error[lane])
+            off = _turn_error(root, lane, steepest[lane])
+            _note_rival(at_turns[r, lane], root.x[lane], off, turn, lane, found)
+    if turn == math.inf:
+        for k in range(0, last + 1, last):
+            for lane in range(LANES):
+                _note_rival(values[k, lane], q[k, lane], 0.0, turn, lane, found)
     # During a dwell at the extreme, its position may be anywhere in the dwell.
     for k in range(last):
         for lane in range(LANES):

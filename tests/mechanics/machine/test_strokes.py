@@ -227,7 +227,7 @@ def test_time_ratio_of_what_repeats_with_the_cycle_alone__is_not_told():
 # Ranges of the input that aren't a cycle
 
 
-@pytest.mark.parametrize(("start", "stop"), [(0.2, 0.9), (0.2, 2.0), (-1.0, 4.0), (3.3, 3.4)])
+@pytest.mark.parametrize(("start", "stop"), [(0.2, 0.9), (0.2, 2.0), (-1.0, 4.0), (3.3, 3.4), (-0.5, 0.5)])
 def test_limited_crank__has_the_stroke_of_its_range(start, stop):
     machine = scene({"g": SLIDER_CRANK | {"second": {"link": "ram", "guide": "way"}}}, {}, 0.05, {"way": {}})
     limited = machine.model_dump(exclude_none=True)
@@ -245,6 +245,9 @@ def test_limited_crank__has_the_stroke_of_its_range(start, stop):
     exact = (place(high) - place(low), place(low), place(high), low, high)
     for name, value in zip(names, exact, strict=True):
         within_figures(outcome, name, value, 8 * EPS)
+    if start == -stop:
+        # Both ends of the range are the low end.
+        assert 2 * stop <= outcome.errors["ram.stroke_low_at"][0] < 2.01 * stop
 
 
 @pytest.mark.parametrize(("inside", "turns"), [(False, 1), (True, 1), (False, 2), (True, 3)])
