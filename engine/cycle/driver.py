@@ -341,7 +341,7 @@ def cut(task: Task, given: GivenNumbers, work: Workspace) -> int:
                 find_turns(f, scan, most, noted, turns)
             solve_roots(events, given, work.heights, turns)
             for f in range(count):
-                find_landmarks(f, scan, beside, turns, noted.steepest, work.landmarks[f])
+                find_landmarks(f, scan, beside, turns, task.turn, noted.steepest, work.landmarks[f])
                 copy_rows(work.landmarks[f], task.landmarks[f], block)
         if task.levels.shape[0] > 0:
             levels(given.block, given.tables, place[0, :1], place[1, :1], place[2, :1], work.level_tile)

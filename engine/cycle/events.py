@@ -17,7 +17,7 @@ from engine.cycle.panels.lanes import any_positive
 from engine.cycle.panels.record import OF_ROUNDING
 from engine.cycle.panels.series import larger, smaller
 from engine.cycle.panels.walk import Walk
-from engine.cycle.roots import FOUND, TURN, Roots, Samples, open_row
+from engine.cycle.roots import FOUND, TURN, Root, Roots, Samples, open_row
 
 # Maximum number of turning points of a function, and of its crossings of one level, per turn of the input.
 MOST_ROOTS = 12
@@ -214,11 +214,38 @@ def find_turns(function: int, samples: Samples, most: int, noted: Noted, turns: 
                 root.f_low[lane], root.f_high[lane] = values[k, lane], values[k + 1, lane]
 
 
+@inlined
+def _turn_error(root: Root, lane: int, steepest: float) -> float:
+    """Error of a turning point's position, from the function's largest slope."""
+    bend = abs(root.at_high[lane] - root.at_low[lane]) * FOUND / root.enough[lane]
+    return ROUNDING * (steepest / bend)
+
+
+@inlined
+def _distance_if(equal: bool, place: float, at: float, turn: float) -> float:
+    """Distance between the positions of equal extremes, less whole turns; 0 if they aren't equal."""
+    distance = abs(place - at)
+    turns = math.floor(distance / turn + 0.5)
+    return (abs(distance - turns * turn) if turns > 0.0 else distance) if equal else 0.0
+
+
+@inlined
+def _note_rival(f: float, place: float, off: float, turn: float, lane: int, found: LandmarkRows) -> None:
+    """Extend the error of an extreme's position to another one, with its own error, where the function may be equal."""
+    near = 2.0 * (found.value_error[lane] + ROUNDING * found.scale[lane])
+    low = _distance_if(f <= found.least[lane] + near, place, found.least_at[lane], turn)
+    high = _distance_if(f >= found.greatest[lane] - near, place, found.greatest_at[lane], turn)
+    found.least_at_error[lane] = larger(low + off if low > 0.0 else 0.0, found.least_at_error[lane])
+    found.greatest_at_error[lane] = larger(high + off if high > 0.0 else 0.0, found.greatest_at_error[lane])
+
+
 @routine
 def find_landmarks(
-    function: int, samples: Samples, beside: Samples, turns: Roots, steepest: Row, found: LandmarkRows
+    function: int, samples: Samples, beside: Samples, turns: Roots, turn: float, steepest: Row, found: LandmarkRows
 ) -> None:
     """Find the minimum and maximum of a function over the scan positions and its turning points.
+
+    Of turning points that tie, the first is reported, with an error that reaches the others.
 
     Parameters
     ----------
@@ -228,6 +255,8 @@ def find_landmarks(
     beside : Samples
         Changes of all functions when some of these positions are perturbed by their rounding.
     turns : Roots
+    turn : float
+        Length after which the crank's position recurs; infinite if the range isn't a cycle.
     steepest : row
         Scratch: maximum of |f′|.
     found : LandmarkRows
@@ -261,17 +290,27 @@ def find_landmarks(
             continue
         root = turns.rows[r]
         for lane in range(LANES):
-            f, place = at_turns[r, lane], root.x[lane]
-            width = root.enough[lane] / FOUND
-            bend = abs(root.at_high[lane] - root.at_low[lane]) / width
-            off = ROUNDING * (steepest[lane] / bend)
-            lower, higher = f <= found.least[lane], f >= found.greatest[lane]
-            found.least[lane] = f if lower else found.least[lane]
+            f, place, off = at_turns[r, lane], root.x[lane], _turn_error(root, lane, steepest[lane])
+            near = found.value_error[lane] + ROUNDING * found.scale[lane]
+            # A turning point takes precedence over the positions, of which only it has an error estimate.
+            lower = f <= found.least[lane] - (near if found.least_at_error[lane] > 0.0 else 0.0)
+            higher = f >= found.greatest[lane] + (near if found.greatest_at_error[lane] > 0.0 else 0.0)
+            found.least[lane], found.greatest[lane] = smaller(f, found.least[lane]), larger(f, found.greatest[lane])
             found.least_at[lane] = place if lower else found.least_at[lane]
             found.least_at_error[lane] = off if lower else found.least_at_error[lane]
-            found.greatest[lane] = f if higher else found.greatest[lane]
             found.greatest_at[lane] = place if higher else found.greatest_at[lane]
             found.greatest_at_error[lane] = off if higher else found.greatest_at_error[lane]
+    for r in range(turns.used[0]):
+        if turns.function[r] != function:
+            continue
+        root = turns.rows[r]
+        for lane in range(LANES):
+            off = _turn_error(root, lane, steepest[lane])
+            _note_rival(at_turns[r, lane], root.x[lane], off, turn, lane, found)
+    if turn == math.inf:
+        for k in range(0, last + 1, last):
+            for lane in range(LANES):
+                _note_rival(values[k, lane], q[k, lane], 0.0, turn, lane, found)
     # During a dwell at the extreme, its position may be anywhere in the dwell.
     for k in range(last):
         for lane in range(LANES):

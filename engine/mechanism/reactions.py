@@ -363,7 +363,6 @@ class Reactions:
 
     def _transmit(self, name: str, driver: str, carrier: str, moment: Node, passed: Node) -> None:
         """Balance a wheel by moments on its driver and on their common carrier."""
-        self.graph.bends(passed, moment)
         on = ((name, driver, -moment), (driver, name, passed), (carrier, name, moment - passed))
         self._forces += [LinkForce("gears", name, link, source, moment=twist) for link, source, twist in on]
         for link, _, twist in on[1:]:
@@ -384,7 +383,6 @@ class Reactions:
             ratio, k = self.graph.number(f"shafts.{name}.ratio"), self._lost_share(name, -load.moment)
             arm = self.graph.apply(laws.friction.teeth.shifted_contact, found.radius, ratio, k)
         tangential = load.moment / arm
-        self.graph.bends(tangential, load.moment)
         apart = self._separating_force(name, f"shafts.{name}", tangential)
         force = -(tangential * found.along) + apart * found.away
         self._between_teeth(found, arm, force, name, shaft.geared_to)

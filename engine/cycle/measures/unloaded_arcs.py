@@ -38,6 +38,8 @@ from engine.cycle.panels.record import Record, known_slot
 
 # Fraction of the peak load below which a bearing counts as unloaded.
 LEAST_LOAD = 1e-3
+# The loads of a bar point along it, to 0 and π: the circle is cut beside π, by more than their errors [rad].
+NEAR_CUT = 1e-6
 # Room for stretches.
 MOST_STRETCHES = 1024
 # Parts of the interval between two positions, in each of which a force turns back, and is shortest, at most once.
@@ -269,11 +271,14 @@ def extend_near(record: Record, force: Force, stretches: Stretches, count: int, 
 
 
 @routine
-def widest_gap(stretches: Stretches, count: int) -> tuple[float, int, int]:
-    """Widest gap between stretches on the circle: its width [rad], the stretch before it and the stretch after it."""
-    ends, order = stretches.ends, stretches.order
+def widest_gap(stretches: Stretches, count: int) -> tuple[float, float, int, int]:
+    """Widest gap between stretches on the circle: width and its error [rad], the stretch before it and the one after.
+
+    Of gaps that are equal but for their errors, the first from −π; directions within `NEAR_CUT` of π count as −π.
+    """
+    ends, errors, order = stretches.ends, stretches.errors, stretches.order
     for i in range(count):
-        turns = math.floor((ends[i, 0] + math.pi) / TURN) * TURN
+        turns = math.floor((ends[i, 0] + math.pi + NEAR_CUT) / TURN) * TURN
         ends[i, 0] -= turns
         ends[i, 1] -= turns
         k = i
@@ -281,7 +286,7 @@ def widest_gap(stretches: Stretches, count: int) -> tuple[float, int, int]:
             order[k] = order[k - 1]
             k -= 1
         order[k] = i
-    widest, before, after, last = -1.0, order[0], order[0], order[0]
+    widest, known, off, before, after, last = -1.0, -1.0, 0.0, order[0], order[0], order[0]
     reach = ends[last, 1]
     # Stretches that begin before the end of the turn may extend beyond its start.
     for i in range(count):
@@ -290,11 +295,15 @@ def widest_gap(stretches: Stretches, count: int) -> tuple[float, int, int]:
     for k in range(1, count + 1):
         i = order[k % count]
         begins = ends[i, 0] + (TURN if k == count else 0.0)
-        if begins - reach > widest:
-            widest, before, after = begins - reach, last, i
+        gap, off_here = begins - reach, errors[last, 1] + errors[i, 0] + 2.0 * ROUNDING * TURN
+        widest = max(gap, widest)
+        if gap > known + off + off_here:
+            known, off, before, after = gap, off_here, last, i
+        elif gap + off_here > known:
+            off = max(off_here, off)
         if ends[i, 1] > reach:
             last, reach = i, ends[i, 1]
-    return widest, before, after
+    return widest, off, before, after
 
 
 @routine
@@ -312,7 +321,7 @@ def find_unloaded_arcs(record: Record, x: int, y: int, greatest: ExtremeRows, st
         Its `arc` is the output [rad]: 2π without a middle if there is no force, 0 if there is no gap, NaN if a force is
         NaN or infinite or has too many stretches.
     """
-    found, ends, errors = stretches.arc, stretches.ends, stretches.errors
+    found, ends = stretches.arc, stretches.ends
     for lane in range(LANES):
         found.arc[lane] = found.arc_error[lane] = found.middle[lane] = found.middle_error[lane] = math.nan
         most = math.sqrt(greatest.value[lane])
@@ -324,13 +333,12 @@ def find_unloaded_arcs(record: Record, x: int, y: int, greatest: ExtremeRows, st
         count = find_stretches(record, force, stretches)
         if count == 0 or count > ends.shape[0]:
             continue
-        arc, before, after = widest_gap(stretches, count)
+        arc, error, before, after = widest_gap(stretches, count)
         refining = arc > 0.0
         while refining:
             refining = extend_near(record, force, stretches, count, ends[before, 1], 1)
             refining |= extend_near(record, force, stretches, count, ends[after, 0], 0)
-            arc, before, after = widest_gap(stretches, count)
-        error = errors[before, 1] + errors[after, 0] + 2.0 * ROUNDING * TURN
+            arc, error, before, after = widest_gap(stretches, count)
         middle = ends[before, 1] + 0.5 * arc
         found.arc[lane], found.arc_error[lane] = max(arc, 0.0), error
         found.middle_error[lane] = 0.5 * error if error < arc else math.pi

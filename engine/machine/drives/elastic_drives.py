@@ -106,9 +106,9 @@ class ElasticDrives:
             together = max(1, TOGETHER // (count * STAGES * (3 * STATE + STATE**2)))
             for some in np.array_split(same, -(-same.size // together)):
                 part, who = ready.some(some), ready.which[some]
-                (fine, cycle), (coarse, _) = (_settled(part, int(n)) for n in (count, count // 2))
+                (fine, off, cycle), (coarse, _, _) = (_settled(part, int(n)) for n in (count, count // 2))
                 values[: len(RESULTS), who] = fine
-                errors[: len(RESULTS), who] = np.abs(fine - coarse) + ROUNDING * np.abs(fine)
+                errors[: len(RESULTS), who] = np.abs(fine - coarse) + off + ROUNDING * np.abs(fine)
                 verdict[who] = cycle.verdict
                 begin[:, who] = cycle.begin
         if name in self.runs:
@@ -371,10 +371,14 @@ class Ready(NamedTuple):
 
 
 class RigidCycle(NamedTuple):
-    """Torque [N·m] and speed [rad/s] of a rigid shaft at the points of every step, (variants, steps, points)."""
+    """Torque [N·m] and speed [rad/s] of a rigid shaft at the points of every step, (variants, steps, points).
+
+    `moment_error` estimates the error of the peak torque, (variants,); finer steps don't reveal it.
+    """
 
     moment: np.ndarray
     speed: np.ndarray
+    moment_error: np.ndarray
 
 
 def _mean_inertia(dynamics: Dynamics, variants: Variants) -> np.ndarray:
@@ -383,15 +387,27 @@ def _mean_inertia(dynamics: Dynamics, variants: Variants) -> np.ndarray:
     return mean_of_rows(dynamics.inertia(variants, places))
 
 
-def _settled(ready: Ready, count: int) -> tuple[np.ndarray, ElasticCycle]:
-    """Results (results, variants) with `count` steps, and the motion."""
+def _settled(ready: Ready, count: int) -> tuple[np.ndarray, np.ndarray, ElasticCycle]:
+    """Results (results, variants) with `count` steps, their errors from that of the rigid shaft, and the motion."""
     machine, guess, rigid = _machine_over_cycle(ready, count)
     found = elastic_cycle(machine, ready.given, guess)
-    # Across a jump, curves aren't interpolated between the points of a step.
-    jumps = machine.steps[..., None] < GAP
-    least, greatest = least_and_greatest(np.where(jumps, rigid.moment[..., :1], rigid.moment))
-    most = np.fmax(np.abs(least), np.abs(greatest))
-    return drive_results(found, ready.given, ready.frequency, ready.dynamics.cycle, most), found
+    # A jump lies at the middle of its step, across which the curve isn't interpolated.
+    jumps = machine.steps < GAP
+    first, last = (_at_middle(rigid.moment[..., ::side]) for side in (1, -1))
+    least, greatest = least_and_greatest(np.where(jumps[..., None], first[..., None], rigid.moment))
+    beyond = np.where(jumps, np.abs(last), 0.0).max(axis=1)
+    most = np.fmax(np.fmax(np.abs(least), np.abs(greatest)), beyond)
+    results, shifted = (
+        drive_results(found, ready.given, ready.frequency, ready.dynamics.cycle, peak)
+        for peak in (most, most + rigid.moment_error)
+    )
+    return results, np.abs(shifted - results), found
+
+
+def _at_middle(values: np.ndarray) -> np.ndarray:
+    """Limits at the middle of steps, on the line through the end and the last point before the middle."""
+    last = STAGES // 2
+    return values[..., 0] + (values[..., last] - values[..., 0]) * (0.5 / GAUSS.nodes[last - 1])
 
 
 def _machine_over_cycle(ready: Ready, count: int) -> tuple[DrivenMachine, np.ndarray, RigidCycle]:
@@ -403,16 +419,30 @@ def _machine_over_cycle(ready: Ready, count: int) -> tuple[DrivenMachine, np.nda
     within = turned[:-1, None] + steps[:, None] * np.array([0.0, *GAUSS.nodes])[:, None]
     every = np.concatenate([within.reshape(-1, variants), turned[-1:]])
     inertia = dynamics.inertia(bare, bare.direction * every)
-    energy = steady_motion(dynamics, ready.rigid, TOLERANCE, every)[0].record[0]
-    omega, zero = np.sqrt(2.0 * energy / (inertia + own)), np.zeros(variants)
-    whole = EquationOfMotion(dynamics, ready.rigid, zero).along(every, omega, np.zeros_like(omega), zero + 1.0)
+    energy, energy_off = (steady.record[0] for steady in steady_motion(dynamics, ready.rigid, TOLERANCE, every))
+    equation, zero, who = (
+        EquationOfMotion(dynamics, ready.rigid, np.zeros(variants)),
+        np.zeros(variants),
+        range(variants),
+    )
+
+    def torque(turned: np.ndarray, omega: np.ndarray) -> np.ndarray:
+        """Torque of the rigid shaft at given speeds."""
+        whole = equation.along(turned, omega, np.zeros_like(omega), zero + 1.0)
+        return whole.motors - own * whole.epsilon
+
+    omega = np.sqrt(2.0 * energy / (inertia + own))
+    rigid_moment = torque(every, omega)
+    peak = np.abs(rigid_moment).argmax(axis=0), who
+    shifted = torque(every[peak], omega[peak] * np.sqrt(1.0 + energy_off[peak] / energy[peak]))
+    moment_error = np.abs(shifted - rigid_moment[peak])
 
     def points(values: np.ndarray) -> np.ndarray:
         """Values at the points of every step, including its ends: (variants, steps, points)."""
         begins = values[:-1].reshape(-1, STAGES + 1, variants)
         return np.moveaxis(np.concatenate([begins, values[STAGES + 1 :: STAGES + 1, None]], axis=1), 2, 0)
 
-    rigid = RigidCycle(points(whole.motors - own * whole.epsilon), points(omega))
+    rigid = RigidCycle(points(rigid_moment), points(omega), moment_error)
     moment, speed, inertia = rigid.moment[..., 1:-1], rigid.speed[..., 1:-1], points(inertia)
     guess = np.stack([moment, speed, 0.5 * inertia[..., 1:-1] * speed**2], axis=3)
     sizes, way = ready.system.sizes, bare.direction

@@ -4,12 +4,14 @@ import numpy as np
 
 from engine.cycle.measured import Measured
 from engine.elements.element import Rank
+from engine.mechanism.actions.paths import input_sense
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import (
     Exactly,
     Expression,
     Formula,
     Integral,
+    VariantNumber,
     least,
     maximum,
     minimum,
@@ -95,8 +97,9 @@ def declare(mechanics: Mechanics) -> Declared:
 
 def _efficiency(m: Mechanics) -> Expression:
     """Mechanical efficiency over a cycle: mean power delivered over mean power supplied."""
-    useful, driving = (mean(m, m.moment_of(frozenset({role}))) for role in ("useful", "driving"))
-    taken = -mean(m, m.moment_of()) - mean(m, m.reactions.variables["friction_moment"])
+    sense = VariantNumber(input_sense(m.kinematics))
+    useful, driving = (mean(m, m.moment_of(frozenset({role}))) * sense for role in ("useful", "driving"))
+    taken = (-mean(m, m.moment_of()) - mean(m, m.reactions.variables["friction_moment"])) * sense
     out = _positive(-useful) + _positive(-taken)
     return Formula(_ratio, (out, _positive(driving) + _positive(taken)))
 

@@ -1,6 +1,7 @@
 """A machine driven through an elastic shaft: against integration in time, closed forms, the rigid limit."""
 
 import math
+from itertools import pairwise
 from time import perf_counter
 
 import numpy as np
@@ -520,3 +521,48 @@ def test_run_on_a_stiff_shaft__takes_about_as_long_as_forecast(tmp_path):
     (tmp_path / "scene.toml").write_text(write_scene(scene), encoding="utf8")
     study = read_study(tmp_path / "scene.toml")
     assert on_shafts_text(study, study.machine()).startswith("Runs on elastic shafts: about ")
+
+
+@pytest.mark.parametrize("stroke", [0.0, 0.06])
+def test_moment_of_a_rigid_shaft__is_that_of_its_own_steady_running(stroke):
+    """Another method: dω/dφ by DOP853 over a turn that returns; the load may set in at a cut, where the peak lies."""
+    own, blow = 0.2, {"type": "table", "on": "P", "angle": math.pi, "slider": "yoke", "interpolation": "linear"}
+    blow |= {"over_stroke": [0.0, 0.01], "force": [300.0, 900.0], "outside": "zero", "acts": "against"}
+    forces = {"load": {"type": "linear_drag", "on": "P", "coefficient": DRAG}} | ({"blow": blow} if stroke else {})
+    status, values, errors = asked(yoke(forces=forces), ["rigid_moment", "dynamic_factor", "greatest_moment"])
+
+    def rates(phi: float, omega: float, acts: bool) -> tuple[float, float]:
+        """Dω/dφ and the torque of the shaft."""
+        sine, slide = math.sin(phi), 0.1 * math.cos(phi)
+        inertia, slope = WHEEL + MASS * 0.01 * sine**2, MASS * 0.01 * math.sin(2 * phi)
+        load = -DRAG * 0.01 * sine**2 * omega
+        load += (300.0 + 6e4 * slide) * 0.1 * sine if acts else 0.0
+        motor = STALL * (1 - omega / NO_LOAD)
+        epsilon = (motor + load - 0.5 * slope * omega**2) / (inertia + own)
+        return epsilon / omega, motor - own * epsilon
+
+    within = [math.tau - math.acos(0.1 * share) for share in (1.0, 0.0)]
+    cuts = [0.0, math.pi, within[1], within[0], math.tau] if stroke else [0.0, math.pi, math.tau]
+    rows = [(a, b, stroke > 0.0 and a == within[1]) for a, b in pairwise(cuts)]
+
+    def turn(begin: float) -> tuple[float, float]:
+        """Speed after a turn, and the peak torque."""
+        omega, peak = begin, 0.0
+        for a, b, acts in rows:
+            out = solve_ivp(lambda phi, y, acts=acts: [rates(phi, y[0], acts)[0]], (a, b), [omega], "DOP853",
+                            np.linspace(a, b, 5_001), rtol=1e-13, atol=1e-13, max_step=(b - a) / 50)  # fmt: skip
+            torque = np.array([rates(phi, w, acts)[1] for phi, w in zip(out.t, out.y[0], strict=True)])
+            # The square through the highest three points.
+            k = min(max(int(np.abs(torque).argmax()), 1), torque.size - 2)
+            low, top, high = np.abs(torque[k - 1 : k + 2])
+            bend = low - 2.0 * top + high
+            inner = 0.0 < np.abs(torque).argmax() < torque.size - 1 and bend < 0.0
+            peak = max(peak, np.abs(torque).max(), top - (high - low) ** 2 / (8.0 * bend) if inner else 0.0)
+            omega = out.y[0, -1]
+        return omega, peak
+
+    begin = float(fsolve(lambda w: turn(w[0])[0] - w[0], 20.0, xtol=1e-14)[0])
+    assert status[0] == Verdict.OK
+    assert abs(turn(begin)[1] - values["rigid_moment"][0]) < errors["rigid_moment"][0] + 1e-11 * turn(begin)[1]
+    factor = values["greatest_moment"][0] / turn(begin)[1]
+    assert abs(factor - values["dynamic_factor"][0]) < errors["dynamic_factor"][0] + 1e-9

@@ -227,7 +227,7 @@ def test_time_ratio_of_what_repeats_with_the_cycle_alone__is_not_told():
 # Ranges of the input that aren't a cycle
 
 
-@pytest.mark.parametrize(("start", "stop"), [(0.2, 0.9), (0.2, 2.0), (-1.0, 4.0), (3.3, 3.4)])
+@pytest.mark.parametrize(("start", "stop"), [(0.2, 0.9), (0.2, 2.0), (-1.0, 4.0), (3.3, 3.4), (-0.5, 0.5)])
 def test_limited_crank__has_the_stroke_of_its_range(start, stop):
     machine = scene({"g": SLIDER_CRANK | {"second": {"link": "ram", "guide": "way"}}}, {}, 0.05, {"way": {}})
     limited = machine.model_dump(exclude_none=True)
@@ -245,6 +245,9 @@ def test_limited_crank__has_the_stroke_of_its_range(start, stop):
     exact = (place(high) - place(low), place(low), place(high), low, high)
     for name, value in zip(names, exact, strict=True):
         within_figures(outcome, name, value, 8 * EPS)
+    if start == -stop:
+        # Both ends of the range are the low end.
+        assert 2 * stop <= outcome.errors["ram.stroke_low_at"][0] < 2.01 * stop
 
 
 @pytest.mark.parametrize(("inside", "turns"), [(False, 1), (True, 1), (False, 2), (True, 3)])
@@ -274,3 +277,30 @@ def test_swing_that_ends_where_the_cycle_does__has_its_ratio(inside, turns):
     within_figures(outcome, f"rocker.swing_{'high' if inside else 'low'}_at", beside, 64 * EPS)
     for name in names:
         assert (outcome.errors[name] < 1e-7).all(), name
+
+
+@pytest.mark.parametrize("turns", [1, 2])
+def test_end_of_a_stroke_that_is_reached_twice_in_a_turn__is_the_first_and_may_be_the_other(turns):
+    """A rocker stretches with the rod of a slide within its swing, twice in a turn: in exact numbers the ends tie."""
+    rng = np.random.default_rng(7)
+    length, toward = rng.uniform(0.05, 0.07, 64), rng.uniform(1.7, 1.9, 64)
+    rod = rrp("C", ("link", "B", 0.3), "ram", "way")
+    data = scene({"g": ROCKER, "h": rod}, {"D": frame(0.22, 0.0)}, 0.06, {"way": {"x": 0.22, "angle": 1.8}})
+    data = data.model_copy(update={"input": data.input.model_copy(update={"revolutions": turns})})
+    varied = {"input.length": length, "guides.way.angle": toward}
+    asked = ["ram.stroke_high", "ram.stroke_high_at", "ram.stroke_low_at", "ram.stroke_time_ratio"]
+    outcome = Machine(data, asked, varied=list(varied)).evaluate(varied)
+    assert (outcome.status == Verdict.OK).all()
+    x, y = 0.22 + 0.15 * np.cos(toward), 0.15 * np.sin(toward)
+    far = np.hypot(x, y)
+    beside = np.arccos((length**2 + far**2 - 0.2**2) / (2 * length * far))
+    ends = np.sort((np.arctan2(y, x) + [[1], [-1]] * beside) % TURN, axis=0)
+    within_figures(outcome, "ram.stroke_high", 0.45, 64 * EPS)
+    at, off = outcome.summaries["ram.stroke_high_at"], outcome.errors["ram.stroke_high_at"]
+    np.testing.assert_allclose(at, ends[0], rtol=0, atol=1e-6)
+    np.testing.assert_array_less(apart(at, ends[1]), off + 1e-12)
+    low = Measured(outcome.summaries["ram.stroke_low_at"])
+    found, figure = outcome.summaries["ram.stroke_time_ratio"], outcome.errors["ram.stroke_time_ratio"]
+    for end in ends:
+        assert not (np.abs(quick_return_ratio(low, Measured(end)).value - found) > figure + 1e-9).any()
+    assert (outcome.errors["ram.stroke_low_at"] < 1e-9).all()

@@ -203,3 +203,15 @@ def test_direction_of_a_reaction__continuous_angle_of_its_components():
     # The force turns with the unbalance, once around.
     assert np.abs(np.diff(angle)).max() < math.pi
     assert angle[-1] - angle[0] == pytest.approx(TURN * 71 / 72, abs=0.1)
+
+
+@pytest.mark.parametrize("accuracy", [1e-4, None, 1e-11])
+def test_bar_that_is_pushed_and_pulled__has_its_oil_hole_on_the_same_side_in_all_variants(accuracy):
+    """Both sides of a light bar are unloaded: rounding must not choose between them."""
+    scene = press() | {"bodies": {"ram_body": {"link": "ram", "mass": 5.0}}}
+    varied = {"groups.drive.first.length": np.linspace(0.85, 1.0, 64)}
+    names = [f"drive.{pair}.unloaded_{kind}_of_link" for kind in ("arc", "middle") for pair in ("first", "inner")]
+    outcome = Machine(Scene.model_validate(scene), names, varied=list(varied), accuracy=accuracy).evaluate(varied)
+    for name in names:
+        exact = math.pi if "arc" in name else -math.pi / 2
+        np.testing.assert_array_less(np.abs(outcome.summaries[name] - exact), outcome.errors[name] + 8 * EPS)
