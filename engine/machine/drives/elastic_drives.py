@@ -420,11 +420,8 @@ def _machine_over_cycle(ready: Ready, count: int) -> tuple[DrivenMachine, np.nda
     every = np.concatenate([within.reshape(-1, variants), turned[-1:]])
     inertia = dynamics.inertia(bare, bare.direction * every)
     energy, energy_off = (steady.record[0] for steady in steady_motion(dynamics, ready.rigid, TOLERANCE, every))
-    equation, zero, who = (
-        EquationOfMotion(dynamics, ready.rigid, np.zeros(variants)),
-        np.zeros(variants),
-        range(variants),
-    )
+    zero = np.zeros(variants)
+    equation = EquationOfMotion(dynamics, ready.rigid, zero)
 
     def torque(turned: np.ndarray, omega: np.ndarray) -> np.ndarray:
         """Torque of the rigid shaft at given speeds."""
@@ -433,7 +430,7 @@ def _machine_over_cycle(ready: Ready, count: int) -> tuple[DrivenMachine, np.nda
 
     omega = np.sqrt(2.0 * energy / (inertia + own))
     rigid_moment = torque(every, omega)
-    peak = np.abs(rigid_moment).argmax(axis=0), who
+    peak = np.abs(rigid_moment).argmax(axis=0), np.arange(variants)
     shifted = torque(every[peak], omega[peak] * np.sqrt(1.0 + energy_off[peak] / energy[peak]))
     moment_error = np.abs(shifted - rigid_moment[peak])
 
