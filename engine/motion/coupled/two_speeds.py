@@ -105,7 +105,8 @@ class TwoSizes(NamedTuple):
 
 def _joining(mechanics: Mechanics, guards: tuple[str, ...], knots: int) -> Joining:
     def number(label: str) -> Given:
-        return mechanics.graph.given(f"coupling: {label}", Stage.VARIANT)
+        # Some change from walk to walk, so nothing of them may be computed once.
+        return mechanics.graph.given(f"coupling: {label}", Stage.STATE)
 
     def numbers(label: str, count: int) -> tuple[Given, ...]:
         return tuple(number(f"{label} {i}") for i in range(count))

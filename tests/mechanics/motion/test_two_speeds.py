@@ -288,6 +288,29 @@ def test_jumps_of_moments__leave_the_works_in_balance():
     assert found["go.clutch_heat"] > 0.0
 
 
+def test_light_shaft_of_a_slipping_clutch__takes_implicit_steps():
+    """J ω' = M₀ (1 − ω/ω₀) − C comes to its speed within microseconds; the crank speeds up evenly."""
+    own, until, capacity, motor = 4e-6, 0.1, 4.0, MOMENTS["dc"]
+    scene = coupled(rotor({"go": run("dc", from_speed=0.0, from_shaft_speed=90.0, time=until)}), own, capacity=capacity)
+    # Of a line alone the slope is a constant of the machine.
+    regime, moments = scene["regimes"]["go"], scene["moments"]
+    regime["off"] = [name for name in regime["off"] if name not in moments]
+    scene["moments"] = {"dc": moments["dc"]}
+    found = ask(scene, of("go", "final_speed motor_shaft_final_speed clutch_heat motor_work implicit_steps"))
+    stall, fastest = motor["stall_moment"], motor["no_load_speed"]
+    speed, decay, rise = fastest * (1.0 - capacity / stall), stall / fastest / own, RATIO * capacity / INERTIA
+    turned = speed * until + (90.0 - speed) / decay
+    work = capacity * turned + 0.5 * own * (speed**2 - 90.0**2)
+    expected = {"final_speed": rise * until, "motor_shaft_final_speed": speed, "motor_work": work}
+    expected["clutch_heat"] = capacity * (turned - 0.5 * RATIO * rise * until**2)
+    assert speed > RATIO * rise * until
+    assert found["go.implicit_steps"] == 1.0
+    for key, value in expected.items():
+        error = abs(found[f"go.{key}"] - value)
+        assert error <= 1e-9 * value, key
+        assert error <= found.figure(f"go.{key}") + 1e-13 * value, key
+
+
 # What becomes of it
 
 
