@@ -266,6 +266,8 @@ class RegimeMotion:
         answers.values.update(found | self._of_cycle(variants, steady, period, gone))
         # δ is a difference of speeds, and rounds as they do.
         answers.scales["speed_fluctuation"] = np.ones(variants.count)
+        # Steady running returns exactly.
+        answers.missed["return_residual"] = steady.residual
         return OneRegime(answers, after, float(self._steps(half)), gone.energy)
 
     def _fluid_cycle(self, along: CoupledFields, states: CycleStates, half: bool) -> Cycle:

@@ -295,6 +295,8 @@ class CoupledRuns(MachineRuns):
             self.growing[who] = np.where(np.isnan(self.growing[who]), growing, self.growing[who])
         limits, joining = self.speed_limits(who, sizes.crank, faced[0]), sizes.joining
         limits |= sides.joining(joined) | {joining.growing: self.growing[who]}
+        if sides.is_fluid:
+            limits[joining.piece] = sides.coupling.fluid_piece(state[CRANK_SPEED], state[SHAFT_SPEED])
         if stands.any():
             _, _, *ways = self._free(sides, joined, state[: SHAFT_SPEED + 1], time)
             limits |= {joining.resists: ways[0] - ways[2], joining.shaft_resists: ways[1] - ways[3]}

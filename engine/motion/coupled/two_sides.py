@@ -58,10 +58,20 @@ class CouplingNumbers(NamedTuple):
 
     def fluid_moment(self, crank: np.ndarray, shaft: np.ndarray) -> np.ndarray:
         """Torque of a fluid coupling on the crank [N·m], from the speeds of both sides."""
-        shaft_drives = np.abs(shaft) >= np.abs(crank)
-        fast, slow = np.where(shaft_drives, shaft, crank), np.where(shaft_drives, crank, shaft)
-        moment = self.fluid * fluid_coupling_moment(self.coefficient(slip_of(fast, slow)), 1.0, fast, 1.0)
-        return np.where(shaft_drives, 1.0, -1.0) * np.sign(fast) * moment
+        side, fast, slip = _driving(crank, shaft)
+        return side * np.sign(fast) * self.fluid * fluid_coupling_moment(self.coefficient(slip), 1.0, fast, 1.0)
+
+    def fluid_piece(self, crank: np.ndarray, shaft: np.ndarray) -> np.ndarray:
+        """Piece of the table of a fluid coupling at its slip, as in `fluid_torque`."""
+        side, _, slip = _driving(crank, shaft)
+        return side * (2.0 + np.searchsorted(self.coefficient.x[2:-1], slip))
+
+
+def _driving(crank: np.ndarray, shaft: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Which side of a fluid coupling is faster, +1 the shaft, −1 the crank; its speed, and the slip."""
+    shaft_drives = np.abs(shaft) >= np.abs(crank)
+    fast, slow = np.where(shaft_drives, shaft, crank), np.where(shaft_drives, crank, shaft)
+    return np.where(shaft_drives, 1.0, -1.0), fast, slip_of(fast, slow)
 
 
 class ElasticNumbers(NamedTuple):
@@ -234,6 +244,7 @@ class CoupledSides(NamedTuple):
             given.sense: np.where(slips, joined.mode, 0),
             given.moves: joined.crank_way != 0.0,
             given.shaft_moves: joined.shaft_way != 0.0,
+            given.piece: np.zeros(self.count),
             given.engaged: joined.clock - joined.engaged,
             given.touch: joined.touch,
         }

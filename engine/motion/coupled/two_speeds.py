@@ -10,16 +10,15 @@ count in that direction, T in the machine's direction of motion.
 
 from typing import NamedTuple
 
-import numpy as np
-
 from engine.compiling.decorators import scalar
 from engine.compiling.instructions import chosen
 from engine.elements.elastic_drives.shaft_touch import touch_left, touch_turns, touching_moment
 from engine.graph.derivatives import derivative
 from engine.graph.nodes import Given, Node, Stage
 from engine.laws.kinematics.closure import greater
-from engine.laws.tables import in_memory, make_table, table_segment
+from engine.laws.tables import in_memory, make_table
 from engine.mechanism.mechanics import Mechanics
+from engine.motion.coupled.fluid_torque import fluid_moment, fluid_piece, slip_guards
 from engine.motion.one_speed import SLOPES, Sizes, friction_of, inertia_with_flywheel, moments_of, shown_of, sizes_of
 from engine.parts.couplings import Coupling, FluidCoupling
 from engine.stepping.system import Guard, System
@@ -33,21 +32,6 @@ ASTRAY = 1e-9
 # States, and the integrals other than the works of each channel; with an elastic shaft the third state is its twist.
 TURNED, CRANK_SPEED, SHAFT_TURNED, SHAFT_SPEED = range(4)
 GATHERED = ("heat", "slipped", "squares", "motors")
-
-
-@scalar
-def fluid_moment(memory: np.ndarray, table: float, factor: float, crank: float, shaft: float) -> float:
-    """Torque of a fluid coupling on the crank from the speeds of both sides and the table of λ over slip.
-
-    `factor` is the torque over λ ω² [kg·m²].
-    """
-    shaft_drives = abs(shaft) >= abs(crank)
-    fast, slow = (shaft, crank) if shaft_drives else (crank, shaft)
-    slip = 1.0 - slow / fast if fast != 0.0 else 0.0
-    begin, c3, c2, c1, c0 = table_segment(memory, table, slip)
-    t = slip - begin
-    moment = factor * (((c3 * t + c2) * t + c1) * t + c0) * fast * abs(fast)
-    return moment if shaft_drives else -moment
 
 
 @scalar
@@ -70,6 +54,8 @@ class Joining(NamedTuple):
         1 if a side moves, 0 if it stands.
     fluid : Given
         Torque of a fluid coupling over λ ω² [kg·m²].
+    piece : Given
+        Of the table of a fluid coupling, as in `fluid_torque`.
     engaged : Given
         Clock time at which the coupling was engaged [s].
     times, capacity : tuple of Given
@@ -94,6 +80,7 @@ class Joining(NamedTuple):
     moves: Given
     shaft_moves: Given
     fluid: Given
+    piece: Given
     engaged: Given
     times: tuple[Given, ...]
     capacity: tuple[Given, ...]
@@ -118,7 +105,8 @@ class TwoSizes(NamedTuple):
 
 def _joining(mechanics: Mechanics, guards: tuple[str, ...], knots: int) -> Joining:
     def number(label: str) -> Given:
-        return mechanics.graph.given(f"coupling: {label}", Stage.VARIANT)
+        # Some change from walk to walk, so nothing of them may be computed once.
+        return mechanics.graph.given(f"coupling: {label}", Stage.STATE)
 
     def numbers(label: str, count: int) -> tuple[Given, ...]:
         return tuple(number(f"{label} {i}") for i in range(count))
@@ -185,14 +173,16 @@ def at_two_speeds(
     m1 = of_crank.total - of_inertia
     ahead, shaft_ahead = crank.facing * speed, other * shaft_speed
     slip = shaft_ahead - ahead
-    touch = turns = graph.zero
+    touch, turns, kept = graph.zero, graph.zero, {}
     elastic = joining.stiffness, joining.damping, joining.backlash
     if coupling is None:
         apart = graph.apply(touching_moment, elastic, joining.touch, twist, slip)
         touch = graph.apply(touch_left, elastic, joining.touch, twist, slip)
     elif isinstance(coupling, FluidCoupling):
         table = graph.store(in_memory(make_table(coupling.slip, coupling.coefficient, coupling.interpolation)))
-        apart = graph.apply(fluid_moment, graph.memory, table, joining.fluid, ahead, shaft_ahead)
+        slips = joining.piece, ahead, shaft_ahead
+        apart = graph.apply(fluid_moment, graph.memory, table, joining.fluid, *slips)
+        kept = {joining.piece: graph.apply(fluid_piece, graph.memory, table, *slips)}
     else:
         apart = joining.sense * capacity
 
@@ -230,6 +220,10 @@ def at_two_speeds(
     named = zip(ENDINGS, endings, joining.never, strict=True)
     guards = [Guard("above", crank.above - speed), Guard("below", speed - crank.below)]
     guards += [Guard(name, value + never) for name, value, never in named]
+    if kept:
+        accelerations = crank.facing * rises[0], other * rises[1]
+        of_slip = graph.apply(slip_guards, graph.memory, table, *slips, *accelerations)
+        guards += [Guard(f"slip {end}", value, False) for end, value in zip(("left", "near"), of_slip, strict=True)]
     slopes = [[derivative(rise, by, SLOPES | BY_SLIP) for by in (speed, shaft_speed)] for rise in moved(smooth)[1:]]
     steepness = graph.apply(greater, *(abs(a) + abs(b) for a, b in slopes))
     rates, none = (ahead, rises[0], slip if coupling is None else shaft_ahead, rises[1]), graph.zero
@@ -241,7 +235,7 @@ def at_two_speeds(
     shown = {"coupling": moment}
     for side, epsilon, moments in (("crank", rises[0], of_crank), ("shaft", rises[1], of_shaft)):
         shown |= {f"{side} {name}": node for name, node in shown_of(inertia, epsilon, moments).items()}
-    return system._replace(shown=shown), TwoSizes(crank, shaft, joining)
+    return system._replace(shown=shown, held=kept), TwoSizes(crank, shaft, joining)
 
 
 def _held_back(joining: Joining, capacity: Node, moment: Node, m1: Node, m2: Node) -> Node:

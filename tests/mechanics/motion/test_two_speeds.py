@@ -288,6 +288,29 @@ def test_jumps_of_moments__leave_the_works_in_balance():
     assert found["go.clutch_heat"] > 0.0
 
 
+def test_light_shaft_of_a_slipping_clutch__takes_implicit_steps():
+    """J ω' = M₀ (1 − ω/ω₀) − C comes to its speed within microseconds; the crank speeds up evenly."""
+    own, until, capacity, motor = 4e-6, 0.1, 4.0, MOMENTS["dc"]
+    scene = coupled(rotor({"go": run("dc", from_speed=0.0, from_shaft_speed=90.0, time=until)}), own, capacity=capacity)
+    # Of a line alone the slope is a constant of the machine.
+    regime, moments = scene["regimes"]["go"], scene["moments"]
+    regime["off"] = [name for name in regime["off"] if name not in moments]
+    scene["moments"] = {"dc": moments["dc"]}
+    found = ask(scene, of("go", "final_speed motor_shaft_final_speed clutch_heat motor_work implicit_steps"))
+    stall, fastest = motor["stall_moment"], motor["no_load_speed"]
+    speed, decay, rise = fastest * (1.0 - capacity / stall), stall / fastest / own, RATIO * capacity / INERTIA
+    turned = speed * until + (90.0 - speed) / decay
+    work = capacity * turned + 0.5 * own * (speed**2 - 90.0**2)
+    expected = {"final_speed": rise * until, "motor_shaft_final_speed": speed, "motor_work": work}
+    expected["clutch_heat"] = capacity * (turned - 0.5 * RATIO * rise * until**2)
+    assert speed > RATIO * rise * until
+    assert found["go.implicit_steps"] == 1.0
+    for key, value in expected.items():
+        error = abs(found[f"go.{key}"] - value)
+        assert error <= 1e-9 * value, key
+        assert error <= found.figure(f"go.{key}") + 1e-13 * value, key
+
+
 # What becomes of it
 
 
@@ -468,6 +491,65 @@ def test_steady_motion_through_a_fluid__is_what_a_run_comes_to():
     assert seen.verdict == Verdict.OK
     assert (seen.shaft_speed > RATIO * seen.speed).all()
     assert np.ptp(seen.angle) == pytest.approx(2.0 * math.pi, rel=1e-12)
+
+
+KNOTS, SHARES = [0.0, 0.03, 0.1, 1.0], [0.0, 0.002, 0.005, 0.008]
+
+
+def through_knots(density: float, until: float, shaft_speed: float) -> dict:
+    """The slider-crank from rest through a fluid coupling by SciPy, from knot to knot of the coupling's table."""
+    own, motor, factor = RATIO**2 * SHAFT_INERTIA, MOMENTS["dc"], density * 0.2**5 * RATIO**3
+    t, y, way, piece, pieces = 0.0, np.array([0.0, 0.0, shaft_speed / RATIO, 0.0, 0.0, 0.0]), 1, 2, []
+    while t < until:
+        rise = (SHARES[piece + 1] - SHARES[piece]) / (KNOTS[piece + 1] - KNOTS[piece])
+
+        def slip(y: np.ndarray, way: int = way) -> float:
+            return 1.0 - (y[1] / y[2] if way > 0 else y[2] / y[1])
+
+        def rates(_: float, y: np.ndarray, way: int = way, piece: int = piece, rise: float = rise) -> list[float]:
+            whole, slope = inertia(y[0])
+            crank = -MOMENTS["fan"]["coefficient"] * y[1] ** 2 - 0.5 * y[1] ** 2 * slope
+            drive = RATIO * motor["stall_moment"] * (1 - RATIO * y[2] / motor["no_load_speed"])
+            pull = way * factor * (SHARES[piece] + rise * (slip(y) - KNOTS[piece])) * max(y[1], y[2]) ** 2
+            apart = y[2] - y[1]
+            return [y[1], (crank + pull) / whole, (drive - pull) / own, pull * apart, way * apart, y[2]]
+
+        low = lambda _, y: slip(y) - KNOTS[piece]  # noqa: B023, E731
+        high = lambda _, y: KNOTS[piece + 1] - slip(y)  # noqa: B023, E731
+        for end in (low, high):
+            end.terminal, end.direction = True, -1
+        how = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-13, "max_step": 0.002, "events": (low, high)}
+        gone = solve_ivp(rates, (t, until), y, **how)
+        t, y = float(gone.t[-1]), gone.y[:, -1]
+        pieces.append(way * (piece + 1))
+        if gone.t_events[1].size:
+            piece += 1
+        elif gone.t_events[0].size:
+            way, piece = (way, piece - 1) if piece else (-way, 0)
+    ends = {"angle": y[0], "final_speed": y[1], "motor_shaft_final_speed": RATIO * y[2], "fluid_heat": y[3]}
+    return ends | {"fluid_slip_angle": RATIO * y[4], "fluid_slip": y[4] / y[5], "pieces": pieces}
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+def test_start_through_a_fluid__goes_as_an_independent_simulation_from_knot_to_knot(tolerance, monkeypatch):
+    """The ram speeds up and slows down the crank, so that either side is the faster one in turn."""
+    monkeypatch.setattr("engine.motion.asked_regimes.RUN_TOLERANCE", tolerance)
+    scene = fluid(slider_crank({"go": run("dc fan", from_speed=0.0, from_shaft_speed=90.0, time=1.2)}))
+    scene["couplings"] = {"fluid": FLUID | {"slip": KNOTS, "coefficient": SHARES}}
+    densities = np.array([8.0, 10.0, 14.0, 40.0])
+    names = "angle final_speed motor_shaft_final_speed fluid_heat fluid_slip_angle fluid_slip"
+    found = ask(scene, of("go", names), varied={"couplings.fluid.density": densities})
+    assert found.status == [Verdict.OK] * 4
+    for i, density in enumerate(densities):
+        known = through_knots(density, 1.2, 90.0)
+        pieces = known.pop("pieces")
+        assert len(pieces) > 10
+        assert min(pieces) < 0 < max(pieces)
+        for key, value in known.items():
+            # SciPy's own error, with a relative tolerance of 1e-12 a step over some hundred steps, and its events.
+            error, own = abs(found.values[f"go.{key}"][i] - value), 1e-9 * abs(value)
+            assert error <= found.errors[f"go.{key}"][i] + own, (key, density)
+            assert error <= tolerance * abs(value) + own, (key, density)
 
 
 def through_oil(slope: float, own: float, speeds: np.ndarray, cycles: float) -> np.ndarray:
