@@ -13,12 +13,12 @@ import numpy as np
 
 from engine.compiling.decorators import routine
 from engine.compiling.widths import LANES
-from engine.laws.runge_kutta import ORDER_EIGHT
+from engine.laws.runge_kutta import ORDER_EIGHT, ORDER_EIGHT_IN_TIME
 from engine.stepping.tableaux import ORDER_FOUR, ORDER_NINE
 
 # Indices of the methods.
-EIGHT, FOUR, NINE = 0, 1, 2
-METHODS = (ORDER_EIGHT, ORDER_FOUR, ORDER_NINE)
+EIGHT, FOUR, NINE, EIGHT_IN_TIME = range(4)
+METHODS = (ORDER_EIGHT, ORDER_FOUR, ORDER_NINE, ORDER_EIGHT_IN_TIME)
 
 
 def _weighted(weights: np.ndarray) -> str:
@@ -34,11 +34,12 @@ def _squares(formulas: np.ndarray) -> str:
 
 def _stage_text() -> list[str]:
     lines = ["def at_stage(method, s, states, width, begin, h, rates, state):"]
-    for number, method in enumerate(METHODS):
+    for number, method in enumerate(METHODS[:EIGHT_IN_TIME]):
+        also = f" or method == {EIGHT_IN_TIME}" if number == EIGHT else ""
         # The stages of an implicit method are solved for together.
         for s in range(1, 0 if method.implicit else method.dense_stages):
             lines += [
-                f"    if method == {number} and s == {s}:",
+                f"    if (method == {number}{also}) and s == {s}:",
                 "        for q in range(states):",
                 "            for l in range(LANES):",
                 f"                state[q, l] = begin[q, l] + h[l] * ({_weighted(method.matrix[s, :s])})",

@@ -15,7 +15,7 @@ from engine.graph.functions import Functions, functions_in_motion, places_of
 from engine.graph.nodes import Given, Graph, Node
 from engine.stepping.at_states import GivenStates, evaluate_states
 from engine.stepping.closed_cycle import OUTCOME, CycleBatch, CycleRoom, find_cycles, new_cycle_room
-from engine.stepping.methods import EIGHT, METHODS
+from engine.stepping.methods import EIGHT, EIGHT_IN_TIME, METHODS
 from engine.stepping.steps.step_guards import ROOT
 from engine.stepping.steps.step_lanes import FOUND, GIVEN, RESPONSES, STEEPNESS, Room, WalkBatch, new_room
 from engine.stepping.walk import STEEPEST, walk
@@ -184,7 +184,9 @@ class PrintedSystem:
         self, cycle: float, method: int = EIGHT, extremes: bool = False, longer: float = 1.0, root: float = ROOT
     ) -> WalkTask:
         """Settings of a walk."""
-        system, made, rows = self.system, METHODS[method], self.functions.rows
+        system, rows = self.system, self.functions.rows
+        method = EIGHT_IN_TIME if method == EIGHT and system.along == "time" else method
+        made = METHODS[method]
         timed = system.clock in rows
         return WalkTask(
             along_time=system.along == "time",
