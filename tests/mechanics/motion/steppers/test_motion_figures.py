@@ -79,8 +79,7 @@ def test_figures_of_runs_that_forget__cover_what_their_last_steps_miss(monkeypat
     exact = ask(scene, "go.final_speed", 120, varied=machines).values["go.final_speed"]
     assert set(found.status) == {Verdict.OK}
     value, figure = found.values["go.final_speed"], found.errors["go.final_speed"]
-    # Roundings of the stiff equation, in both. What is asked of estimates is 99.9 %: one machine is off by 1.1e-13, with
-    # an estimate of 5.7e-14.
+    # Roundings of the stiff equation, in both. One machine is off by 1.1e-13, with an estimate of 5.7e-14.
     assert (abs(value - exact) <= figure + 1e-14 * exact).mean() >= 0.999, abs(value / exact - 1.0).max()
     assert (figure <= 1e-6 * exact).all()
 
