@@ -4,8 +4,11 @@ import numpy as np
 
 from engine.compiling.decorators import routine
 from engine.compiling.memory import Memory, memory
-from engine.compiling.widths import LANES
 
+# Variants in a block. With 64 the loops over lanes are fully vectorised.
+LANES = 64
+# Positions of a panel, and of each part of a scan.
+PANEL_POSITIONS = 17
 # Shapes (LANES,) and (…, LANES).
 Row, Rows = Memory(()), Memory((LANES,))
 in_lanes = memory(Rows)

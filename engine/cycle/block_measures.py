@@ -5,10 +5,9 @@ All have one signature. Those that add curves to the record run before those tha
 
 import math
 
-from engine.compiling.blocks import hand_out, in_lanes
+from engine.compiling.blocks import LANES, hand_out, in_lanes
 from engine.compiling.decorators import separate
 from engine.compiling.packed import unpacked
-from engine.compiling.widths import LANES
 from engine.cycle.driver import DriverAnswers, Task, Workspace, set_row
 from engine.cycle.measures.angles import add_angle
 from engine.cycle.measures.averages import find_averages

@@ -10,9 +10,8 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-from engine.compiling.blocks import Row, in_lanes
+from engine.compiling.blocks import LANES, Row, in_lanes
 from engine.compiling.decorators import inlined, routine
-from engine.compiling.widths import LANES
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import any_positive, many, new_record, one
 from engine.cycle.panels.series import larger, smaller

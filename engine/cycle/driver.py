@@ -9,10 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import Row, Rows, copy_rows, gather, hand_out, hand_out_row, in_lanes
+from engine.compiling.blocks import LANES, Row, Rows, copy_rows, gather, hand_out, hand_out_row, in_lanes
 from engine.compiling.decorators import driver, routine
 from engine.compiling.packed import call_at, unpacked
-from engine.compiling.widths import LANES
 from engine.cycle.close_turns import ADDED, CloseTurns, add_close_turns, begin_close_turns, new_close_turns
 from engine.cycle.events import (
     LOOKED_BESIDE,

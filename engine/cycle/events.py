@@ -9,9 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import Row, Rows, in_lanes
+from engine.compiling.blocks import LANES, Row, Rows, in_lanes
 from engine.compiling.decorators import inlined, routine
-from engine.compiling.widths import LANES
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import any_positive
 from engine.cycle.panels.record import OF_ROUNDING

@@ -11,9 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import Row, Rows, in_lanes
+from engine.compiling.blocks import LANES, Row, Rows, in_lanes
 from engine.compiling.decorators import routine
-from engine.compiling.widths import LANES
 from engine.cycle.panels.directions import directions
 from engine.cycle.panels.lanes import any_positive, many, new_record, rows
 

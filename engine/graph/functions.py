@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.widths import PANEL_POSITIONS
+from engine.compiling.blocks import PANEL_POSITIONS
 from engine.graph.nodes import (
     Constant,
     Crossing,

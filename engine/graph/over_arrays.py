@@ -7,12 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import gather, hand_out, in_lanes
+from engine.compiling.blocks import LANES, gather, hand_out, in_lanes
 from engine.compiling.decorators import driver
 from engine.compiling.printed import load_printed
 from engine.compiling.running import spread
 from engine.compiling.tiles import TileFunction
-from engine.compiling.widths import LANES
 from engine.graph.functions import number_function
 from engine.graph.nodes import Given, Graph, Node, Number, Stage, reached
 

@@ -7,7 +7,7 @@ computed from them. Compilers and people read the printed text; this program nev
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from engine.compiling.widths import LANES
+from engine.compiling.blocks import LANES
 from engine.graph.nodes import (
     Application,
     Constant,

@@ -7,12 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import copy_rows, gather, in_lanes
+from engine.compiling.blocks import LANES, copy_rows, gather, in_lanes
 from engine.compiling.decorators import driver, routine
 from engine.compiling.printed import load_printed
 from engine.compiling.running import spread
 from engine.compiling.tiles import TileFunction, TypedFunction, field_signature
-from engine.compiling.widths import LANES
 from engine.cycle.machine import Extremes
 from engine.graph.functions import Functions, field_function
 from engine.graph.nodes import Found, Node

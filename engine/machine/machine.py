@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import elements, machine, motion, warnings
+from engine.compiling.blocks import LANES
 from engine.compiling.threads import on_all_threads, threads
-from engine.compiling.widths import LANES
 from engine.cycle.measured import UNKNOWN_ROOT, Measured
 from engine.elements.element import Rank
 from engine.graph.nodes import Found, Node, Return, reached

@@ -6,8 +6,12 @@ the plan of the cycle that measures them. The results are returned as numbers wi
 
 import dataclasses
 import math
-from collections.abc import Sequence
-from functools import cached_property
+from collections import defaultdict
+from collections.abc import Callable, Hashable, Sequence
+from functools import cached_property, partial
+from itertools import chain
+from operator import attrgetter
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,6 +21,7 @@ from engine.cycle import machine as cycle
 from engine.cycle.measured import Measured, maximum, where
 from engine.cycle.measures.extremes import BOTH, EACH_TURN, GREATEST, LEAST, LEAST_MAGNITUDE
 from engine.cycle.panels.chebyshev import COARSE, DEGREE
+from engine.cycle.plan import CycleSpeed, Difference, Kept, Measure, Plan, Recorded, Running, VectorAngle
 from engine.graph.functions import Functions, functions_of
 from engine.graph.nodes import Constant, Node, Stage, reached
 from engine.laws.rounding import EPS
@@ -68,6 +73,11 @@ VERY_COARSELY = 1e-3
 # Tolerance of curves for which panels are not refined.
 ANY = 1e30
 
+_SIDES = {"least": LEAST, "greatest": GREATEST}
+_OF_WORKS = ("excess_work", "flywheel_excess_work")
+# Reads a result from what the cycle returns.
+Read = Callable[[cycle.CycleOutcome], Measured]
+
 
 class Measuring:
     """Functions and plan for the measurements that some expressions require.
@@ -111,14 +121,15 @@ class Measuring:
         elsewhere: Sequence[Node] = (),
     ) -> None:
         self.mechanics, self.expressions = mechanics, tuple(expressions)
-        self._spaced, self._grid = list(dict.fromkeys(followed)), grid
+        self._spaced, self._grid, self._accuracy = list(dict.fromkeys(followed)), grid, accuracy
         self._asked = measurements(expressions)
-        of = {kind: [a for a in self._asked if isinstance(a, kind)] for kind in _KINDS}
-        extremes = [a for a in (*of[Extreme], *of[ExtremePosition]) if isinstance(a.curve, Node)]
-        asked = [a.curve for a in (*of[Extreme], *of[ExtremePosition], *of[Average]) if not isinstance(a.curve, Node)]
-        self._followed = list(dict.fromkeys([*self._spaced, *asked]))
+        of = self._of = defaultdict(list)
+        for asked in self._asked:
+            of[type(asked)].append(asked)
+        asked = [a.curve for a in (*of[Extreme], *of[ExtremePosition], *of[Average])]
+        self._followed = list(dict.fromkeys([*self._spaced, *(c for c in asked if not isinstance(c, Node))]))
         cycles = [*of[SteadyCycle], *(f.steady for f in self._followed if isinstance(f, Speed))]
-        curves = [a.curve for a in (*of[Integral], *extremes, *of[LeastMagnitude])]
+        curves = [*(a.curve for a in (*of[Integral], *of[LeastMagnitude])), *(c for c in asked if isinstance(c, Node))]
         curves += [a.square for a in of[RootIntegral]]
         curves += [node for a in cycles for node in (a.moment, a.inertia)]
         curves += [node for a in of[Unbalanced] for node in (a.rate, a.curve)]
@@ -141,6 +152,10 @@ class Measuring:
         jamming = [margin for margin in self.margins if margin.verdict == Verdict.JAMS]
         pressing = [mechanics.reactions.settlings[margin.group].pressing[0] for margin in jamming]
         curves = list(dict.fromkeys([*curves, *self._sines, *(m.curve for m in self.margins), *pressing]))
+        of[LeastMagnitude] += map(LeastMagnitude, self._sines)
+        for margin in self.margins:
+            of[Extreme].append(Extreme(margin.curve, "least"))
+            of[ExtremePosition].append(ExtremePosition(margin.curve, "least"))
         self._kinks = mechanics.graph.kinks_behind(curves)
         curves = list(dict.fromkeys([*curves, *self._kinks]))
         # At kinks margins jump, however short a panel is; near 0 the requested forces keep panels short enough.
@@ -162,39 +177,31 @@ class Measuring:
             found,
             [*fields, *numbers],
         )
-        self._plan(of, extremes, accuracy)
 
-    def _plan(self, of: dict[type, list], extremes: list[Extreme | ExtremePosition], accuracy: float | None) -> None:
-        f = self.functions
+    def _planned(self, speeds: bool) -> "_Planned":
+        """The compiled functions with a plan of the cycle, with or without speed fluctuations."""
+        plan, module = self._plan(), load_printed(self.functions.text)
+        readers = self._readers(plan, speeds)
+        return _Planned(cycle.CycleMachine(plan, module.curves, module.events, module.levels, module.states), readers)
+
+    def _plan(self) -> Plan:
+        """Plan of the cycle, in which nothing is wanted yet."""
+        f, of, accuracy = self.functions, self._of, self._accuracy
         row, curve = f.rows, f.curves
-        self._integrals = list(dict.fromkeys(a.curve for a in of[Integral]))
-        self._roots = list(dict.fromkeys(a.square for a in of[RootIntegral]))
-        rooted = dict.fromkeys([*self._roots, *(a.curve for a in of[Extreme] if a.rooted and a.sense == "least")])
-        sides: dict[Node, int] = {}
-        for asked in extremes:
-            sides[asked.curve] = sides.get(asked.curve, 0) | _SIDES[asked.sense]
-        for margin in self.margins:
-            sides[margin.curve] = sides.get(margin.curve, 0) | LEAST
-        magnitudes = dict.fromkeys([*(a.curve for a in of[LeastMagnitude]), *self._sines])
-        self._extremes = [*sides.items(), *((c, LEAST_MAGNITUDE) for c in magnitudes)]
-        self._works = [*(w.moment for w in self._followed if isinstance(w, Work))]
-        self._works = list(dict.fromkeys([*self._works, *(s.of.moment for s in self._steady if s.asks_works)]))
-        self._compared = list(dict.fromkeys((a.rate, a.curve) for a in of[Unbalanced]))
-        self._angles = [a for a in self._followed if isinstance(a, Angle)]
-        self._arcs = list(dict.fromkeys((a.force, a.square) for a in of[UnloadedArc]))
-        self._combinations = list(dict.fromkeys(c for steady in self._steady for c in steady.combinations))
-        self._fluctuations = [s.fluctuation for s in self._steady if s.fluctuation is not None]
-        self._speeds = [s for s in self._followed if isinstance(s, Speed)]
-        self._averages = list(dict.fromkeys(a.curve for a in of[Average]))
         unresolved = {a.curve for a in of[Extreme] if not a.resolved}.union(self._auxiliary)
-        unresolved = (unresolved - self._resolved(of)).union(self._jumping)
+        unresolved = (unresolved - self._resolved()).union(self._jumping)
         # An extreme that lasts, as in a cam's dwell, has no definite position: its error estimate covers the dwell.
         closes = self.mechanics.has_cycle and not self.mechanics.scene.cams
         turns = getattr(self.mechanics.scene.input, "revolutions", 1)
         share = 0.0 if accuracy is None else accuracy
         # The direction of a force that nearly vanishes turns over within a panel; few positions don't show it.
-        coarsely = share >= VERY_COARSELY and (f.crossings or self._kinks) and not (self._angles or self._arcs)
-        self.plan = cycle.Plan(
+        turning = of[UnloadedArc] or any(isinstance(c, Angle) for c in self._followed)
+        coarsely = share >= VERY_COARSELY and (f.crossings or self._kinks) and not turning
+        rooted = [
+            *(a.square for a in of[RootIntegral]),
+            *(a.curve for a in of[Extreme] if a.rooted and a.sense == "least"),
+        ]
+        return Plan(
             ends=(row[self.mechanics.first], row[self.mechanics.last]),
             curves=len(curve),
             landmarks=f.landmarks,
@@ -203,57 +210,101 @@ class Measuring:
             crossings=f.crossings,
             looks=f.looks,
             kinks=[curve[c] for c in self._kinks],
-            integrals=[curve[c] for c in self._integrals],
-            roots=[curve[c] for c in self._roots],
-            rooted=[curve[c] for c in rooted],
-            extremes=[(curve[c], side) for c, side in self._extremes],
-            works=[curve[c] for c in self._works],
-            combinations=[(curve[m], curve[i], row[c], side) for m, i, c, side in self._combinations],
-            fluctuations=[(curve[m], curve[i], row[w], row[j]) for m, i, w, j in self._fluctuations],
-            compared=[(curve[r], curve[c], row[self._one]) for r, c in self._compared],
-            angles=[(*(curve[c] for c in a.direction), self._side_of(a)) for a in self._angles],
-            speeds=[self._fluctuations.index(self._cycle_of(s.steady).fluctuation) for s in self._speeds],
-            averages=[self._place_of(a) for a in self._averages],
-            spaced=[self._place_of(s) for s in self._spaced],
+            rooted=[curve[c] for c in dict.fromkeys(rooted)],
             scan=SCANNED + SCANNED_PER_TURN * max(0, turns - 2),
             turns=turns,
-            longest=0.25 * FULL_TURN if share >= COARSELY else cycle.Plan.longest,
+            longest=0.25 * FULL_TURN if share >= COARSELY else Plan.longest,
             period=FULL_TURN * self.mechanics.scene.input.revolutions if closes else math.inf,
             turn=FULL_TURN if closes else math.inf,
             intervals=self._grid[0],
             positions=self._grid[1],
-            arcs=[(curve[force.x], curve[force.y], curve[square]) for force, square in self._arcs],
             degree=COARSE if coarsely else DEGREE,
             tolerance=[self._tolerance(c, accuracy, unresolved) for c in curve],
         )
 
-    def _resolved(self, of: dict[type, list]) -> set[Node]:
+    def _readers(self, plan: Plan, speeds: bool) -> dict[Hashable, Read]:
+        """Want all measurements of a plan, with or without speed fluctuations, and say where to read the results."""
+        row, curve, found = self.functions.rows, self.functions.curves, {}
+
+        def measure(kind: Measure, wanted: Hashable, part: str) -> Read:
+            number, get = plan.find(kind, wanted), attrgetter(part)
+            return lambda outcome: get(outcome)[number]
+
+        def extreme(wanted: Recorded | Difference, sides: int, part: str) -> Read:
+            number, get = plan.find_extremes(wanted, sides), attrgetter(part)
+            return lambda outcome: get(outcome.extremes)[number]
+
+        for c in self._followed if speeds else [c for c in self._followed if not isinstance(c, Speed)]:
+            # An angle that repeats with each turn of the crank has its extremes in every turn.
+            every = isinstance(c, Angle) and self.mechanics.graph.q not in reached(c.direction)
+            found[c] = extreme(self._recorded(c), BOTH + EACH_TURN if every else BOTH, "greatest_magnitude")
+        for c in self._spaced:
+            if c in found:
+                found["spaced", c] = measure("spaced", self._recorded(c), "spaced")
+        for a in chain(*self._of.values()):
+            match a:
+                case Extreme(Speed()) | ExtremePosition(Speed()) | Average(Speed()) if not speeds:
+                    continue
+                case Integral(c):
+                    found[a] = measure("integrals", curve[c], "integrals")
+                case RootIntegral(square):
+                    found[a] = measure("roots", curve[square], "roots")
+                case Extreme(c, sense):
+                    found[a] = extreme(self._recorded(c), _SIDES[sense], sense)
+                case ExtremePosition(c, sense):
+                    found[a] = extreme(self._recorded(c), _SIDES[sense], f"{sense}_at")
+                case LeastMagnitude(c):
+                    least = extreme(self._recorded(c), LEAST_MAGNITUDE, "least")
+                    found[a] = partial(_least_magnitude, least, curve[c])
+                    found["place", a] = extreme(self._recorded(c), LEAST_MAGNITUDE, "least_at")
+                case Average(c, power):
+                    found[a] = measure("averages", self._recorded(c), "averages" if power == 1 else "squares")
+                case Unbalanced(c, rate):
+                    change = Difference(Running((curve[rate],), about_mean=False), curve[c], row[self._one])
+                    found[a] = extreme(change, BOTH, "greatest_magnitude")
+                case UnloadedArc(force, square, which):
+                    arc = tuple(curve[c] for c in (*force, square))
+                    found[a] = measure("arcs", arc, "arcs" if which == "arc" else "arc_middles")
+        for steady in self._steady:
+            work = Work(steady.of.moment)
+            if steady.asks_works:
+                found["range", work] = extreme(self._recorded(work), BOTH, "range")
+            for slope, (sides, part) in steady.slopes.items():
+                difference = Difference(self._recorded(work), curve[steady.of.inertia], row[slope])
+                found[steady.of, slope] = extreme(difference, sides, part)
+            if steady.wheel is not None and speeds:
+                found[steady.of] = measure("fluctuations", self._recorded(Speed(steady.of)), "fluctuations.delta")
+        return found
+
+    def _recorded(self, of: Node | Followed) -> Recorded:
+        """A curve, for a plan."""
+        row, curve = self.functions.rows, self.functions.curves
+        match of:
+            case Node():
+                return Kept((curve[of],))
+            case Angle(direction):
+                return VectorAngle(tuple(curve[c] for c in direction))
+            case Work(moment):
+                return Running((curve[moment],), about_mean=True)
+            case Speed(steady):
+                wheel = self._cycle_of(steady).wheel
+                return CycleSpeed((curve[steady.moment], curve[steady.inertia]), row[steady.speed], row[wheel])
+
+    def _resolved(self) -> set[Node]:
         """Curves for which panels are refined."""
-        found = [a.curve for a in (*of[Integral], *of[LeastMagnitude], *of[ExtremePosition])]
-        found += self._roots
+        of = self._of
+        found = [a.curve for a in (*of[Integral], *of[LeastMagnitude], *of[ExtremePosition], *of[Unbalanced])]
+        found += [a.square for a in of[RootIntegral]]
         found += [a.curve for a in of[Extreme] if a.resolved]
         found += [node for steady in self._steady for node in (steady.of.moment, steady.of.inertia)]
-        found += [node for a in (*of[Unbalanced],) for node in (a.rate, a.curve)]
-        found += [node for force, square in self._arcs for node in (*force, square)]
+        found += [a.rate for a in of[Unbalanced]]
+        found += [node for a in of[UnloadedArc] for node in (*a.force, a.square)]
         found += [node for f in self._followed for node in _parts(f)]
-        return {*found, *self._sines, *(margin.curve for margin in self.margins)}
+        return set(found)
 
     def _cycle_of(self, asked: SteadyCycle) -> "_Steady":
         """The steady cycle to which a result belongs."""
         return next(s for s in self._steady if s.of == _shared(asked))
-
-    def _side_of(self, angle: Angle) -> int:
-        """Extremes of an angle to measure; one that repeats with each turn of the crank has them in every turn."""
-        repeats = self.mechanics.graph.q not in reached(angle.direction)
-        return BOTH + EACH_TURN if repeats else BOTH
-
-    def _place_of(self, curve: Followed) -> tuple[str, int]:
-        """Place in the plan of a curve that is integrated over the cycle."""
-        if isinstance(curve, Angle):
-            return "angles", self._angles.index(curve)
-        if isinstance(curve, Work):
-            return "works", self._works.index(curve.moment)
-        return "speeds", self._speeds.index(curve)
 
     def _tolerance(self, curve: Node, accuracy: float | None, unresolved: set[Node]) -> float:
         """Truncation error allowed for a curve's series."""
@@ -266,19 +317,19 @@ class Measuring:
         return min(asked, max(finest, asked / FINER)) if curve in self._sines else asked
 
     @cached_property
-    def machine(self) -> cycle.CycleMachine:
-        """The compiled functions with their plan."""
-        module = load_printed(self.functions.text)
-        return cycle.CycleMachine(self.plan, module.curves, module.events, module.levels, module.states)
+    def _whole(self) -> "_Planned":
+        return self._planned(speeds=True)
 
     @cached_property
-    def _first_pass(self) -> cycle.CycleMachine:
-        """The machine without speed fluctuations, if these require flywheels that are computed from the cycle."""
-        if any(steady.fluctuation is not None and steady.of.wheel is not None for steady in self._steady):
-            return self.machine
-        without = dict.fromkeys(("fluctuations", "speeds"), ())
-        kept = {part: [of for of in getattr(self.plan, part) if of[0] != "speeds"] for part in ("averages", "spaced")}
-        return dataclasses.replace(self.machine, plan=dataclasses.replace(self.plan, **without, **kept))
+    def _first_pass(self) -> "_Planned":
+        """Without speed fluctuations, if these require flywheels that are computed from the cycle."""
+        given = any(steady.wheel is not None and steady.unknown_wheel is None for steady in self._steady)
+        return self._whole if given else self._planned(speeds=False)
+
+    @property
+    def machine(self) -> cycle.CycleMachine:
+        """The compiled functions with the plan of all measurements."""
+        return self._whole.machine
 
     def numbers(self, numbers: Numbers, variants: int) -> np.ndarray:
         """P of all variants, (numbers, variants), without the numbers found on the cycle."""
@@ -297,7 +348,7 @@ class Measuring:
         table : ndarray (numbers, variants)
             From `numbers`.
         """
-        answers = MeasuredCycles(self, table, self._first_pass.evaluate(table, self.functions.memory))
+        answers = MeasuredCycles(self, table, self._first_pass)
         unknown = [steady for steady in self._steady if steady.unknown_wheel is not None]
         again = False
         for steady in unknown:
@@ -306,23 +357,19 @@ class Measuring:
             table[self.functions.rows[steady.unknown_wheel]] = found.value
             # With the required flywheel the fluctuation is known, unless the machine needs no flywheel.
             again |= steady.speed_asked or not (found.value > 0.0).all()
-        return MeasuredCycles(self, table, self.machine.evaluate(table, self.functions.memory)) if again else answers
+        return MeasuredCycles(self, table, self._whole) if again else answers
 
 
-_KINDS = (
-    Integral,
-    RootIntegral,
-    Extreme,
-    ExtremePosition,
-    LeastMagnitude,
-    Average,
-    Unbalanced,
-    UnloadedArc,
-    SteadyCycle,
-    StrokeEnd,
-    VariantNumber,
-)
-_SIDES = {"least": LEAST, "greatest": GREATEST}
+class _Planned(NamedTuple):
+    """A machine's functions with a plan of its cycle, and a reader of each measurement's result.
+
+    Further keys are the curves integrated over the cycle, for their peaks; with "spaced" for their values, and with
+    "range"; minimum magnitudes with "place"; and steady cycles, for δ, or with one of their slopes, for an extreme of
+    work − slope × inertia.
+    """
+
+    machine: cycle.CycleMachine
+    readers: dict[Hashable, Read]
 
 
 def _parts(curve: Followed) -> list[Node]:
@@ -342,7 +389,7 @@ def _shared(steady: SteadyCycle) -> SteadyCycle:
 
 
 class _Steady:
-    """Requirements of a steady cycle: works, their combinations with the inertia, the speed fluctuation."""
+    """Requirements of a steady cycle: works, extremes of works minus slope × inertia, the speed fluctuation."""
 
     def __init__(self, of: SteadyCycle, results: set[str], mechanics: Mechanics) -> None:
         self.of = of
@@ -351,26 +398,28 @@ class _Steady:
         self.speed_asked = "" in results
         others = {*_OF_WORKS, "flywheel_merzalov"}
         exact = "flywheel_wittenbauer" in results or (of.wheel is None and not results <= others)
-        merzalov = "flywheel_merzalov" in results
         self.asks_works = bool(results & set(_OF_WORKS))
-        self.slopes: tuple[Node, ...] = ()
-        self.combinations: list[tuple[Node, Node, Node, int]] = []
+        self.slopes: dict[Node, tuple[int, str]] = {}
         if of.fluctuation is not None:
+            # ½ω² at minimum, mean and maximum speed.
             slow, fast = 1.0 - 0.5 * of.fluctuation, 1.0 + 0.5 * of.fluctuation
-            self.slopes = (half_square * slow * slow, half_square, half_square * fast * fast)
-            wanted = ((LEAST, exact), (BOTH, merzalov), (GREATEST, exact))
-            self.combinations = [
-                (of.moment, of.inertia, slope, side)
-                for slope, (side, needed) in zip(self.slopes, wanted, strict=True)
-                if needed
-            ]
+            self.slow, self.middle, self.fast = half_square * slow * slow, half_square, half_square * fast * fast
+            self.slopes |= {self.middle: (BOTH, "range")} if "flywheel_merzalov" in results else {}
+            self.slopes |= {self.slow: (LEAST, "least"), self.fast: (GREATEST, "greatest")} if exact else {}
         asked = of.wheel is not None or of.fluctuation is not None
         moving = not results.isdisjoint({"", "speed_fluctuation", "speed_min", "speed_max"})
-        self.fluctuation = (of.moment, of.inertia, of.speed, of.wheel or nothing) if asked and moving else None
+        self.wheel = (of.wheel or nothing) if asked and moving else None
         # A flywheel that is computed from the cycle, and whose fluctuation is requested.
-        self.unknown_wheel = nothing if self.fluctuation is not None and of.wheel is None else None
+        self.unknown_wheel = nothing if self.wheel is nothing else None
         self.numbers = [*self.slopes, of.speed, of.wheel or nothing, of.first_kind]
         self.numbers += [of.fluctuation] if of.fluctuation is not None else []
+
+
+def _least_magnitude(least: Read, curve: int, outcome: cycle.CycleOutcome) -> Measured:
+    """Minimum magnitude of a curve that keeps the sign of its first value."""
+    found, sense = least(outcome), np.where(outcome.firsts[curve] < 0.0, -1.0, 1.0)
+    value = found.value * sense
+    return Measured(np.where(value < 0.0, 0.0, value), found.error)
 
 
 def defined_where(arc: Measured, middle: Measured) -> Measured:
@@ -386,15 +435,16 @@ class MeasuredCycles:
     ----------
     measuring : Measuring
     table : ndarray (numbers, variants)
-    outcome : engine.cycle.machine.CycleOutcome
+    planned : _Planned
 
     Attributes
     ----------
-    outcome : as given
+    outcome : engine.cycle.machine.CycleOutcome
     """
 
-    def __init__(self, measuring: Measuring, table: np.ndarray, outcome: cycle.CycleOutcome) -> None:
-        self._m, self._table, self.outcome = measuring, table, outcome
+    def __init__(self, measuring: Measuring, table: np.ndarray, planned: _Planned) -> None:
+        self._m, self._table, self._readers = measuring, table, planned.readers
+        self.outcome = planned.machine.evaluate(table, measuring.functions.memory)
         self.value_of = Evaluation(self._with_spread)
 
     def number(self, node: Node) -> Measured:
@@ -408,26 +458,16 @@ class MeasuredCycles:
         """For each group, the minimum magnitude of its transmission index and the position there."""
         found = []
         for sine in self._m._sines:
-            k = self._m._extremes.index((sine, LEAST_MAGNITUDE))
-            least, place = self._least_magnitude(sine), self.outcome.extremes.least_at[k].value
-            found.append((least.value - least.error, place))
+            least, place = self._read(LeastMagnitude(sine)), self._read(("place", LeastMagnitude(sine)))
+            found.append((least.value - least.error, place.value))
         return found
 
     def least_of(self, margin: Margin) -> tuple[np.ndarray, np.ndarray]:
         """Minimum of a margin and the position there."""
-        k = self._row(margin.curve)
-        return self.outcome.extremes.least[k].value, self.outcome.extremes.least_at[k].value
+        return tuple(self._read(kind(margin.curve, "least")).value for kind in (Extreme, ExtremePosition))
 
-    def _row(self, curve: Node) -> int:
-        """Row of the extremes of a curve."""
-        return next(i for i, (c, side) in enumerate(self._m._extremes) if c is curve and side != LEAST_MAGNITUDE)
-
-    def _least_magnitude(self, curve: Node) -> Measured:
-        """Minimum magnitude of a curve that keeps the sign of its first value."""
-        found = self.outcome.extremes.least[self._m._extremes.index((curve, LEAST_MAGNITUDE))]
-        sense = np.where(self.outcome.firsts[self._m.functions.curves[curve]] < 0.0, -1.0, 1.0)
-        value = found.value * sense
-        return Measured(np.where(value < 0.0, 0.0, value), found.error)
+    def _read(self, key: Hashable) -> Measured:
+        return self._readers[key](self.outcome)
 
     @cached_property
     def _transmission(self) -> np.ndarray:
@@ -468,8 +508,7 @@ class MeasuredCycles:
     def peak(self, curve: Node | Followed) -> np.ndarray:
         """Maximum magnitude of a measured curve; NaN if neither the curve nor its square is measured."""
         if not isinstance(curve, Node):
-            extremes, row = self._extremes_of(curve)
-            return extremes.greatest_magnitude.value[row]
+            return self._read(curve).value
         square = square_of(curve)
         for known, root in ((curve, False), (square, True), (curve * curve, True)):
             if known in self._m.functions.curves:
@@ -501,44 +540,20 @@ class MeasuredCycles:
         return np.abs(value)
 
     def _measured(self, asked: Measurement) -> Measured:
-        m, outcome = self._m, self.outcome
         match asked:
             case VariantNumber(number):
                 return self.number(number)
-            case Integral(curve):
-                return outcome.integrals[m._integrals.index(curve)]
-            case RootIntegral(square):
-                return outcome.roots[m._roots.index(square)]
-            case Extreme(curve, sense):
-                return getattr(self._extremes_of(curve)[0], sense)[self._extremes_of(curve)[1]]
-            case ExtremePosition(curve, sense):
-                return getattr(self._extremes_of(curve)[0], f"{sense}_at")[self._extremes_of(curve)[1]]
-            case LeastMagnitude(curve):
-                return self._least_magnitude(curve)
-            case Average(curve, power):
-                return (outcome.averages if power == 1 else outcome.squares)[m._averages.index(curve)]
-            case Unbalanced(curve, rate):
-                k = m._compared.index((rate, curve))
-                return outcome.compared.greatest_magnitude[k]
-            case UnloadedArc(force, square, which):
-                k = m._arcs.index((force, square))
-                return outcome.arcs[k] if which == "arc" else defined_where(outcome.arcs[k], outcome.arc_middles[k])
             case StrokeEnd(coordinate, _, which):
                 return self._stroke_end(coordinate, which)
             case SteadyCycle():
                 return self._steady(asked)
-        raise TypeError(f"{asked!r} can't be measured")
-
-    def _extremes_of(self, curve: Node | Followed) -> tuple[cycle.Extremes, int]:
-        """Record of extremes that contains a curve's, and their row."""
-        if isinstance(curve, Node):
-            return self.outcome.extremes, self._row(curve)
-        kind, row = self._m._place_of(curve)
-        return getattr(self.outcome, kind), row
+            case UnloadedArc(force, square, "middle"):
+                return defined_where(self._read(UnloadedArc(force, square, "arc")), self._read(asked))
+        return self._read(asked)
 
     def spaced(self, curve: Followed) -> np.ndarray:
         """Values of a kept field that is integrated over the cycle, (variants, positions)."""
-        return self.outcome.spaced[self._m._spaced.index(curve)]
+        return self._read(("spaced", curve))
 
     def _stroke_end(self, coordinate: Node, which: str) -> Measured:
         if coordinate.stage < Stage.POSITION:
@@ -552,20 +567,19 @@ class MeasuredCycles:
         steady = self._m._cycle_of(asked)
         speed, speed_squared = self.number(asked.speed), self.number(asked.speed) * self.number(asked.speed)
         if asked.result == "excess_work":
-            return self._works(asked.moment)
+            return self._read(("range", Work(asked.moment)))
         if asked.fluctuation is not None:
             delta = self.number(asked.fluctuation)
             energy = delta * speed_squared
             if asked.result == "flywheel_excess_work":
-                return laws.masses.flywheels.flywheel_by_excess_work(self._works(asked.moment), energy)
-            slow, middle, fast = steady.slopes
+                return laws.masses.flywheels.flywheel_by_excess_work(self._read(("range", Work(asked.moment))), energy)
             if asked.result == "flywheel_merzalov":
-                found = self._combination(asked, middle, BOTH).range[0]
+                found = self._read((steady.of, steady.middle))
                 return laws.masses.flywheels.flywheel_by_merzalov(found, energy, self.number(asked.first_kind))
             if asked.wheel is None or asked.result == "flywheel_wittenbauer":
                 first = Measured(self.outcome.firsts[self._m.functions.curves[asked.inertia]])
-                top = self._combination(asked, fast, GREATEST).greatest[0]
-                bottom = self._combination(asked, slow, LEAST).least[0]
+                top = self._read((steady.of, steady.fast))
+                bottom = self._read((steady.of, steady.slow))
                 exact = laws.masses.flywheels.flywheel_by_wittenbauer(top, bottom, energy, first)
             if asked.result == "flywheel_wittenbauer":
                 return exact
@@ -576,24 +590,10 @@ class MeasuredCycles:
             # With the required flywheel the fluctuation is the required one; it decreases as the inertia increases.
             whole = first + wheel
             found = Measured(delta.value * np.ones(wheel.shape), delta.value * wheel.error / whole.value)
-        if self.outcome.fluctuations.delta.shape[0]:
-            computed = self.outcome.fluctuations.delta[self._m._fluctuations.index(steady.fluctuation)]
+        if steady.of in self._readers:
+            computed = self._read(steady.of)
             found = computed if asked.wheel is not None else where(wheel.value > 0.0, found, computed)
         if asked.result == "speed_fluctuation":
             return found
         half = 0.5 * found
         return abs(speed) * (1.0 - half if asked.result == "speed_min" else 1.0 + half)
-
-    def _works(self, moment: Node) -> Measured:
-        """Range of the work of a moment about its mean."""
-        k, works = self._m._works.index(moment), self.outcome.works
-        return works.greatest[k] - works.least[k]
-
-    def _combination(self, asked: SteadyCycle, slope: Node, side: int) -> cycle.Extremes:
-        """Extremes of the work minus a multiple of the inertia, of one row."""
-        k, extremes = self._m._combinations.index((asked.moment, asked.inertia, slope, side)), self.outcome.combinations
-        return cycle.Extremes(*(getattr(extremes, part)[k : k + 1] for part in _PARTS))
-
-
-_PARTS = ("least", "least_at", "greatest", "greatest_at")
-_OF_WORKS = ("excess_work", "flywheel_excess_work")

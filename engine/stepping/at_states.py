@@ -6,9 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import hand_out_row, in_lanes
+from engine.compiling.blocks import LANES, hand_out_row, in_lanes
 from engine.compiling.decorators import driver
-from engine.compiling.widths import LANES
 from engine.stepping.steps.stage_rates import look, rate, stand
 from engine.stepping.steps.step_lanes import Printed, Room, rows_of
 from engine.stepping.walk_task import WalkTask

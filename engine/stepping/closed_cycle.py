@@ -13,10 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import Row, hand_out, in_lanes
+from engine.compiling.blocks import LANES, Row, hand_out, in_lanes
 from engine.compiling.decorators import driver, routine
 from engine.compiling.memory import memory
-from engine.compiling.widths import LANES
 from engine.cycle.panels.lanes import one, rows
 from engine.stepping.steps.step_edges import find_edge
 from engine.stepping.steps.step_lanes import Printed, Room, WalkBatch, give_out, rows_of

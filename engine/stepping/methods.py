@@ -11,8 +11,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from engine.compiling.blocks import LANES
 from engine.compiling.decorators import routine
-from engine.compiling.widths import LANES
 from engine.laws.runge_kutta import ORDER_EIGHT, ORDER_EIGHT_IN_TIME
 from engine.stepping.tableaux import ORDER_FOUR, ORDER_NINE
 

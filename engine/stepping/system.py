@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.blocks import LANES
 from engine.compiling.printed import load_printed
 from engine.compiling.running import spread
 from engine.compiling.tiles import TileFunction
-from engine.compiling.widths import LANES
 from engine.graph.functions import Functions, functions_in_motion, places_of
 from engine.graph.nodes import Given, Graph, Node
 from engine.stepping.at_states import GivenStates, evaluate_states

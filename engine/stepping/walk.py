@@ -12,9 +12,8 @@ its position-dependent values are stored; later cycles repeat it while the error
 import math
 from collections.abc import Callable
 
-from engine.compiling.blocks import gather, in_lanes
+from engine.compiling.blocks import LANES, gather, in_lanes
 from engine.compiling.decorators import driver, routine
-from engine.compiling.widths import LANES
 from engine.stepping.methods import at_stage, step_end
 from engine.stepping.steps.implicit_stages import find_stages
 from engine.stepping.steps.repeated_steps import NEARLY, cycles_ahead, go_back, remember

@@ -9,9 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import Row, Rows
+from engine.compiling.blocks import LANES, Row, Rows
 from engine.compiling.decorators import inlined, routine
-from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import DEGREE, PLACES
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.record import Record, keep_derived, known_slot

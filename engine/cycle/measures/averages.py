@@ -2,9 +2,8 @@
 
 from typing import NamedTuple
 
-from engine.compiling.blocks import Row
+from engine.compiling.blocks import LANES, Row
 from engine.compiling.decorators import routine
-from engine.compiling.widths import LANES
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import fill
 from engine.cycle.panels.record import Record

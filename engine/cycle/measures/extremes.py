@@ -14,10 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import Row, Rows
+from engine.compiling.blocks import LANES, Row, Rows
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.instructions import fused
-from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import COARSE, DEGREE, PLACES
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import any_positive, many, one

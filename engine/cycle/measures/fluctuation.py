@@ -14,9 +14,8 @@ method converges from δ = 0.
 import math
 from typing import NamedTuple
 
-from engine.compiling.blocks import Row
+from engine.compiling.blocks import LANES, Row
 from engine.compiling.decorators import routine
-from engine.compiling.widths import LANES
 from engine.cycle.measures.extremes import ExtremeRows, Search, SoughtExtreme, find_extreme
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import any_positive, fill, one

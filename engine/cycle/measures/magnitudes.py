@@ -8,9 +8,8 @@ values of S from its series: the machine isn't evaluated again.
 import math
 from typing import NamedTuple
 
-from engine.compiling.blocks import Row, Rows
+from engine.compiling.blocks import LANES, Row, Rows
 from engine.compiling.decorators import routine
-from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import DEGREE, PLACES
 from engine.cycle.panels.integrals import ROUNDING, IntegralRows
 from engine.cycle.panels.lanes import any_positive, fill, many, one

@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from engine.compiling.blocks import Row
+from engine.compiling.blocks import LANES, Row
 from engine.compiling.decorators import routine
-from engine.compiling.widths import LANES
 from engine.cycle.panels.record import Record, known_slot
 from engine.cycle.panels.series import series_value
 

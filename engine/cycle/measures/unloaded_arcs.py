@@ -17,9 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import Row
+from engine.compiling.blocks import LANES, Row
 from engine.compiling.decorators import routine
-from engine.compiling.widths import LANES
 from engine.cycle.measures.angles import (
     IS_LEAST,
     SHARP,

@@ -5,9 +5,8 @@ The initial value is subtracted before summation, so a constant moment does exac
 
 from typing import NamedTuple
 
-from engine.compiling.blocks import Row, Rows
+from engine.compiling.blocks import LANES, Row, Rows
 from engine.compiling.decorators import routine
-from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import DEGREE, PLACES
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.record import Record

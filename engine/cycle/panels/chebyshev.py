@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.widths import PANEL_POSITIONS
+from engine.compiling.blocks import PANEL_POSITIONS
 
 POSITIONS = PANEL_POSITIONS
 DEGREE = POSITIONS - 1

@@ -1,8 +1,7 @@
 """Cosine and sine of positions, side by side in lanes."""
 
-from engine.compiling.blocks import Row, Rows
+from engine.compiling.blocks import LANES, Row, Rows
 from engine.compiling.decorators import inlined, routine
-from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import COARSE, DEGREE, PLACES
 from engine.laws.elementary import direction_near_zero, direction_of
 from engine.laws.rounding import EPS

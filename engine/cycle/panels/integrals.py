@@ -2,10 +2,9 @@
 
 from typing import NamedTuple
 
-from engine.compiling.blocks import Row, Rows
+from engine.compiling.blocks import LANES, Row, Rows
 from engine.compiling.decorators import routine
 from engine.compiling.instructions import chosen
-from engine.compiling.widths import LANES
 from engine.cycle.panels.series import Figures
 from engine.cycle.panels.walk import Walk
 from engine.laws.rounding import EPS

@@ -15,10 +15,9 @@ from typing import get_type_hints
 
 import numpy as np
 
-from engine.compiling.blocks import Row, Rows
+from engine.compiling.blocks import LANES, Row, Rows
 from engine.compiling.decorators import routine
 from engine.compiling.memory import Memory, memory
-from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import POSITIONS
 
 _PAGE = 4096

@@ -8,10 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import Row, Rows
+from engine.compiling.blocks import LANES, Row, Rows
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.memory import Memory
-from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import MATRICES, POSITIONS
 from engine.cycle.panels.lanes import Panels, many, new_record, one
 from engine.cycle.panels.series import Figures, larger, panel_figures

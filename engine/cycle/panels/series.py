@@ -9,10 +9,9 @@ because they are rounding or the panel has a kink or a jump inside, a decay by S
 import math
 from typing import NamedTuple
 
-from engine.compiling.blocks import Row, Rows
+from engine.compiling.blocks import LANES, Row, Rows
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.instructions import held
-from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import COARSE, DEGREE, MATRICES, PanelMatrices
 
 

@@ -9,9 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import Rows
+from engine.compiling.blocks import LANES, Rows
 from engine.compiling.decorators import inlined, routine
-from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import COARSE, DEGREE, PLACES
 
 

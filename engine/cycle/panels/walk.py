@@ -13,9 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import Row, Rows
+from engine.compiling.blocks import LANES, Row, Rows
 from engine.compiling.decorators import inlined, routine
-from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import DEGREE, PLACES
 from engine.cycle.panels.lanes import any_positive
 from engine.cycle.panels.series import TINY, Figures, larger, smaller

@@ -6,12 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import copy_rows, gather, hand_out, in_lanes
+from engine.compiling.blocks import LANES, copy_rows, gather, hand_out, in_lanes
 from engine.compiling.decorators import driver, routine
 from engine.compiling.printed import load_printed
 from engine.compiling.running import spread
 from engine.compiling.tiles import TileFunction
-from engine.compiling.widths import LANES
 from engine.cycle.panels.lanes import rows
 from engine.graph.functions import Functions, functions_at
 from engine.graph.nodes import Node, value_of

@@ -4,16 +4,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from engine.compiling.blocks import gather, hand_out, hand_out_row, in_lanes
+from engine.compiling.blocks import LANES, gather, hand_out, hand_out_row, in_lanes
 from engine.compiling.decorators import driver
 from engine.compiling.packed import Packed
 from engine.compiling.printed import load_printed
 from engine.compiling.running import spread
 from engine.compiling.tiles import TileFunction
-from engine.compiling.widths import LANES
 from engine.cycle.driver import EvaluatedVariants, MachineFunctions, Task, Workspace, cut, new_workspace
-from engine.cycle.machine import MOST_DOUBLINGS, CycleMachine, Plan
+from engine.cycle.machine import MOST_DOUBLINGS
 from engine.cycle.panels.walk import set_out
+from engine.cycle.plan import Plan
 from engine.cycle.roots import GivenNumbers
 from engine.graph.nodes import Found, Given, reached
 from engine.mechanism.acting import Load
@@ -64,7 +64,7 @@ class Landmarks:
         plan = Plan(
             (0, 1), 0, landmarks=functions.landmarks, levels=functions.level_rows, crossings=crossings, **looked_at
         )
-        return CycleMachine(plan, None).task
+        return plan.task([None] * 4)
 
     def __call__(self, numbers: Numbers, direction: np.ndarray) -> tuple[Ends, Breaks]:
         """Ends of strokes on which a node depends, and the breaks of all actions.

@@ -9,12 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import hand_out, in_lanes
+from engine.compiling.blocks import LANES, hand_out, in_lanes
 from engine.compiling.decorators import driver
 from engine.compiling.printed import load_printed
 from engine.compiling.running import spread
 from engine.compiling.tiles import TileFunction
-from engine.compiling.widths import LANES
 from engine.cycle.panels.lanes import rows as lane_rows
 from engine.graph.functions import Functions
 from engine.graph.nodes import Constant, Found, Given

@@ -2,9 +2,8 @@
 
 import math
 
-from engine.compiling.blocks import Rows, in_lanes
+from engine.compiling.blocks import LANES, Rows, in_lanes
 from engine.compiling.decorators import inlined, routine
-from engine.compiling.widths import LANES
 from engine.stepping.steps.stage_rates import FOUND_TO, LEAST_LEFT, MOST_ROUNDS, NEARLY_FOUND, look, rate, stand
 from engine.stepping.steps.step_lanes import Printed, Room, rows_of
 from engine.stepping.walk_task import WalkTask

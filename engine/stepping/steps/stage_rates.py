@@ -4,9 +4,8 @@ import math
 
 import numpy as np
 
-from engine.compiling.blocks import in_lanes
+from engine.compiling.blocks import LANES, in_lanes
 from engine.compiling.decorators import inlined, routine
-from engine.compiling.widths import LANES
 from engine.laws.elementary import direction_of
 from engine.stepping.methods import at_stage
 from engine.stepping.steps.step_lanes import Printed, Room, rows_of

@@ -2,9 +2,8 @@
 
 import math
 
-from engine.compiling.blocks import in_lanes
+from engine.compiling.blocks import LANES, in_lanes
 from engine.compiling.decorators import inlined, routine
-from engine.compiling.widths import LANES
 from engine.stepping.steps.stage_rates import FOUND_TO
 from engine.stepping.steps.step_edges import edge_ahead
 from engine.stepping.steps.step_errors import ROUNDED

@@ -16,11 +16,11 @@ import pytest
 from packed import assert_packed
 
 from engine.compiling import kept_code, printed, sources
+from engine.compiling.blocks import LANES, PANEL_POSITIONS
 from engine.compiling.decorators import driver
 from engine.compiling.printed import load_printed
 from engine.compiling.running import spread
 from engine.compiling.sources import digest_of_text
-from engine.compiling.widths import LANES, PANEL_POSITIONS
 from engine.graph.functions import field_function, functions_of
 from engine.graph.nodes import Graph
 from engine.laws.kinematics.rrr import rrr_position

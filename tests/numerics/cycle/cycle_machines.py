@@ -6,10 +6,10 @@ from functools import cache
 import numpy as np
 from numba import njit
 
-from engine.compiling.blocks import in_lanes
+from engine.compiling.blocks import LANES, in_lanes
 from engine.compiling.tiles import TILE_OPTIONS, TILE_SIGNATURE
-from engine.compiling.widths import LANES
-from engine.cycle.machine import CycleMachine, Plan
+from engine.cycle.machine import CycleMachine
+from engine.cycle.plan import Kept, Plan
 
 # Numbers of the press, a slider-crank with an offset: range of the input; crank, rod, offset; mass of the slider,
 # inertia of the crank; a force on the slider between two levels of its stroke as it approaches the crank's axis,
@@ -90,10 +90,23 @@ def press_numbers(variants, **given):
     return numbers
 
 
+def planned(*places, extremes=(), integrals=(), roots=(), averages=(), spaced=(), arcs=(), **settings):
+    """A plan; extremes of curves of the machine by their numbers, which sides may follow."""
+    plan = Plan(*places, **settings)
+    wanted = {"integrals": integrals, "roots": roots, "averages": averages, "spaced": spaced, "arcs": arcs}
+    for measure, all_of_it in wanted.items():
+        for one in all_of_it:
+            plan.find(measure, one)
+    for one in extremes:
+        curve, *sides = one if isinstance(one, tuple) else (one,)
+        plan.find_extremes(Kept((curve,)) if isinstance(curve, int) else curve, *sides)
+    return plan
+
+
 def press(**asked):
     """The press, cut where its loads set in and end; curves are its inertia (0) and the moment of the loads (1)."""
     loads = {"levels": [NEAR, FAR], "states": [LOAD], "crossings": [(0, NEAR, 0.0), (0, FAR, 0.0)], "cuts": [FROM, TO]}
-    plan = Plan(ends=(FIRST, LAST), curves=2, landmarks=[(LOW, HIGH, LOW_AT, HIGH_AT)], **loads, **asked)
+    plan = planned(ends=(FIRST, LAST), curves=2, landmarks=[(LOW, HIGH, LOW_AT, HIGH_AT)], **loads, **asked)
     return CycleMachine(plan, press_curves(), press_events(), press_levels(), press_states())
 
 
@@ -124,7 +137,7 @@ def smooth_numbers(e, phase, first=0.0, last=2.0 * np.pi):
 
 def smooth(**asked):
     """The smooth curves, with nothing that switches."""
-    return CycleMachine(Plan(ends=(CURVE_FIRST, CURVE_LAST), curves=4, **asked), smooth_curves())
+    return CycleMachine(planned(ends=(CURVE_FIRST, CURVE_LAST), curves=4, **asked), smooth_curves())
 
 
 # Harmonics of a wave: cosine and sine parts of order k in rows 2 k and 2 k + 1, the range in the first two.
@@ -169,7 +182,7 @@ def forces(**asked):
 
     Both with a phase, number 3; the last curve is the rate of the first one's angle.
     """
-    return CycleMachine(Plan(ends=(0, 1), curves=7, **asked), force_curves())
+    return CycleMachine(planned(ends=(0, 1), curves=7, **asked), force_curves())
 
 
 def force_numbers(swing, phase):
@@ -187,4 +200,4 @@ def square_curve(P, lane, q, c, s, tile, i, room):
 
 def squares(**asked):
     """The square cos² x + b² sin² x of a vector that nearly vanishes twice; numbers as of `smooth_numbers`, b for e."""
-    return CycleMachine(Plan(ends=(CURVE_FIRST, CURVE_LAST), curves=1, **asked), square_curve())
+    return CycleMachine(planned(ends=(CURVE_FIRST, CURVE_LAST), curves=1, **asked), square_curve())

@@ -5,7 +5,9 @@ from cycle_machines import force_numbers, forces, press, press_numbers, smooth, 
 
 from engine.cycle.block_measures import MEASURES
 from engine.cycle.driver import evaluate_blocks
+from engine.cycle.plan import Running, VectorAngle
 
+ANGLE = VectorAngle((0, 1))
 ONE_FORCE = force_numbers([1.0], [0.3])
 
 
@@ -15,9 +17,9 @@ def versions():
 
 
 def test_all_machines_share_one_driver_and_one_version_of_each_measure():
-    press(integrals=(1,), works=(1,)).evaluate(press_numbers(1))
+    press(integrals=(1,), extremes=[Running((1,), about_mean=True)]).evaluate(press_numbers(1))
     smooth(extremes=(0,), roots=(1,)).evaluate(smooth_numbers(0.1, 0.0)[:, None])
-    forces(angles=[(0, 1)], averages=[("angles", 0)], spaced=[("angles", 0)], positions=3).evaluate(ONE_FORCE)
+    forces(extremes=[ANGLE], averages=[ANGLE], spaced=[ANGLE], positions=3).evaluate(ONE_FORCE)
     assert versions()["evaluate_blocks"] == 1
     assert set(versions().values()) <= {0, 1}
 

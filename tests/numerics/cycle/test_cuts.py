@@ -3,13 +3,13 @@ from functools import cache
 
 import numpy as np
 import pytest
-from cycle_machines import CRANK, OFFSET, ROD, at_positions, press, press_numbers, slide
+from cycle_machines import CRANK, OFFSET, ROD, at_positions, planned, press, press_numbers, slide
 from numba import njit
 
+from engine.compiling.blocks import LANES
 from engine.compiling.memory import memory
-from engine.compiling.widths import LANES
 from engine.cycle.events import sort_edges
-from engine.cycle.machine import CycleMachine, Plan
+from engine.cycle.machine import CycleMachine
 from engine.cycle.panels.lanes import many
 from engine.cycle.panels.walk import Edge
 
@@ -115,7 +115,7 @@ def constant_curve(P, lane, q, c, s, tile, i, room):
 
 
 def test_what_switches_ever_more_often_is_looked_at_more_closely_until_it_has_no_results_and_spoils_no_other():
-    plan = Plan((0, 1), 1, landmarks=[(-1, -1, -1, -1)], crossings=[(0, 3, 0.0)], integrals=[0], extremes=[0])
+    plan = planned((0, 1), 1, landmarks=[(-1, -1, -1, -1)], crossings=[(0, 3, 0.0)], integrals=[0], extremes=[0])
     machine = CycleMachine(plan, constant_curve(), events=wavy_events())
     # A sine of n waves has 2 n zeros, and at first there is room for twelve; among waves at 2304 positions it is lost.
     waves = np.array([1.0, 6.0, 7.0, 35.0, 300.0, 2e4, 3.0])
@@ -169,7 +169,7 @@ def two_top_power(P, lane, q, c, s, tile, i, room):
 
 
 def test_a_load_against_a_ram_with_two_tops_acts_on_both_rises():
-    plan = Plan((0, 1), 1, landmarks=[(-1, -1, -1, -1)], crossings=[(0, 4, 0.0)], states=[5], integrals=[0])
+    plan = planned((0, 1), 1, landmarks=[(-1, -1, -1, -1)], crossings=[(0, 4, 0.0)], states=[5], integrals=[0])
     machine = CycleMachine(plan, two_top_power(), events=two_top_velocity(), states=two_top_sense())
     rng = np.random.default_rng(4)
     # The ram is at −(cos x − cos h)²: its tops, at ±h, are 2 h apart, anywhere in the cycle and at its ends.
@@ -204,7 +204,7 @@ def tilted_top(h, tilt):
 
 
 def test_the_end_of_a_stroke_with_two_close_tops_is_the_higher_one():
-    plan = Plan((0, 1), 1, landmarks=[(-1, -1, -1, -1)], integrals=[0])
+    plan = planned((0, 1), 1, landmarks=[(-1, -1, -1, -1)], integrals=[0])
     machine = CycleMachine(plan, constant_curve(), events=tilted_tops())
     rng = np.random.default_rng(5)
     h, phase, zeros = 10.0 ** rng.uniform(-5.0, -0.3, 2000), rng.uniform(0.0, TURN, 2000), np.zeros(2000)

@@ -5,11 +5,12 @@ import math
 import numpy as np
 import pytest
 import scipy.special as sp
-from cycle_machines import at_positions, force_numbers, forces, smooth, smooth_numbers, squares
+from cycle_machines import at_positions, force_numbers, forces, planned, smooth, smooth_numbers, squares
 from scipy.optimize import brentq, minimize_scalar
 
-from engine.cycle.machine import CycleMachine, Plan
+from engine.cycle.machine import CycleMachine
 from engine.cycle.measures.unloaded_arcs import LEAST_LOAD
+from engine.cycle.plan import Difference, Running, VectorAngle
 
 TURN = 2.0 * math.pi
 EPS = np.finfo(float).eps
@@ -26,21 +27,23 @@ def within(found, exact, share=0.999):
 
 def test_angle_of_a_swinging_vector__against_closed_forms():
     swing, phase = drawn()
-    found = forces(angles=[(0, 1)], averages=[("angles", 0)], tolerance=1e-10).evaluate(force_numbers(swing, phase))
-    assert within(found.angles.greatest[0], swing)
-    assert within(found.angles.least[0], -swing)
+    found = forces(extremes=[VectorAngle((0, 1))], averages=[VectorAngle((0, 1))], tolerance=1e-10).evaluate(
+        force_numbers(swing, phase)
+    )
+    assert within(found.extremes.greatest[0], swing)
+    assert within(found.extremes.least[0], -swing)
     assert within(found.averages[0], 0.0 * swing)
     assert within(found.squares[0], 0.5 * swing**2)
-    assert np.median(found.angles.greatest.error[0]) < 1e-8
-    at = np.abs(np.remainder(found.angles.greatest_at.value[0] - phase - 0.5 * math.pi + math.pi, TURN) - math.pi)
-    assert np.mean(at <= found.angles.greatest_at.error[0] + 1e-12) > 0.999
+    assert np.median(found.extremes.greatest.error[0]) < 1e-8
+    at = np.abs(np.remainder(found.extremes.greatest_at.value[0] - phase - 0.5 * math.pi + math.pi, TURN) - math.pi)
+    assert np.mean(at <= found.extremes.greatest_at.error[0] + 1e-12) > 0.999
 
 
 def test_change_of_a_curve__is_the_integral_of_its_rate():
     swing, phase = drawn()
     numbers = np.vstack([force_numbers(swing, phase), np.ones(swing.size)])
-    machine = forces(compared=[(6, 6, 4)], tolerance=1e-11)
-    rate = machine.evaluate(numbers).compared
+    machine = forces(extremes=[Difference(Running((6,), about_mean=False), 6, 4)], tolerance=1e-11)
+    rate = machine.evaluate(numbers).extremes
     # R − (b − b₀) of R = a (sin x − sin x₀), b = a cos x: a √2 sin(x − π/4) and a constant.
     offset = swing * (np.cos(phase) + np.sin(phase))
     assert within(rate.greatest[0], math.sqrt(2.0) * swing + offset)
@@ -86,7 +89,7 @@ def test_unloaded_arc__is_as_uncertain_as_the_peak_by_which_its_force_ceases_to_
     random, count = np.random.default_rng(7), 200
     high, at = random.uniform(2.0, 9.0, count), random.uniform(-1.0, 1.0, count)
     width, exact = random.uniform(0.05, 0.2, count), np.zeros(count)
-    machine = CycleMachine(Plan(ends=(0, 1), curves=3, arcs=((0, 1, 2),), tolerance=tolerance), sharp_force())
+    machine = CycleMachine(planned(ends=(0, 1), curves=3, arcs=((0, 1, 2),), tolerance=tolerance), sharp_force())
     found = machine.evaluate(np.array([np.full(count, -math.pi), np.full(count, math.pi), high, at, width])).arcs
     for k in range(count):
 

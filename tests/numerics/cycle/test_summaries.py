@@ -3,9 +3,9 @@ import math
 import numpy as np
 import pytest
 import scipy.special as sp
-from cycle_machines import ORDERS, peak_curve, rounding_curves, smooth, smooth_numbers, wave_curve
+from cycle_machines import ORDERS, peak_curve, planned, rounding_curves, smooth, smooth_numbers, wave_curve
 
-from engine.cycle.machine import CycleMachine, Plan
+from engine.cycle.machine import CycleMachine
 
 TURN = 2.0 * math.pi
 
@@ -120,7 +120,7 @@ def test_extremes_of_waves_with_many_tops():
     rng = np.random.default_rng(7)
     parts = rng.normal(size=(2 * (ORDERS - 1), 1500))
     numbers = np.vstack([np.zeros(1500), np.full(1500, TURN), parts])
-    plan = Plan(ends=(0, 1), curves=1, extremes=(0,), tolerance=1e-12)
+    plan = planned(ends=(0, 1), curves=1, extremes=(0,), tolerance=1e-12)
     found = CycleMachine(plan, wave_curve()).evaluate(numbers).extremes
     q = np.linspace(0.0, TURN, 2881)
     k = np.arange(1, ORDERS)[:, None] * q
@@ -138,13 +138,13 @@ def test_extremes_of_waves_with_many_tops():
 
 
 def test_rounding_takes_few_panels_and_narrow_peaks_as_many_as_they_need():
-    rounding = CycleMachine(Plan(ends=(0, 1), curves=2, integrals=(0, 1), tolerance=1e-11), rounding_curves())
+    rounding = CycleMachine(planned(ends=(0, 1), curves=2, integrals=(0, 1), tolerance=1e-11), rounding_curves())
     found = rounding.evaluate(np.array([np.zeros(2), np.full(2, TURN)]))
     assert np.all(found.panels <= 60)
     # Half a unit in the last place of what was added up before it was taken away again.
     assert np.all(np.abs(found.integrals.value[:, 0]) <= TURN * np.array([1e3 * 2.3e-16, 0.6e-10]))
     assert np.all(found.integrals.error[:, 0] < TURN * np.array([1e3 * 6e-16, 1e-10]))
-    peaks = CycleMachine(Plan(ends=(0, 1), curves=1, integrals=(0,), extremes=(0,), tolerance=1e-11), peak_curve())
+    peaks = CycleMachine(planned(ends=(0, 1), curves=1, integrals=(0,), extremes=(0,), tolerance=1e-11), peak_curve())
     rng = np.random.default_rng(8)
     phase, width = rng.uniform(0.0, TURN, 200), 10.0 ** rng.uniform(-6.0, -1.0, 200)
     numbers = np.array([np.zeros(200), np.full(200, TURN), width, np.cos(phase), np.sin(phase)])

@@ -13,8 +13,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from numba import njit
 
+from engine.compiling.blocks import LANES
 from engine.compiling.tiles import TILE_OPTIONS
-from engine.compiling.widths import LANES
 from engine.laws.friction.settled import GUIDE, JOURNAL, settled_one, settled_three, settled_two
 
 EPS = np.finfo(float).eps
