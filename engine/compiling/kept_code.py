@@ -121,6 +121,11 @@ def keep_compiled(function: Callable) -> None:
         function._cache = _KeptFunction(function.py_func)
 
 
+def is_kept(function: Callable) -> bool:
+    """Whether machine code of a function, for whatever types, is in the cache."""
+    return Path(function._cache._cache_file._index_path).exists()
+
+
 class _Place(_CacheLocator):
     """Location of a function's machine code: the folder of the digest of its sources."""
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.blocks import LANES, Row, Rows, copy_rows, gather, hand_out, hand_out_row, in_lanes
-from engine.compiling.decorators import driver, routine
+from engine.compiling.decorators import driver, routine, separate
 from engine.compiling.packed import call_at, unpacked
 from engine.cycle.close_turns import ADDED, CloseTurns, add_close_turns, begin_close_turns, new_close_turns
 from engine.cycle.events import (
@@ -198,6 +198,8 @@ class Workspace(NamedTuple):
         Turning points of the switching functions, and their crossings of levels.
     heights : rows
         Levels of the crossings.
+    edges, laid : many, ndarray (1,) of int
+        Cuts of the cycle, and their number.
     broken_at : row
         First position at which a curve is NaN or infinite.
     too_many : row
@@ -224,6 +226,7 @@ class Workspace(NamedTuple):
     heights: Rows
     landmarks: many(LandmarkRows)
     edges: many(Edge)
+    laid: np.ndarray
     sums: one(WorkSums)
     turning: one(FollowedAngle)
     search: Search
@@ -264,6 +267,7 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
         heights=max(len(task.crossings), 1),
         landmarks=functions,
         edges=crossings + task.cuts.size,
+        laid=np.zeros(1, np.int64),
         search=search,
         ends=new_record(SpeedEnds),
         stretches=new_stretches(MOST_STRETCHES if len(task.arcs) else 0),
@@ -317,9 +321,10 @@ def sample_beside(events: Callable, given: GivenNumbers, samples: Samples, besid
                 beside.tile[f, k, lane] -= samples.tile[f, k * stride, lane]
 
 
-@routine
-def cut(task: Task, given: GivenNumbers, work: Workspace) -> int:
-    """Find each lane's landmarks and the numbers that follow from them, and lay its edges; returns their number."""
+@separate
+def find_cuts(task: Task, variants: EvaluatedVariants, work: Workspace) -> None:
+    """Find each lane's landmarks and the numbers that follow from them, and lay its edges."""
+    given = GivenNumbers(work.block, variants.tables)
     events, levels = task.functions.events, task.functions.levels
     block, most, place = in_lanes(given.block), task.most_roots, work.place
     turns, crossings, noted, count = unpacked(work.turns), unpacked(work.crossings), work.noted, task.landmarks.shape[0]
@@ -353,11 +358,11 @@ def cut(task: Task, given: GivenNumbers, work: Workspace) -> int:
         find_crossings(Level(f, c, height, scale), scan, turns, most, noted, crossings)
         note_too_many(noted.counts, most, scale, work.too_many)
     solve_roots(events, given, work.heights, crossings)
-    return lay_edges(crossings, work.landmarks, task.cuts, block, work.walk, work.edges)
+    work.laid[0] = lay_edges(crossings, work.landmarks, task.cuts, block, work.walk, work.edges)
 
 
 @routine
-def follow(task: Task, given: GivenNumbers, edges: int, work: Workspace) -> bool:
+def follow(task: Task, given: GivenNumbers, work: Workspace) -> bool:
     """Walk over each lane's range, integrate and keep curves; returns False if the record has no room for a step."""
     states, curves = task.functions.states, task.functions.curves
     count, kept, degree = task.tolerance.shape[0], task.kept.shape[0], task.degree
@@ -365,7 +370,7 @@ def follow(task: Task, given: GivenNumbers, edges: int, work: Workspace) -> bool
     block, tile, figures, scales = in_lanes(given.block), in_panels(work.tile), work.figures, work.scales
     q, cos_q, sin_q = in_lanes(place[0]), in_lanes(place[1]), in_lanes(place[2])
     any_lost = any_positive(work.too_many)
-    while next_panels(work.edges, edges, walk):
+    while next_panels(work.edges, work.laid[0], walk):
         panel_positions(walk.middle, walk.half, degree, q, cos_q, sin_q)
         if task.states.shape[0] > 0:
             middle_q, middle_cos = place[0, middle : middle + 1], place[1, middle : middle + 1]
@@ -439,6 +444,7 @@ def evaluate_blocks(
     answers: DriverAnswers,
     work: Workspace,
     variants: EvaluatedVariants,
+    cuts: int,
     measures: np.ndarray,
 ) -> None:
     """Evaluate blocks of variants.
@@ -451,6 +457,8 @@ def evaluate_blocks(
     answers : DriverAnswers
     work : Workspace
     variants : EvaluatedVariants
+    cuts : int
+        Address of `find_cuts`; 0 if nothing cuts the cycle.
     measures : ndarray of int
         Addresses of functions of `engine.cycle.block_measures`.
     """
@@ -462,11 +470,12 @@ def evaluate_blocks(
         gather(variants.numbers, first, block)
         begin_block(task, work)
         set_out(starts, ends, task.longest, walk)
-        edges = cut(task, given, work)
+        if cuts != 0:
+            call_at(cuts, (task, variants, work))
         for lane in range(LANES):
             # Infinite, because the cause has no single position.
             work.broken_at[lane] = math.inf if work.too_many[lane] > 0.0 else work.broken_at[lane]
-        answers.short_of_room[b] = not follow(task, given, edges, work)
+        answers.short_of_room[b] = not follow(task, given, work)
         if answers.short_of_room[b]:
             continue
         for k in range(measures.shape[0]):

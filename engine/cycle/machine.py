@@ -20,19 +20,22 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from numba import types
 
+from engine.compiling.beside import compile_beside, wait_for_compiling
 from engine.compiling.blocks import LANES
 from engine.compiling.packed import Packed
-from engine.compiling.running import address_of, spread
+from engine.compiling.running import address_of, run_piece, spread
 from engine.cycle.block_measures import MEASURES
 from engine.cycle.driver import (
     DriverAnswers,
     EvaluatedVariants,
     Task,
     evaluate_blocks,
+    find_cuts,
     new_workspace,
 )
 from engine.cycle.events import LandmarkRows
@@ -41,7 +44,7 @@ from engine.cycle.measures.averages import Averages
 from engine.cycle.measures.extremes import ExtremeRows
 from engine.cycle.measures.fluctuation import Fluctuation
 from engine.cycle.measures.unloaded_arcs import Arc
-from engine.cycle.plan import Plan
+from engine.cycle.plan import Plan, is_cut, without_cuts
 
 # Initial room for steps of the walk, plus two for each crossing; blocks that need more are evaluated again.
 _STEPS = 24
@@ -161,6 +164,23 @@ def _extremes(answers: np.ndarray) -> Extremes:
     return Extremes(*(part for side in range(2) for part in _measured(ExtremeRows, answers[:, side], "value", "at")))
 
 
+def address_of_cuts(asked: Packed, variants: Packed, room: Packed) -> int:
+    """Address of the function that finds the cuts of a `Task`'s cycles, given its other arguments; 0 without any."""
+    return address_of(find_cuts, asked.kind, variants.kind, room.kind) if is_cut(asked.record) else 0
+
+
+def compile_driver(plan: Plan) -> None:
+    """Compile the driver and the measures that a plan without cuts wants."""
+    CycleMachine(plan, None).compile_shared()
+
+
+def compile_driver_beside(plan: Plan) -> None:
+    """Compile the driver in a second process; if there are cuts, whose function is as large, also the measures."""
+    compile_beside(
+        compile_driver, without_cuts(plan) if is_cut(plan) else Plan(plan.ends, plan.curves), evaluate_blocks
+    )
+
+
 @dataclass(frozen=True)
 class CycleMachine:
     """A machine's functions and the plan of its results.
@@ -223,15 +243,24 @@ class CycleMachine:
         steps = _STEPS + 2 * len(self.task.crossings)
         both = asked, Packed(answers)
         while blocks.size:
-            variants = Packed(EvaluatedVariants(blocks, numbers, tables))
-
-            def arguments(variants: Packed = variants, steps: int = steps) -> tuple:
-                room = self._workspace(asked.record, len(numbers), steps)
-                return *both, room, variants, self._measures(*both, room)
-
-            spread(evaluate_blocks, blocks.size, arguments)
+            given = *both, Packed(EvaluatedVariants(blocks, numbers, tables)), steps
+            spread(evaluate_blocks, blocks.size, partial(self._arguments, *given))
             blocks, steps = np.flatnonzero(answers.short_of_room), 2 * steps
         return answers
+
+    def _arguments(self, asked: Packed, answers: Packed, variants: Packed, steps: int) -> tuple:
+        """Arguments of the driver besides its range; what it calls is compiled now, or loaded from the cache."""
+        room = self._workspace(asked.record, len(variants.record.numbers), steps)
+        cuts = address_of_cuts(asked, variants, room)
+        wait_for_compiling()
+        return asked, answers, room, variants, cuts, self._measures(asked, answers, room)
+
+    def compile_shared(self) -> None:
+        """Compile what machines share, or load it from the cache, without evaluating any variant."""
+        none = EvaluatedVariants(np.zeros(0, np.int64), np.zeros((1 + max(self.plan.ends), 0)), np.zeros(1))
+        run_piece(
+            evaluate_blocks, (0, 0), self._arguments(self._packed, Packed(self._new_answers(0, 0)), Packed(none), 1)
+        )
 
     def _new_answers(self, variants: int, blocks: int) -> DriverAnswers:
         task = self.task

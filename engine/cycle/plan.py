@@ -6,6 +6,7 @@ follow from them, such as running integrals. A plan numbers them when all is kno
 
 import math
 from collections.abc import Callable, Hashable, Iterable, Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -17,6 +18,8 @@ from engine.cycle.events import MOST_ROOTS
 from engine.cycle.measures.extremes import BOTH, LEAST_MAGNITUDE
 from engine.cycle.panels.chebyshev import DEGREE
 
+# Fields that cut the cycle.
+_CUTS = ("landmarks", "levels", "crossings", "cuts")
 # Fields that are equal in a plan and its task: as arrays, and as they are.
 _SHARED = ("ends", "levels", "states", "cuts", "kinks", "rooted")
 _SAME = ("scan", "looks", "intervals", "degree", "longest", "period", "turn")
@@ -198,6 +201,19 @@ class Plan:
             tolerance=np.broadcast_to(np.asarray(self.tolerance, dtype=float), (self.curves,)).copy(),
             only_integrals=np.array([float(c in integrals and c not in curve) for c in range(self.curves)]),
         )
+
+
+def is_cut(plan: Plan | Task) -> bool:
+    """Whether anything cuts the cycle."""
+    return any(len(getattr(plan, name)) for name in _CUTS)
+
+
+def without_cuts(plan: Plan) -> Plan:
+    """A plan of the same results over cycles that nothing cuts."""
+    other = copy(plan)
+    for name in _CUTS:
+        setattr(other, name, ())
+    return other
 
 
 def _of_kind(kind: type, curves: Iterable[Recorded]) -> list:

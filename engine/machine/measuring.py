@@ -180,8 +180,10 @@ class Measuring:
 
     def _planned(self, speeds: bool) -> "_Planned":
         """The compiled functions with a plan of the cycle, with or without speed fluctuations."""
-        plan, module = self._plan(), load_printed(self.functions.text)
+        plan = self._plan()
         readers = self._readers(plan, speeds)
+        cycle.compile_driver_beside(plan)
+        module = load_printed(self.functions.text)
         return _Planned(cycle.CycleMachine(plan, module.curves, module.events, module.levels, module.states), readers)
 
     def _plan(self) -> Plan:

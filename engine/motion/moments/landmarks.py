@@ -6,15 +6,14 @@ import numpy as np
 
 from engine.compiling.blocks import LANES, gather, hand_out, hand_out_row, in_lanes
 from engine.compiling.decorators import driver
-from engine.compiling.packed import Packed
+from engine.compiling.packed import Packed, call_at
 from engine.compiling.printed import load_printed
 from engine.compiling.running import spread
 from engine.compiling.tiles import TileFunction
-from engine.cycle.driver import EvaluatedVariants, MachineFunctions, Task, Workspace, cut, new_workspace
-from engine.cycle.machine import MOST_DOUBLINGS
+from engine.cycle.driver import EvaluatedVariants, MachineFunctions, Task, Workspace, new_workspace
+from engine.cycle.machine import MOST_DOUBLINGS, address_of_cuts
 from engine.cycle.panels.walk import set_out
 from engine.cycle.plan import Plan
-from engine.cycle.roots import GivenNumbers
 from engine.graph.nodes import Found, Given, reached
 from engine.mechanism.acting import Load
 from engine.motion.moments.breaks import JUMP, Breaks, watches_of
@@ -112,7 +111,8 @@ class Landmarks:
         chosen = Packed(EvaluatedVariants(np.zeros(0, np.int64), parameters, functions.memory))
 
         def arguments() -> tuple:
-            return asked, chosen, Packed(new_workspace(task, len(parameters), 0)), found, coarse
+            room = Packed(new_workspace(task, len(parameters), 0))
+            return asked, chosen, room, address_of_cuts(asked, chosen, room), found, coarse
 
         spread(find_places, -(-variants // LANES), arguments)
         return found, coarse
@@ -141,6 +141,7 @@ def find_places(
     task: Task,
     variants: EvaluatedVariants,
     work: Workspace,
+    cuts: int,
     found: np.ndarray,
     coarse: np.ndarray,
 ) -> None:
@@ -149,7 +150,7 @@ def find_places(
     `found` (crossings, roots, variants) receives the positions, NaN for missing ones; `coarse` (variants,) is set to 1
     where the scan is too coarse; `variants.numbers` receives the landmarks and numbers that depend on them.
     """
-    given, block = GivenNumbers(work.block, variants.tables), in_lanes(work.block)
+    block = in_lanes(work.block)
     numbers, crossings = variants.numbers, work.crossings
     for b in range(begin, end):
         first = b * LANES
@@ -157,9 +158,9 @@ def find_places(
         set_out(block[task.ends[0]], block[task.ends[1]], task.longest, work.walk)
         for lane in range(LANES):
             work.too_many[lane] = 0.0
-        count = cut(task, given, work)
+        call_at(cuts, (task, variants, work))
         level, slot = -1, 0
-        for r in range(count):
+        for r in range(work.laid[0]):
             # Roots of one level are consecutive.
             slot = slot + 1 if crossings.level[r] == level else 0
             level = crossings.level[r]
