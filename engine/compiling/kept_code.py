@@ -1,4 +1,4 @@
-"""Machine code cached on disk, in one folder of the user's cache for each digest of its sources.
+"""Machine code cached on disk, in one folder of the user's cache for each digest of its sources; printed modules.
 
 Cached code is executed, so a file is trusted only if it belongs to the user, only the user may write to it and its
 folder, and its content matches the digest stored before it. Other files are removed and compiled again. Where the cache
@@ -7,22 +7,25 @@ can't be written, every process compiles its own code.
 
 import gc
 import hashlib
+import linecache
 import logging
 import os
 import pickle
 import shutil
 import stat
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
+from types import ModuleType
 
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, _CacheLocator
 from numba.core.serialize import dumps
 
-from engine.compiling.sources import digest_of_module
+from engine.compiling.sources import digest_of_module, digest_of_text
 
 # Prefix of the names of printed modules; their digest follows.
 PRINTED = "engine_printed_"
@@ -124,6 +127,31 @@ def keep_compiled(function: Callable) -> None:
 def is_kept(function: Callable) -> bool:
     """Whether machine code of a function, for whatever types, is in the cache."""
     return Path(function._cache._cache_file._index_path).exists()
+
+
+def load_printed(text: str) -> ModuleType:
+    """Load a module from its printed source; its functions are compiled, or read from the cache.
+
+    Parameters
+    ----------
+    text : str
+        Source of the module.
+    """
+    with compiling():
+        return _load(text)
+
+
+@cache
+def _load(text: str) -> ModuleType:
+    name = f"{PRINTED}{digest_of_text(text)[:32]}"
+    file = f"<{name}>"
+    module = ModuleType(name)
+    module.__file__ = file
+    sys.modules[name] = module
+    # Lets tracebacks show the module's lines.
+    linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
+    exec(compile(text, file, "exec"), module.__dict__)
+    return module
 
 
 class _Place(_CacheLocator):

@@ -25,7 +25,7 @@ from functools import partial
 import numpy as np
 from numba import types
 
-from engine.compiling.beside import compile_beside, wait_for_compiling
+from engine.compiling.beside import compile_beside, wait_until_compiled
 from engine.compiling.blocks import LANES
 from engine.compiling.packed import Packed
 from engine.compiling.running import address_of, run_piece, spread
@@ -176,9 +176,8 @@ def compile_driver(plan: Plan) -> None:
 
 def compile_driver_beside(plan: Plan) -> None:
     """Compile the driver in a second process; if there are cuts, whose function is as large, also the measures."""
-    compile_beside(
-        compile_driver, without_cuts(plan) if is_cut(plan) else Plan(plan.ends, plan.curves), evaluate_blocks
-    )
+    others = without_cuts(plan) if is_cut(plan) else Plan(plan.ends, plan.curves)
+    compile_beside(evaluate_blocks, compile_driver, others)
 
 
 @dataclass(frozen=True)
@@ -249,10 +248,10 @@ class CycleMachine:
         return answers
 
     def _arguments(self, asked: Packed, answers: Packed, variants: Packed, steps: int) -> tuple:
-        """Arguments of the driver besides its range; what it calls is compiled now, or loaded from the cache."""
+        """Arguments of the driver behind its range; what it calls is compiled now, or loaded from the cache."""
         room = self._workspace(asked.record, len(variants.record.numbers), steps)
         cuts = address_of_cuts(asked, variants, room)
-        wait_for_compiling()
+        wait_until_compiled(evaluate_blocks)
         return asked, answers, room, variants, cuts, self._measures(asked, answers, room)
 
     def compile_shared(self) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from engine.compiling.blocks import LANES, gather, hand_out, in_lanes
 from engine.compiling.decorators import driver
-from engine.compiling.printed import load_printed
+from engine.compiling.kept_code import load_printed
 from engine.compiling.running import spread
 from engine.compiling.tiles import TileFunction
 from engine.graph.functions import number_function

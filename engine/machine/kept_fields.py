@@ -9,7 +9,7 @@ import numpy as np
 
 from engine.compiling.blocks import LANES, copy_rows, gather, in_lanes
 from engine.compiling.decorators import driver, routine
-from engine.compiling.printed import load_printed
+from engine.compiling.kept_code import load_printed
 from engine.compiling.running import spread
 from engine.compiling.tiles import TileFunction, TypedFunction, field_signature
 from engine.cycle.machine import Extremes

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import laws
-from engine.compiling.printed import load_printed
+from engine.compiling.kept_code import load_printed
 from engine.cycle import machine as cycle
 from engine.cycle.measured import Measured, maximum, where
 from engine.cycle.measures.extremes import BOTH, EACH_TURN, GREATEST, LEAST, LEAST_MAGNITUDE

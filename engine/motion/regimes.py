@@ -21,6 +21,7 @@ from engine.motion.quantities import (
 )
 from engine.quantities.quantity import InputUnits, Quantity
 from engine.scene.scene import Numbers
+from engine.stepping.system import compile_walks_beside
 from engine.words.verdicts import Verdict
 
 
@@ -80,6 +81,10 @@ class Regimes:
     def nodes(self) -> list[Node]:
         """Nodes from which the motion is computed at a position."""
         return [] if self.schedule is None else self.schedule.nodes
+
+    def compile_beside(self) -> None:
+        """Compile what the requested regimes share with those of other machines in other processes."""
+        compile_walks_beside(bool(self.schedule.steady))
 
     def answers(self, numbers: Numbers, count: int) -> "motion.regimes_in_order.RegimeAnswers":
         """Requested results of a number of variants.

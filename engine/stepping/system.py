@@ -7,12 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.beside import compile_beside, wait_until_compiled
 from engine.compiling.blocks import LANES
-from engine.compiling.printed import load_printed
+from engine.compiling.kept_code import load_printed
 from engine.compiling.running import spread
 from engine.compiling.tiles import TileFunction
 from engine.graph.functions import Functions, functions_in_motion, places_of
-from engine.graph.nodes import Given, Graph, Node
+from engine.graph.nodes import Given, Graph, Node, Stage
 from engine.stepping.at_states import GivenStates, evaluate_states
 from engine.stepping.closed_cycle import OUTCOME, CycleBatch, CycleRoom, find_cycles, new_cycle_room
 from engine.stepping.methods import EIGHT, EIGHT_IN_TIME, METHODS
@@ -333,6 +334,7 @@ class PrintedSystem:
         room: Callable[[], Room | CycleRoom],
     ) -> None:
         """Run a driver over all blocks of a batch."""
+        wait_until_compiled(driver)
         module = load_printed(self.functions.text)
         functions = [TileFunction(getattr(module, name)) for name in ("places", "rates", "watch")]
         spread(driver, -(-count // LANES), lambda: (*functions, batch, task, room()))
@@ -344,3 +346,36 @@ class PrintedSystem:
             if node in self.functions.rows:
                 numbers[self.functions.rows[node]] = values
         return numbers
+
+
+def compile_walks_beside(cycles: bool) -> None:
+    """Compile walks, and the search for cycles that return to their own energies if needed, in other processes."""
+    compile_beside(walk, compile_walk)
+    if cycles:
+        compile_beside(find_cycles, compile_cycles)
+
+
+def compile_walk() -> None:
+    """Compile walks, or load them from the cache, with one of a body without loads."""
+    body, numbers = _unloaded()
+    body.run(body.task(1.0), numbers, None, None, _ONE_RADIAN, np.ones((2, 1)))
+
+
+def compile_cycles() -> None:
+    """Compile the search for closed cycles, or load it from the cache, with one of a body without loads."""
+    body, numbers = _unloaded()
+    body.close(body.task(1.0), numbers, NO_EDGES, _ONE_RADIAN, np.ones(1))
+
+
+_ONE_RADIAN = {"goal": 1.0, "tolerance": 1e-3, "pace": 1.0, "farthest": 1.0}
+
+
+def _unloaded() -> tuple[PrintedSystem, np.ndarray]:
+    """A body without loads, over its angle, and the numbers of one variant."""
+    graph = Graph()
+    zero, one, energy = graph.zero, graph.one, graph.given("kinetic energy", Stage.STATE)
+    clock = graph.given("time of a state", Stage.STATE)
+    nothing = {"responses": (zero,), "guards": (), "clock": clock}
+    system = System("angle", (energy,), {}, (zero,), {"fading": zero}, one, one, zero, zero, (zero,), **nothing)
+    body = PrintedSystem(system, graph, zero, one)
+    return body, np.zeros((len(body.functions.rows), 1))

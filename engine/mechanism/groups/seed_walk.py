@@ -8,7 +8,7 @@ import numpy as np
 
 from engine.compiling.blocks import LANES, copy_rows, gather, hand_out, in_lanes
 from engine.compiling.decorators import driver, routine
-from engine.compiling.printed import load_printed
+from engine.compiling.kept_code import load_printed
 from engine.compiling.running import spread
 from engine.compiling.tiles import TileFunction
 from engine.cycle.panels.lanes import rows

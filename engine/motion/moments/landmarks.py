@@ -6,8 +6,8 @@ import numpy as np
 
 from engine.compiling.blocks import LANES, gather, hand_out, hand_out_row, in_lanes
 from engine.compiling.decorators import driver
+from engine.compiling.kept_code import load_printed
 from engine.compiling.packed import Packed, call_at
-from engine.compiling.printed import load_printed
 from engine.compiling.running import spread
 from engine.compiling.tiles import TileFunction
 from engine.cycle.driver import EvaluatedVariants, MachineFunctions, Task, Workspace, new_workspace

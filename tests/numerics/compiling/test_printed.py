@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 from packed import assert_packed
 
-from engine.compiling import kept_code, printed, sources
+from engine.compiling import kept_code, sources
 from engine.compiling.blocks import LANES, PANEL_POSITIONS
 from engine.compiling.decorators import driver
-from engine.compiling.printed import load_printed
+from engine.compiling.kept_code import load_printed
 from engine.compiling.running import spread
 from engine.compiling.sources import digest_of_text
 from engine.graph.functions import field_function, functions_of
@@ -31,7 +31,7 @@ POSITIONS = 48
 
 def forget() -> None:
     """As if the process had been started anew."""
-    for known in (printed._load, kept_code._say_once, kept_code.folder_of):
+    for known in (kept_code._load, kept_code._say_once, kept_code.folder_of):
         known.cache_clear()
 
 

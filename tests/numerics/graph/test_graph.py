@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from engine.compiling.blocks import LANES, PANEL_POSITIONS
 from engine.compiling.decorators import scalar
-from engine.compiling.printed import load_printed
+from engine.compiling.kept_code import load_printed
 from engine.graph.functions import field_function, functions_at, functions_of
 from engine.graph.nodes import (
     Constant,
