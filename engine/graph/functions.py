@@ -62,7 +62,7 @@ class Functions(NamedTuple):
     Attributes
     ----------
     text : str
-        Source of a module with `events`, `levels`, `states`, `curves`.
+        Source of a module with some of `events`, `levels`, `states`, `curves`, …
     rows : dict of Node to int
         Row of P of each number: the input's range first, then numbers of the variant, the cycle and the panel.
     numbers : tuple of Number or Constant
@@ -140,12 +140,12 @@ def functions_at(
     first: Number,
     last: Number,
     curves: Sequence[Node],
-    watched: Sequence[Node] = (),
+    watched: Sequence[Node] | None = None,
     numbers: Sequence[Node] = (),
 ) -> Functions:
     """Print the functions that compute curves at single positions, with held nodes evaluated at the position itself.
 
-    The text has `events`, `levels` and `curves_at`.
+    The text has `levels` and `curves_at`, and with `watched` also `events`.
 
     Parameters
     ----------
@@ -156,17 +156,17 @@ def functions_at(
         Range of the input [rad].
     curves : sequence of Node
         Nodes required at a position; they may depend on given numbers.
-    watched : sequence of Node
+    watched : sequence of Node, optional
         Curves whose extremes and crossings are located too.
     numbers : sequence of Node
         Further nodes whose numbers get rows.
     """
-    plan = _planned(graph, first, last, curves, [*curves, *watched], fields=numbers)
+    plan = _planned(graph, first, last, curves, [*curves, *(watched or ())], fields=numbers)
     return _printed(
         graph,
         title,
         plan._replace(held=[]),
-        _events(plan),
+        *([] if watched is None else [_events(plan)]),
         _levels(plan),
         _Part("curves_at", "All curves, at one position.", plan.curves),
     )
@@ -184,7 +184,7 @@ def functions_in_motion(
     """Print the functions of a motion: `places` for nodes of the position, `rates` and `watch` for nodes of a state.
 
     The last rows of P are those that `places` fills, in the order of `curves`, and then the states; `rates` and `watch`
-    read both. The text has `events` and `levels` too.
+    read both. The text has `levels` too.
 
     Parameters
     ----------
@@ -207,7 +207,6 @@ def functions_in_motion(
         graph,
         title,
         plan._replace(held=[], rows=rows),
-        _events(plan),
         _levels(plan),
         _Part("places", "Nodes of the position that nodes of the state depend on.", places),
         _Part("rates", "Rates of the states and of the integrals.", list(rates), Stage.STATE),
