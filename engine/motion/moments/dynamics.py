@@ -349,9 +349,9 @@ class Dynamics:
             axis=0
         )
 
-    def grid(self, variants: Variants, start: np.ndarray, length: float | np.ndarray, steps: int) -> Grid:
-        """Grid from a start angle, with a node at every break."""
-        return make_grid(start, length, variants.direction, steps, self.cycle, variants.breaks)
+    def grid(self, variants: Variants, start: np.ndarray, steps: int) -> Grid:
+        """Grid over a cycle from a start angle, with nodes at every break."""
+        return make_grid(start, variants.direction, steps, self.cycle, variants.breaks)
 
     def inertia(self, variants: Variants, places: np.ndarray, who: np.ndarray | slice = slice(None)) -> np.ndarray:
         """Reduced inertia with the flywheel at crank angles (…, variants) of all variants, or of some [kg·m²]."""

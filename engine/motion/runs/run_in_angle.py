@@ -112,7 +112,7 @@ def _take(runs: OneSpeedRuns, who: np.ndarray, before: np.ndarray, gone: Walks) 
     works_off, squares_off = gathered(system, runs.dynamics, off, off[ENERGY], 1.0)
     time_off = np.where(by_time, 0.0, off[TIME])
     new = slides, speed_off, off[ENERGY], time_off, squares_off, works_off
-    for mine, changed in zip(runs.changed, new, strict=False):
+    for mine, changed in zip(runs.changed[: len(new)], new, strict=True):
         mine[..., who] = changed
     runs.carried[:, who] = gone.carried_errors
     slower, faster = gone.slowest < runs.slowest[who], gone.fastest > runs.fastest[who]
@@ -161,8 +161,6 @@ def _piece_of(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks, i
 def _nodes(runs: OneSpeedRuns, who: np.ndarray, state: State) -> np.ndarray:
     """Angles turned from a state (nodes, variants) at which a cycle is evaluated."""
     part, cycle = runs.variants.some(who), runs.dynamics.cycle
-    # A force may jump where its torque has only a kink, as at a dead centre, where the velocity is zero.
-    sided = part._replace(breaks=part.breaks.two_sided())
     begin = runs.start[who] + part.direction * state.turned
-    steps = runs.dynamics.grid(sided, begin, cycle, runs.steps).steps
+    steps = runs.dynamics.grid(part, begin, runs.steps).steps
     return np.minimum(np.concatenate((np.zeros((1, who.size)), np.cumsum(steps, axis=0))), cycle)

@@ -13,7 +13,7 @@ from engine.compiling.running import over_variants
 from engine.motion.loads import PairLoads
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion
-from engine.motion.moments.grid import NODES, Grid
+from engine.motion.moments.grid import Grid
 from engine.motion.moments.piecewise import integral, peak_between
 from engine.motion.one_speed import CHANNELS
 from engine.motion.quantities import EFFICIENCY_NOW, INSTANT, Asked, FieldAnswers
@@ -25,12 +25,7 @@ class Cycle(NamedTuple):
 
     Attributes
     ----------
-    angle : ndarray
-        Crank angle [rad].
-    steps : ndarray (nodes − 1, variants)
-        [rad].
-    even : ndarray (equal steps + 1, variants) of int
-        Indices of the nodes with equal steps.
+    grid : Grid
     omega : ndarray
         Magnitude of the speed [rad/s].
     direction : ndarray (variants,)
@@ -39,16 +34,14 @@ class Cycle(NamedTuple):
         Fields by name, counter-clockwise positive.
     """
 
-    angle: np.ndarray
-    steps: np.ndarray
-    even: np.ndarray
+    grid: Grid
     omega: np.ndarray
     direction: np.ndarray
     rows: dict[str, np.ndarray]
 
     def field(self, name: str) -> np.ndarray:
         """A field over the crank angle, (variants, equal steps)."""
-        found = np.take_along_axis(self.rows[name], self.even, axis=0)[:-1].T
+        found = np.take_along_axis(self.rows[name], self.grid.even, axis=0)[:-1].T
         found[np.isnan(self.omega[0])] = np.nan
         # The crank angle decreases if the crank turns clockwise.
         back = self.direction < 0.0
@@ -74,7 +67,7 @@ def cycle_of(
     off : frozenset of str
         Actions that are off.
     """
-    angle, way = grid.places[NODES], variants.direction
+    angle, way = grid.angles, variants.direction
     omega = np.sqrt(2.0 * steady.record[0] / dynamics.inertia(variants, angle))
     form = EquationOfMotion(dynamics, variants, np.zeros(variants.count))
     found = form.along(way * angle, omega, np.zeros_like(angle), np.ones(variants.count))
@@ -84,8 +77,7 @@ def cycle_of(
     rows[INSTANT] = steady.record[1]
     if loads is not None:
         rows |= loads(variants, loads.parameters(variants, off), angle, omega, epsilon * way)
-    even = np.broadcast_to(np.arange(omega.shape[0])[:, None], omega.shape) if grid.even is None else grid.even
-    return Cycle(angle, grid.steps, even, omega, way, rows)
+    return Cycle(grid, omega, way, rows)
 
 
 def motion_rows(
@@ -183,18 +175,18 @@ def statistics_of(cycle: Cycle, name: str, period: float) -> tuple[dict[str, np.
     """
     row, count = cycle.rows[name], cycle.direction.size
     found = np.empty((9, count))
-    over_time(count, np.ascontiguousarray(row), cycle.omega, cycle.steps, found)
+    over_time(count, np.ascontiguousarray(row), cycle.omega, cycle.grid.steps, found)
     low, high, mean, rms, beyond, hidden, hidden_rms = found[:7]
     columns = np.arange(count)
     places = []
     for place in found[7:]:
         known = np.isfinite(place)
-        at = cycle.angle[np.where(known, place, 0.0).astype(int), columns]
+        at = cycle.grid.angles[np.where(known, place, 0.0).astype(int), columns]
         places.append(np.where(known, np.mod(at, period), np.nan))
     values = {"min": low, "max": high, "range": high - low, "amplitude": (high - low) / 2}
     values["peak"] = np.maximum(np.abs(low), np.abs(high))
     values |= {"mean": mean, "rms": rms, "min_at": places[0], "max_at": places[1]}
-    step = np.full(count, period / (cycle.even.shape[0] - 1))
+    step = np.full(count, period / (cycle.grid.even.shape[0] - 1))
     missed = dict.fromkeys(values, beyond) | {"mean": hidden, "rms": hidden_rms, "min_at": step, "max_at": step}
     return values, missed
 
