@@ -8,14 +8,11 @@ import numpy as np
 from engine.compiling.running import over_variants
 from engine.stepping.system import SHOWN
 
-
-def _slopes() -> np.ndarray:
-    """Derivatives of the Lagrange polynomials of the recorded samples, at these samples."""
-    whole = [np.polynomial.Polynomial.fit(SHOWN, row, SHOWN.size - 1).deriv()(SHOWN) for row in np.eye(SHOWN.size)]
-    return np.array(whole)
-
-
-SLOPES = _slopes()
+# Steps recorded at a time.
+RECORDED = 64
+# Lagrange polynomials of the recorded samples, and their derivatives at these samples.
+LAGRANGE = [np.polynomial.Polynomial.fit(SHOWN, row, SHOWN.size - 1) for row in np.eye(SHOWN.size)]
+SLOPES = np.array([polynomial.deriv()(SHOWN) for polynomial in LAGRANGE])
 
 
 class MadeSteps(NamedTuple):
@@ -50,6 +47,11 @@ def made_steps(recorded: np.ndarray, steps: np.ndarray) -> MadeSteps:
     begin, length, _, *rows = recorded[step, :, variant].T
     samples = np.reshape(rows, (len(rows) // (SHOWN.size + 1), SHOWN.size + 1, variant.size))
     return MadeSteps(variant, begin, length, samples[:, :-1])
+
+
+def weights_at(share: np.ndarray) -> np.ndarray:
+    """Weights of a step's samples in its value at fractions of its length, (SHOWN, …)."""
+    return np.array([polynomial(share) for polynomial in LAGRANGE])
 
 
 @over_variants

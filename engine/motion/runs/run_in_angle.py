@@ -3,11 +3,11 @@
 import numpy as np
 
 from engine.motion.runs.one_speed_run import OneSpeedRuns
-from engine.motion.runs.run_progress import ABOVE, BELOW, State, gathered
+from engine.motion.runs.run_progress import ABOVE, BELOW, State
 from engine.motion.runs.settled_runs import pass_mark
 from engine.motion.runs.watching import BetweenNodes, Piece
 from engine.stepping.methods import EIGHT, FOUR, NINE
-from engine.stepping.recorded import read_steps
+from engine.stepping.recorded import RECORDED, read_steps
 from engine.stepping.records import some
 from engine.stepping.system import Walks
 from engine.stepping.walk_task import Why
@@ -21,8 +21,6 @@ LEAST, FARTHER = 1e-14, 2.0
 CLOSELY = 0.5
 # Cycles before the first test whether a run still approaches a speed; the number doubles each time.
 FIRST_CYCLES = 8
-# Steps recorded at a time.
-RECORDED = 64
 # Further reason for the end of a walk: the next guard of the energy form.
 SLOW = BELOW + 1
 ENERGY, TIME = range(2)
@@ -108,8 +106,8 @@ def _take(runs: OneSpeedRuns, who: np.ndarray, before: np.ndarray, gone: Walks) 
     speed_off = gone.carried_errors[ENERGY] + np.where(slides > 0.0, np.abs(gone.slope) * slides, 0.0)
     speed_off = np.where(by_speed, 0.0, 0.5 * omega / energy * speed_off)
     system = runs.dynamics.by_angle
-    works, squares = gathered(system, runs.dynamics, gone.states, energy - before, -1.0)
-    works_off, squares_off = gathered(system, runs.dynamics, off, off[ENERGY], 1.0)
+    works, squares = runs.dynamics.gathered(system, gone.states, energy - before, -1.0)
+    works_off, squares_off = runs.dynamics.gathered(system, off, off[ENERGY], 1.0)
     time_off = np.where(by_time, 0.0, off[TIME])
     new = slides, speed_off, off[ENERGY], time_off, squares_off, works_off
     for mine, changed in zip(runs.changed[: len(new)], new, strict=True):

@@ -5,11 +5,11 @@ import numpy as np
 from engine.motion.moments.breaks import JUMP, beside
 from engine.motion.runs.one_speed_run import OneSpeedRuns
 from engine.motion.runs.run_in_angle import TIMES_TO_THE_END
-from engine.motion.runs.run_progress import BELOW, State, gathered
+from engine.motion.runs.run_progress import BELOW, State
 from engine.motion.runs.settled_runs import pass_mark
 from engine.motion.runs.watching import BetweenNodes, Piece, side_by_side
 from engine.stepping.methods import EIGHT
-from engine.stepping.recorded import made_steps, read_steps
+from engine.stepping.recorded import RECORDED, made_steps, read_steps
 from engine.stepping.records import some
 from engine.stepping.system import Walks
 from engine.stepping.walk_task import Why
@@ -32,8 +32,6 @@ STILL = 1e-12
 CLOSELY, LEAST_LOOKS = 0.1, 4
 # With dense output, a machine remains in the time form until its relative energy change per radian is below this.
 BRISK_TO_LOOK = 0.4
-# Steps recorded at a time.
-RECORDED = 64
 # Many steps that change neither the angle (in total) nor the time (each) by more than these fractions make no progress:
 # at a dead centre of the driven side the inertia grows without bound.
 NO_ANGLE, NO_TIME = 1e-14, 1e-9
@@ -189,7 +187,8 @@ def _take(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks, goal:
     omega = np.where(why == REST, 0.0, facing * gone.states[SPEED])
     time = np.where(why == Why.GOAL, runs.ends.time[who], before.time + gone.at)
     energies = [0.5 * runs.inertia(who, at) * w**2 for at, w in ((before.turned, before.omega), (turned, omega))]
-    works, squares = gathered(runs.dynamics.by_time, runs.dynamics, gone.states, energies[1] - energies[0], -1.0)
+    dynamics, change = runs.dynamics, energies[1] - energies[0]
+    works, squares = dynamics.gathered(dynamics.by_time, gone.states, change, -1.0)
     low, high = np.where(forward, gone.slowest, -gone.fastest), np.where(forward, gone.fastest, -gone.slowest)
     runs.slowest[who], runs.fastest[who] = np.fmin(runs.slowest[who], low), np.fmax(runs.fastest[who], high)
     runs.put(who, State(turned, omega, time, before.works + works, before.squares + squares))
