@@ -121,14 +121,3 @@ def instants_of(scene: Scene, active: Iterable[str], numbers: Numbers, count: in
             width = INSTANT * np.abs(x) + LEAST_INSTANT
             found += [x - width, x + width]
     return np.array([np.broadcast_to(x, count) for x in found]).reshape(len(found), count)
-
-
-def beside(breaks: np.ndarray, turned: np.ndarray, cycle: float) -> np.ndarray:
-    """Offset at which torques are evaluated from angles turned, (…, variants) [rad]: 0 except at a break.
-
-    Breaks (breaks, variants) recur after a cycle [rad], which is infinite if they do not.
-    """
-    apart = np.abs(breaks.reshape(len(breaks), *(1,) * (turned.ndim - 1), breaks.shape[1]) - turned)
-    if np.isfinite(cycle):
-        apart = np.minimum(np.mod(apart, cycle), cycle - np.mod(apart, cycle))
-    return np.where((apart <= 2.0 * JUMP).any(axis=0), JUMP, 0.0)

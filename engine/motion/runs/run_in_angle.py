@@ -7,7 +7,7 @@ from engine.motion.runs.run_progress import ABOVE, BELOW, State
 from engine.motion.runs.settled_runs import pass_mark
 from engine.motion.runs.watching import BetweenNodes, Piece
 from engine.stepping.methods import EIGHT, FOUR, NINE
-from engine.stepping.recorded import RECORDED, read_steps
+from engine.stepping.recorded import RECORDED, states_at
 from engine.stepping.records import some
 from engine.stepping.system import Walks
 from engine.stepping.walk_task import Why
@@ -132,10 +132,7 @@ def _piece_of(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks, i
     turned = np.minimum(asked, gone.turned)
 
     def at(columns: np.ndarray, turned: np.ndarray) -> tuple[np.ndarray, ...]:
-        found = np.empty((3, turned.size))
-        asked = turned.size, gone.recorded, gone.steps, columns.ravel(), turned.ravel()
-        read_steps(*asked, runs.stepping.coarse, found)
-        energy, time, moment = found.reshape(3, *turned.shape)
+        energy, time, moment = states_at(gone, columns, turned, runs.stepping.coarse)
         own = runs.variants.some(who[columns[-1]])
         inertia = runs.dynamics.inertia(own, begin[columns[-1]] + own.direction * turned)
         # For a steep motor the speed does not determine the torque; use the recorded one.

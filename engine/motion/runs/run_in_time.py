@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from engine.motion.moments.breaks import JUMP, beside
+from engine.motion.moments.breaks import JUMP
 from engine.motion.runs.one_speed_run import OneSpeedRuns
 from engine.motion.runs.run_in_angle import TIMES_TO_THE_END
 from engine.motion.runs.run_progress import BELOW, State
 from engine.motion.runs.settled_runs import pass_mark
 from engine.motion.runs.watching import BetweenNodes, Piece, side_by_side
 from engine.stepping.methods import EIGHT
-from engine.stepping.recorded import RECORDED, made_steps, read_steps
-from engine.stepping.records import some
+from engine.stepping.recorded import RECORDED, made_steps, states_at
+from engine.stepping.records import elements_of_counts, some
 from engine.stepping.system import Walks
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
@@ -221,20 +221,14 @@ def _piece_of(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks) -
     reach, spacing = np.abs(last - first), runs.spacing[who]
     # The number of samples depends on the variant only, not on the others in its batch.
     looks = np.maximum(LEAST_LOOKS, np.ceil(reach / spacing[column])).astype(int)
-    of = np.repeat(np.arange(looks.size), looks + 1)
-    k = np.arange(of.size) - np.repeat(np.cumsum(looks + 1) - looks - 1, looks + 1)
+    of, k = elements_of_counts(looks + 1)
     time, columns = at[of] + k / looks[of] * length[of], column[of]
 
-    def read(columns: np.ndarray, time: np.ndarray) -> np.ndarray:
-        found = np.empty((3, time.size))
-        read_steps(time.size, gone.recorded, gone.steps, columns, time, False, found)
-        return found[:2]
-
     facing = runs.facing[who]
-    turned, speed = read(columns, time)
+    turned, speed, _ = states_at(gone, columns, time)
     aside = np.where(reach > 4.0 * JUMP, 1.0, 0.0) * facing[column]
-    breaks = (runs.variants.direction * (runs.variants.breaks.angles - runs.start))[:, who[column]]
-    begins, ends = (aside * beside(breaks, at_end, runs.dynamics.cycle) for at_end in (first, last))
+    beside = runs.equation(who[column]).beside
+    begins, ends = (aside * beside(at_end) for at_end in (first, last))
     turned = np.where(k == 0, first[of] + begins[of], np.where(k == looks[of], last[of] - ends[of], turned))
     counts = np.bincount(columns, minlength=who.size)
     steps = np.where(k < looks[of], (reach / looks)[of], 0.0)
@@ -243,7 +237,7 @@ def _piece_of(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks) -
 
     def within(columns: np.ndarray, nodes_at: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, ...]:
         now = nodes[0][nodes_at, columns] + lengths
-        turned, speed = read(columns, now - before.time[columns])
+        turned, speed, _ = states_at(gone, columns, now - before.time[columns])
         return now, turned, facing[columns] * speed, np.full_like(now, np.nan)
 
     return Piece(*nodes, facing, steps[:-1], np.full_like(nodes[0], np.nan), BetweenNodes(True, within))

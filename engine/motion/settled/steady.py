@@ -15,7 +15,7 @@ from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.grid import edges_of
 from engine.stepping.closed_cycle import TOO_STEEP
 from engine.stepping.methods import EIGHT, NINE
-from engine.stepping.recorded import RECORDED, read_steps
+from engine.stepping.recorded import RECORDED, states_at
 from engine.stepping.system import Closed, Walks
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
@@ -226,10 +226,9 @@ class _Motion:
         over |= (wanted > gone.turned) & (gone.why == Why.GOAL)
         nodes, columns = np.nonzero(over)
         turned = np.minimum(wanted[over], gone.turned[columns])
-        found, doubtful = np.empty((2, 3, turned.size))
-        for carried_errors, rows in ((False, found), (True, doubtful)):
-            read_steps(turned.size, gone.recorded, gone.steps, columns, turned, carried_errors, rows)
-        record[:, nodes, who[columns]], off[:, nodes, who[columns]] = found, doubtful - found
+        found = states_at(gone, columns, turned)
+        record[:, nodes, who[columns]] = found
+        off[:, nodes, who[columns]] = states_at(gone, columns, turned, off=True) - found
 
 
 def _joined(whole: Walks, who: np.ndarray, gone: Walks) -> Walks:
