@@ -271,14 +271,12 @@ class Crossing:
         Belongs to the variant or to its cycle.
     offset : float
         Rows of a table at known distances from one level are data, not nodes.
-    kink : int
-        Lowest derivative that jumps there: 0 for the value, 1 for the slope, 2 for the curvature.
     """
 
-    __slots__ = ("curve", "kink", "level", "offset", "rate")
+    __slots__ = ("curve", "level", "offset", "rate")
 
-    def __init__(self, curve: Node, rate: Node, level: Node, offset: float, kink: int) -> None:
-        self.curve, self.rate, self.level, self.offset, self.kink = curve, rate, level, offset, kink
+    def __init__(self, curve: Node, rate: Node, level: Node, offset: float) -> None:
+        self.curve, self.rate, self.level, self.offset = curve, rate, level, offset
 
 
 class Return(NamedTuple):
@@ -547,13 +545,12 @@ class Graph:
         label = " + ".join(node.label for node in nodes)
         return self.derived(label, lambda numbers: sum(value_of(node, numbers) for node in nodes))
 
-    def switches(self, curve: Node, rate: Node, level: Node | float = 0.0, kink: int = 0, offset: float = 0.0) -> None:
-        """Declare that something switches where a curve crosses a level; `kink` and `offset` as in `Crossing`."""
+    def switches(self, curve: Node, rate: Node, level: Node | float = 0.0, offset: float = 0.0) -> None:
+        """Declare that something switches where a curve crosses a level; `offset` as in `Crossing`."""
         if curve.stage == Stage.POSITION and not (isinstance(level, Node) and level.stage > Stage.CYCLE):
             if not isinstance(level, Node) or isinstance(level, Constant):
                 level, offset = self.zero, (level.value if isinstance(level, Node) else float(level)) + offset
-            known = self._crossings.setdefault((curve, level, offset), Crossing(curve, rate, level, offset, kink))
-            known.kink = min(known.kink, kink)
+            self._crossings.setdefault((curve, level, offset), Crossing(curve, rate, level, offset))
 
     def bends(self, node: Node, curve: Node) -> None:
         """Declare that a node has a kink where a curve changes sign, as |x| has at the zeros of x."""

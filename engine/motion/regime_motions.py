@@ -14,7 +14,6 @@ from engine.motion.coupled.coupled_fields import CoupledFields, CycleStates
 from engine.motion.coupled.coupled_run import LOOKS
 from engine.motion.coupled.coupled_steady import CoupledSteady, one_cycle, settled_at_two_speeds
 from engine.motion.moments.dynamics import Variants
-from engine.motion.moments.grid import NODES
 from engine.motion.one_speed import CHANNELS
 from engine.motion.quantities import FieldAnswers
 from engine.motion.runs.run import run_to_end
@@ -272,13 +271,10 @@ class RegimeMotion:
 
     def _fluid_cycle(self, along: CoupledFields, states: CycleStates, half: bool) -> Cycle:
         """The steady cycle through a fluid coupling with its fields."""
-        variants, steps = along.variants, self._steps(half)
-        sided = variants._replace(breaks=variants.breaks.two_sided())
-        grid = along.dynamics.grid(sided, np.zeros(variants.count), along.dynamics.cycle, steps)
-        angle = grid.places[NODES]
-        rows = along(np.arange(variants.count), states.at(variants.direction * angle))
-        even = np.broadcast_to(np.arange(len(angle))[:, None], angle.shape) if grid.even is None else grid.even
-        return Cycle(angle, grid.steps, even, rows["speed"], variants.direction, rows)
+        variants = along.variants
+        grid = along.dynamics.grid(variants, np.zeros(variants.count), self._steps(half))
+        rows = along(np.arange(variants.count), states.at(variants.direction * grid.angles))
+        return Cycle(grid, rows["speed"], variants.direction, rows)
 
     def _run_at_one_speed(
         self, run: "_Ready", half: bool, record: Callable[[RunFields], Observer] | None
@@ -377,11 +373,8 @@ class RegimeMotion:
             found["flywheel"], verdict = flywheel_for(self.dynamics, variants, self._asked.tolerance, delta, half)
             wheel = np.where(verdict == Verdict.OK, found["flywheel"], variants.flywheel)
             variants = variants._replace(flywheel=wheel, kept={})
-        # A force may jump where its torque has only a kink, as at a dead centre, where the velocity is zero.
-        sided = variants._replace(breaks=variants.breaks.two_sided()) if asked else variants
-        looked = bool(asked or self.two)
-        grid = self.dynamics.grid(sided, zero, self.dynamics.cycle, self._steps(half)) if looked else None
-        nodes = None if grid is None else variants.direction * grid.places[NODES]
+        grid = self.dynamics.grid(variants, zero, self._steps(half)) if asked or self.two else None
+        nodes = None if grid is None else variants.direction * grid.angles
         off: Steady | None = None
         if self.dynamics.rubs:
             steady = settled_motion(self.dynamics, variants, self._asked.tolerance, half, nodes)

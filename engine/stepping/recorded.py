@@ -6,16 +6,14 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.running import over_variants
-from engine.stepping.system import SHOWN
+from engine.stepping.records import elements_of_counts
+from engine.stepping.system import SHOWN, Walks
 
-
-def _slopes() -> np.ndarray:
-    """Derivatives of the Lagrange polynomials of the recorded samples, at these samples."""
-    whole = [np.polynomial.Polynomial.fit(SHOWN, row, SHOWN.size - 1).deriv()(SHOWN) for row in np.eye(SHOWN.size)]
-    return np.array(whole)
-
-
-SLOPES = _slopes()
+# Steps recorded at a time.
+RECORDED = 64
+# Lagrange polynomials of the recorded samples, and their derivatives at these samples.
+LAGRANGE = [np.polynomial.Polynomial.fit(SHOWN, row, SHOWN.size - 1) for row in np.eye(SHOWN.size)]
+SLOPES = np.array([polynomial.deriv()(SHOWN) for polynomial in LAGRANGE])
 
 
 class MadeSteps(NamedTuple):
@@ -44,12 +42,33 @@ def made_steps(recorded: np.ndarray, steps: np.ndarray) -> MadeSteps:
     recorded, steps : ndarray
         As in `Walks`.
     """
-    made = steps.astype(int)
-    variant = np.repeat(np.arange(made.size), made)
-    step = np.arange(variant.size) - np.repeat(np.cumsum(made) - made, made)
+    variant, step = elements_of_counts(steps.astype(int))
     begin, length, _, *rows = recorded[step, :, variant].T
     samples = np.reshape(rows, (len(rows) // (SHOWN.size + 1), SHOWN.size + 1, variant.size))
     return MadeSteps(variant, begin, length, samples[:, :-1])
+
+
+def weights_at(share: np.ndarray) -> np.ndarray:
+    """Weights of a step's samples in its value at fractions of its length, (SHOWN, …)."""
+    return np.array([polynomial(share) for polynomial in LAGRANGE])
+
+
+def states_at(gone: Walks, columns: np.ndarray, at: np.ndarray, off: bool = False) -> np.ndarray:
+    """First two states and the slope of the first one, (3, …), at positions in walks (…), from their recorded steps.
+
+    Parameters
+    ----------
+    gone : Walks
+    columns : ndarray (…) of int
+        Variants.
+    at : ndarray (…)
+        In the independent variable.
+    off : bool
+        Whether to shift the states by their error estimates at the start of each step.
+    """
+    found = np.empty((3, at.size))
+    read_steps(at.size, gone.recorded, gone.steps, columns.ravel(), at.ravel(), off, found)
+    return found.reshape(3, *at.shape)
 
 
 @over_variants
@@ -63,10 +82,9 @@ def read_steps(
     off: bool,
     found: np.ndarray,
 ) -> None:
-    """Energy, time and torque at angles turned, each for one of the variants, from their recorded steps.
+    """Read steps as `states_at` does.
 
-    If `off`, shifted by their error estimates at the start of each step. Source: J.-P. Berrut and
-    L. N. Trefethen, Barycentric Lagrange interpolation, SIAM Review 46 (2004).
+    Source: J.-P. Berrut and L. N. Trefethen, Barycentric Lagrange interpolation, SIAM Review 46 (2004).
     """
     shown = SLOPES.shape[0]
     for p in range(begin, end):

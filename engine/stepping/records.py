@@ -22,6 +22,12 @@ def on_arrays(change: Callable[..., np.ndarray], *records: Record) -> Record:
     return first
 
 
+def elements_of_counts(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Variant of each element, and the element's number within its variant, from the number of elements of each."""
+    variant = np.repeat(np.arange(counts.size), counts)
+    return variant, np.arange(variant.size) - np.repeat(np.cumsum(counts) - counts, counts)
+
+
 def some(record: Record, chosen: np.ndarray) -> Record:
     """A subset of the variants, by index."""
     return on_arrays(lambda row: row[..., chosen], record)

@@ -3,7 +3,6 @@
 from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebfit, chebval
 from pydantic import Field, model_validator
 
 from engine.elements.elastic_drives.drive_motors import DriveMotor
@@ -21,8 +20,7 @@ from engine.laws.rounding import EPS
 from engine.parts.actions import Moment, Time
 from engine.parts.motor_constants import MotorCurve, motor_curve
 from engine.parts.skeleton import Angle, AngularSpeed, Inertia
-from engine.stepping.recorded import made_steps
-from engine.stepping.system import SHOWN
+from engine.stepping.recorded import made_steps, weights_at
 from engine.words.verdicts import Verdict
 
 # The smallest backlash [rad] whose products keep full precision.
@@ -200,14 +198,9 @@ def drive_history(drive: TwoMassDrive, instants: int) -> DriveHistory:
     _, begin, length, samples = made_steps(followed.recorded, followed.steps)
     time = np.linspace(0.0, drive.time, instants)
     own = np.searchsorted(begin, time, side="right") - 1
-    share = np.clip((time - begin[own]) / length[own], 0.0, 1.0)
-
-    def along(state: int) -> np.ndarray:
-        series = chebfit(2.0 * SHOWN - 1.0, samples[state], SHOWN.size - 1)
-        return chebval(2.0 * share - 1.0, series[:, own], tensor=False)
-
+    weights = weights_at(np.clip((time - begin[own]) / length[own], 0.0, 1.0))
     shaft = drive_shaft(drive, n)
-    swung, speed, load_speed = map(along, range(3))
+    swung, speed, load_speed = ((weights * samples[state][:, own]).sum(axis=0) for state in range(3))
     gap = swung / shaft.frequency
     moment = shaft_moment(shaft, drive.backlash, gap, speed - load_speed)
     return DriveHistory(time, moment, speed, load_speed, gap, drive.curve(n).moment(speed) + np.zeros(instants))

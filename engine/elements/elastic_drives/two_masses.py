@@ -26,7 +26,7 @@ from engine.elements.elastic_drives.shaft_touch import touch_left, touch_turns, 
 from engine.graph.nodes import Given, Graph, Node, Stage
 from engine.laws.motor_characteristics import bend_of, induction_motor
 from engine.laws.rounding import EPS
-from engine.laws.senses import past
+from engine.laws.senses import past, sense
 from engine.parts.motor_constants import MotorCurve
 from engine.stepping.records import put
 from engine.stepping.system import Guard, PrintedSystem, System, Walks
@@ -100,12 +100,6 @@ class DriveNumbers(NamedTuple):
 
 
 @scalar
-def sign(x: float) -> float:
-    """Sign of a number, 0 for 0."""
-    return chosen(x > 0.0, 1.0, chosen(x < 0.0, -1.0, 0.0))
-
-
-@scalar
 def drive_rates(drive: Drive, touch: float, moves: float, motion: Motion) -> tuple[float, float, float]:
     """Shaft torque [N·m], accelerations of motor and load [rad/s²]."""
     twist, speed, load_speed, driving, _ = motion
@@ -155,7 +149,7 @@ def behind_guard(drive: Drive, phase: Phase, motion: Motion, seen: Seen) -> Behi
     load_speed = chosen(stops > 0.0, 0.0, load_speed)
     motion = twist, speed, load_speed, driving, now
     moment, _, _ = drive_rates(drive, touch, moves, motion)
-    pulls = chosen(starts > 0.0, sign(moment), chosen(abs(moment) > drive[5], sign(moment), 0.0))
+    pulls = chosen(starts > 0.0, sense(moment), chosen(abs(moment) > drive[5], sense(moment), 0.0))
     moves = chosen(stops > 0.0, pulls, chosen(moves == 0.0, pulls, moves))
     # At an impact the damper acts with the full relative speed.
     reached = chosen(abs(before) > abs(moment), abs(before), abs(moment))
@@ -166,7 +160,7 @@ def behind_guard(drive: Drive, phase: Phase, motion: Motion, seen: Seen) -> Behi
     load_at = chosen(moving == 0.0, load_at, now)
     change, gain = ways_of_drive(drive, touch, moves, motion)
     seen_so_far = greatest, greatest_at, closings + closes, impact_at, impact_speed, load_at
-    return touch, moves, sign(change), sign(gain), *seen_so_far, load_speed
+    return touch, moves, sense(change), sense(gain), *seen_so_far, load_speed
 
 
 class MotorNodes(NamedTuple):

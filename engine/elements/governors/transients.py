@@ -27,7 +27,7 @@ from engine.laws.governors.motion import (
     moving_inertia_rate,
 )
 from engine.laws.senses import past
-from engine.stepping.recorded import made_steps
+from engine.stepping.recorded import RECORDED, made_steps
 from engine.stepping.records import put, some
 from engine.stepping.runs import WalkedRuns
 from engine.stepping.system import SHOWN, Guard, PrintedSystem, System, Walks
@@ -42,7 +42,7 @@ MOST_STEPS = 100_000
 # Start of the last part of a run, in which the swing is measured, as a fraction of the run.
 LAST_PART = 0.75
 # Maximum number of steps recorded per walk, and minimum number of steps of a recorded run.
-RECORDED, LEAST_RECORDED = 64, 500
+LEAST_RECORDED = 500
 # Number of equally spaced crank angles of the curves over a mechanism's cycle.
 CYCLE_POSITIONS = 360
 # Guards are offset by BEHIND of the range so that none vanishes at the start of a step; a valve starts BELOW_SWITCH

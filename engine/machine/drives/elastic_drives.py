@@ -413,7 +413,7 @@ def _at_middle(values: np.ndarray) -> np.ndarray:
 def _machine_over_cycle(ready: Ready, count: int) -> tuple[DrivenMachine, np.ndarray, RigidCycle]:
     """Machines over a cycle of `count` steps, an initial guess of their motion, and their motion on a rigid shaft."""
     dynamics, bare, own = ready.dynamics, ready.bare, ready.given[:, 2]
-    grid = dynamics.grid(bare, np.zeros(bare.count), dynamics.cycle, count)
+    grid = dynamics.grid(bare, np.zeros(bare.count), count)
     steps, variants = grid.steps, bare.count
     turned = np.concatenate([np.zeros((1, variants)), np.cumsum(steps, axis=0)])
     within = turned[:-1, None] + steps[:, None] * np.array([0.0, *GAUSS.nodes])[:, None]

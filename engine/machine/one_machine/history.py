@@ -10,7 +10,6 @@ from engine.machine.measuring import Measuring
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.moments.dynamics import Dynamics, Variants
-from engine.motion.moments.grid import NODES
 from engine.motion.one_speed import CHANNELS
 from engine.motion.quantities import load_fields
 from engine.motion.regimes_in_order import Schedule
@@ -191,9 +190,8 @@ def _instant(standing: Standing, time: np.ndarray = _ZERO, turned: np.ndarray = 
 
 def _one_cycle(dynamics: Dynamics, variants: Variants, steps: int, tolerance: float) -> tuple[Piece, Standing]:
     zero = np.zeros(1)
-    sided = variants._replace(breaks=variants.breaks.two_sided())
-    grid = dynamics.grid(sided, zero, dynamics.cycle, steps)
-    places = grid.places[NODES]
+    grid = dynamics.grid(variants, zero, steps)
+    places = grid.angles
     steady = settled_motion(dynamics, variants, tolerance, False, variants.direction * places)
     energy, time, moment = steady.record
     omega = np.sqrt(2.0 * energy / dynamics.inertia(variants, places))

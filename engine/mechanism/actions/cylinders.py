@@ -81,7 +81,7 @@ class Diagram:
             return lambda n: compressor_opening_travels(*self._values(n, *_COMPRESSOR, "n_expansion"))[which]
 
         # The pressure equals the line pressure when a valve opens, so it has a kink there, not a jump.
-        shares = [self._opens_at(f"{valve} opens", opening(i), 1) for i, valve in enumerate(("discharge", "suction"))]
+        shares = [self._opens_at(f"{valve} opens", opening(i)) for i, valve in enumerate(("discharge", "suction"))]
         branch = self.graph.apply(compressor_branch, self.travel, self.stroke, self.rate, *shares)
         peak = self.graph.derived(f"{self.at}.peak", lambda n: compressor_peak(*self._values(n, *_COMPRESSOR)))
         return self._along(branch, (*self._numbers("suction", "discharge"), peak), self.graph.one)
@@ -109,12 +109,12 @@ class Diagram:
         held = self.graph.held(branch)
         return branch, self.graph.apply(branch_pressure, held, self.travel, cylinder, pressures, exponents)
 
-    def _opens_at(self, key: str, share: Callable[[Mapping], float | np.ndarray], kink: int = 0) -> Node:
+    def _opens_at(self, key: str, share: Callable[[Mapping], float | np.ndarray]) -> Node:
         """Register the switching event of a valve or port; return its piston travel as a share of the stroke."""
         number = self.graph.derived(f"{self.at}.{key}", share)
         opening = number * self.stroke
         level = self.head - opening if self.at_high else self.head + opening
-        self.graph.switches(self.slide.d, self.slide.v, level, kink)
+        self.graph.switches(self.slide.d, self.slide.v, level)
         return number
 
     def _numbers(self, *keys: str) -> list[Node]:

@@ -139,7 +139,7 @@ class _Curves:
             found = a.value / b.value
         else:
             # A panel ends at a pole, so the pole can't pass unseen between two positions.
-            found = self.graph.apply(quotient, self._held_sign(sense, b, 0), *a, *b)
+            found = self.graph.apply(quotient, self._held_sign(sense, b), *a, *b)
         return Differentiated(found, (a.rate - found * b.rate) / b.value)
 
     def _negative(self, a: Differentiated) -> Differentiated:
@@ -185,7 +185,7 @@ class _Curves:
         x = self.of(tree)
         if x.value.stage < Stage.POSITION:
             return x
-        return Differentiated(self.graph.apply(kept_positive, self._held_sign(sense, x, 1), x.value), x.rate)
+        return Differentiated(self.graph.apply(kept_positive, self._held_sign(sense, x), x.value), x.rate)
 
     # Functions
 
@@ -274,7 +274,7 @@ class _Curves:
         """Angle of a vector; it jumps where the vector points along −x."""
         if max(x.value.stage, y.value.stage) < Stage.POSITION:
             return Differentiated(self.graph.apply(angle_of, x.value, y.value), self.graph.zero)
-        above = self._held_sign(side, y, 0)
+        above = self._held_sign(side, y)
         value = self.graph.apply(angle_on_side, above, x.value, y.value)
         return Differentiated(value, (x.value * y.rate - y.value * x.rate) / (x.value * x.value + y.value * y.value))
 
@@ -286,19 +286,19 @@ class _Curves:
 
     # Switching
 
-    def _held_sign(self, law: Callable, x: Differentiated, kink: int) -> Node:
-        """Held sign or side of a quantity; a switching event with the given kink is registered."""
+    def _held_sign(self, law: Callable, x: Differentiated) -> Node:
+        """Held sign or side of a quantity; a switching event is registered."""
         curve = self._bare.get(x.value, x)
-        self.graph.switches(*curve, 0.0, kink)
+        self.graph.switches(*curve)
         return self.graph.held(self.graph.apply(law, x.value))
 
     def _sign(self, x: Differentiated) -> Differentiated:
-        return Differentiated(self._held_sign(sense, x, 0), self.graph.zero)
+        return Differentiated(self._held_sign(sense, x), self.graph.zero)
 
     def _magnitude(self, x: Differentiated) -> Differentiated:
         if x.value.stage < Stage.POSITION:
             return Differentiated(abs(x.value), self.graph.zero)
-        forward = self._held_sign(sense, x, 1)
+        forward = self._held_sign(sense, x)
         return Differentiated(forward * x.value, forward * x.rate)
 
     def _minimum(self, *of: Differentiated) -> Differentiated:
@@ -314,7 +314,7 @@ class _Curves:
     ) -> Differentiated:
         found, *others = of
         for other in others:
-            found = self._either(self._exceeds(found, other, 1), *order(found, other))
+            found = self._either(self._exceeds(found, other), *order(found, other))
         return found
 
     def _either(self, condition: Node, a: Differentiated, b: Differentiated) -> Differentiated:
@@ -332,16 +332,16 @@ class _Curves:
         a, b = (self.of(operand) for operand in tree.operands)
         match tree.name:
             case ">":
-                return self._exceeds(a, b, 0)
+                return self._exceeds(a, b)
             case "<":
-                return self._exceeds(b, a, 0)
+                return self._exceeds(b, a)
             case ">=":
-                return 1.0 - self._exceeds(b, a, 0)
+                return 1.0 - self._exceeds(b, a)
             case _:
-                return 1.0 - self._exceeds(a, b, 0)
+                return 1.0 - self._exceeds(a, b)
 
-    def _exceeds(self, a: Differentiated, b: Differentiated, kink: int) -> Node:
-        """1 where a exceeds b, else 0; held, with a switching event of the given kink."""
+    def _exceeds(self, a: Differentiated, b: Differentiated) -> Node:
+        """1 where a exceeds b, else 0; held, with a switching event."""
         graph, zero = self.graph, self.graph.zero
         if b.value.stage == Stage.POSITION and a.value.stage == Stage.POSITION:
             a, b = self._difference(a, b), Differentiated(zero, zero)
@@ -352,7 +352,7 @@ class _Curves:
             # The slide is known before the ends of its stroke are.
             curve, sign, end = self._distances[curve.value]
             level = end + sign * level
-        graph.switches(*curve, level, kink)
+        graph.switches(*curve, level)
         return graph.held(graph.apply(exceeds, a.value, b.value))
 
     # Names
@@ -416,7 +416,7 @@ class _Curves:
         graph, drive = self.graph, self.kinematics.scene.input
         if drive.start is not None:
             return Differentiated(graph.q, graph.one)
-        graph.switches(graph.q, graph.one, 0.0, 0)
+        graph.switches(graph.q, graph.one)
         before = graph.apply(cycles_before, 2.0 * math.pi * drive.revolutions, graph.q)
         return Differentiated(graph.q - graph.held(before), graph.one)
 

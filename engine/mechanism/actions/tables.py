@@ -34,15 +34,14 @@ MOST_LOOKED_THROUGH = 16
 class _Place(NamedTuple):
     """Position of the machine in a table: the abscissa; a curve that crosses levels at the rows; its derivative.
 
-    `rows` holds the distance of each level from `base` and the lowest derivative of the value that changes there; for a
-    periodic table, all rows within the cycle.
+    `rows` holds the distance of each level from `base`; for a periodic table, all rows within the cycle.
     """
 
     abscissa: Node
     curve: Node
     rate: Node
     base: Node
-    rows: list[tuple[float, int]]
+    rows: list[float]
 
 
 def tabled(kinematics: Kinematics, action: Tabled, factor: Node, time: Node) -> Node:
@@ -61,8 +60,8 @@ def tabled(kinematics: Kinematics, action: Tabled, factor: Node, time: Node) -> 
     period = _period(kinematics, action)
     table = make_table(action.abscissae, action.ordinates, action.interpolation, period, action.outside)
     place = _place(kinematics, action, period, time)
-    for row, kink in place.rows:
-        graph.switches(place.curve, place.rate, place.base, kink, row)
+    for row in place.rows:
+        graph.switches(place.curve, place.rate, place.base, row)
     return _value(graph, table, place.abscissa, factor)
 
 
@@ -79,8 +78,8 @@ def rows_over_angle(
         As in `make_table`.
     """
     graph = kinematics.graph
-    for angle, kink in _kinks(angles, values, interpolation, outside, False).items():
-        graph.switches(graph.q, graph.one, angle, kink)
+    for angle in dict.fromkeys(angles):
+        graph.switches(graph.q, graph.one, angle)
     return _value(graph, make_table(angles, values, interpolation, 0.0, outside), graph.q, graph.one)
 
 
@@ -135,29 +134,17 @@ def _period(kinematics: Kinematics, action: Tabled) -> float:
     return 2.0 * math.pi * kinematics.scene.input.revolutions if closed else 0.0
 
 
-def kinks_of(action: Tabled, periodic: bool = False) -> dict[float, int]:
-    """Rows of a table in order, each with the lowest derivative of the value that changes there."""
-    return _kinks(action.abscissae, action.ordinates, action.interpolation, action.outside, periodic)
-
-
-def _kinks(
-    abscissae: Sequence[float], ordinates: Sequence[float], interpolation: str, outside: str, periodic: bool
-) -> dict[float, int]:
-    x, y = np.array(abscissae), np.array(ordinates)
-    smooth = 1 if interpolation == "linear" else 2
-    kinks = dict.fromkeys((float(row) for row in x), smooth)
-    if not periodic:
-        kinks[float(x[0])] = kinks[float(x[-1])] = 1
-    jumps = [float(row) for row in x[1:][np.diff(x) == 0.0]]
-    if not periodic and outside == "zero":
-        jumps += [float(x[i]) for i in (0, -1) if y[i] != 0.0]
-    return kinks | dict.fromkeys(jumps, 0)
+def jumps_of(action: Tabled) -> set[float]:
+    """Rows at which a table that isn't periodic jumps."""
+    x, y = np.array(action.abscissae), np.array(action.ordinates)
+    jumps = {float(row) for row in x[1:][np.diff(x) == 0.0]}
+    return jumps | {float(x[i]) for i in (0, -1) if action.outside == "zero" and y[i] != 0.0}
 
 
 def _place(kinematics: Kinematics, action: Tabled, period: float, time: Node) -> _Place:
-    graph, rows = kinematics.graph, list(kinks_of(action, period > 0.0).items())
+    graph, rows = kinematics.graph, list(dict.fromkeys(map(float, action.abscissae)))
     if action.over_angle is not None:
-        return _Place(graph.q, graph.q, graph.one, graph.zero, _within_cycle(rows, period))
+        return _Place(graph.q, graph.q, graph.one, graph.zero, sorted({x % period for x in rows}) if period else rows)
     if action.over_time is not None:
         return _Place(time, time, time_per_input(kinematics), graph.zero, rows)
     slide = kinematics.slides[action.slider]
@@ -165,20 +152,9 @@ def _place(kinematics: Kinematics, action: Tabled, period: float, time: Node) ->
     if action.measured_from == "guide":
         return _Place(d, d, slide.v, graph.zero, rows)
     # The slider never passes the end from which the distance is measured.
-    inside = [(x, kink) for x, kink in rows if x > 0.0]
+    inside = [x for x in rows if x > 0.0]
     if action.measured_from == "low end":
         low = graph.found(d, slide.v, "low")
         return _Place(d - low, d, slide.v, low, inside)
     high = graph.found(d, slide.v, "high")
-    return _Place(high - d, d, slide.v, high, [(-x, kink) for x, kink in inside])
-
-
-def _within_cycle(rows: list[tuple[float, int]], period: float) -> list[tuple[float, int]]:
-    """Rows of a periodic table as crank angles within the cycle; other tables unchanged."""
-    if period == 0.0:
-        return rows
-    kinks: dict[float, int] = {}
-    for x, kink in rows:
-        place = x % period
-        kinks[place] = min(kink, kinks.get(place, kink))
-    return sorted(kinks.items())
+    return _Place(high - d, d, slide.v, high, [-x for x in inside])

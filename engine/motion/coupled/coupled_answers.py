@@ -8,8 +8,8 @@ from engine.motion.coupled.coupled_run import CoupledRuns
 from engine.motion.coupled.two_sides import TOGETHER, CoupledSides, Joined, TwoSides, coupling_pull
 from engine.motion.coupled.two_speeds import SHAFT_SPEED, SHAFT_TURNED
 from engine.motion.moments.dynamics import Dynamics, Variants
-from engine.motion.moments.grid import NODES, Grid
-from engine.motion.runs.run_extremes import look_along
+from engine.motion.moments.grid import Grid
+from engine.motion.moments.piecewise import extremes_along
 from engine.motion.runs.run_progress import CoupledStanding, Ends, RunOutcome, Standing, State, Stepping
 from engine.motion.runs.watching import Observer
 
@@ -78,11 +78,10 @@ def held_moment(
     energy : ndarray (nodes, variants)
         Kinetic energy at its nodes [J].
     """
-    zero, forward, places = np.zeros(variants.count), np.ones(variants.count), grid.places[NODES]
+    zero, forward, places = np.zeros(variants.count), np.ones(variants.count), grid.angles
     sides, omega = two.of(variants, zero), np.sqrt(2.0 * energy / dynamics.inertia(variants, places))
     joined = Joined(np.full(variants.count, TOGETHER), forward, forward, zero, zero, forward)
     moving = np.array([variants.direction * places, omega, np.zeros_like(omega), omega])
     held = np.abs(coupling_pull(sides, joined, moving, np.zeros_like(omega)).moment)
-    coupling, found = sides.coupling, np.empty((3, variants.count))
-    look_along(variants.count, held, np.ascontiguousarray(grid.steps), found)
-    return found[0] / coupling.ratio, coupling.capacity[-1] / coupling.ratio
+    coupling, (peak, _, _) = sides.coupling, extremes_along(held, grid.steps)[1]
+    return peak / coupling.ratio, coupling.capacity[-1] / coupling.ratio

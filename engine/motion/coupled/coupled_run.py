@@ -26,17 +26,15 @@ from engine.motion.moments.breaks import JUMP
 from engine.motion.runs.run_progress import ADAPTIVE, BELOW, Ends, MachineRuns, Standing, Stepping
 from engine.motion.runs.watching import Observer, side_by_side
 from engine.stepping.methods import EIGHT, NINE
-from engine.stepping.recorded import made_steps
+from engine.stepping.recorded import RECORDED, made_steps, weights_at
 from engine.stepping.records import some
-from engine.stepping.system import SHOWN, Walks
+from engine.stepping.system import Walks
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
 
 # Fractions of a step at which speeds and torques are sampled, and the interpolation matrix from the recorded ones.
 LOOKS = np.arange(17) / 16
-AT_LOOKS = np.array([np.polynomial.Polynomial.fit(SHOWN, row, SHOWN.size - 1)(LOOKS) for row in np.eye(SHOWN.size)]).T
-# Maximum number of steps recorded per walk.
-RECORDED = 64
+AT_LOOKS = weights_at(LOOKS).T
 # Relative change of the speeds per cycle that counts as none; fraction of the maximum speed that counts as rest where
 # nothing stops a machine.
 SETTLED, FADED = 1e-8, 1e-9

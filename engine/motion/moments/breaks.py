@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.graph.nodes import Constant, Crossing, Given, Held, Node, Operation, reached
+from engine.graph.nodes import Crossing, Given, Held, Node, reached
 from engine.laws.rounding import EPS
 from engine.mechanism.acting import Load
-from engine.mechanism.actions.tables import kinks_of
+from engine.mechanism.actions.tables import jumps_of
 from engine.scene.load_formulas import load_formulas
 from engine.scene.scene import Numbers, Scene
 
@@ -30,13 +30,11 @@ class Watch(NamedTuple):
     Attributes
     ----------
     crossing : Crossing
-    jumps : bool
     actions : frozenset of str
         Actions whose torques are affected.
     """
 
     crossing: Crossing
-    jumps: bool
     actions: frozenset[str]
 
 
@@ -47,25 +45,19 @@ class Breaks(NamedTuple):
     ----------
     angles : ndarray (places, variants)
         [rad]; NaN where a variant has none.
-    jumps : ndarray (places,) of bool
     actions : tuple of str
     acting : ndarray (actions, places, variants) of bool
         Which actions' torques have a jump or a kink there.
     """
 
     angles: np.ndarray
-    jumps: np.ndarray
     actions: tuple[str, ...]
     acting: np.ndarray
 
     def some(self, chosen: np.ndarray) -> "Breaks":
         """Breaks of a subset of the variants, by index."""
         angles, acting = (np.ascontiguousarray(rows[..., chosen]) for rows in (self.angles, self.acting))
-        return Breaks(angles, self.jumps, self.actions, acting)
-
-    def two_sided(self) -> "Breaks":
-        """The same with nodes on both sides of every break, as if all were jumps."""
-        return self._replace(jumps=np.ones_like(self.jumps))
+        return Breaks(angles, self.actions, acting)
 
     def of(self, active: Iterable[str]) -> "Breaks":
         """Breaks of a subset of the actions."""
@@ -74,7 +66,7 @@ class Breaks(NamedTuple):
         angles = np.where(acting.any(axis=0), self.angles, np.nan)
         kept = ~np.isnan(angles).all(axis=1)
         actions = tuple(self.actions[i] for i in chosen)
-        return Breaks(angles[kept], self.jumps[kept], actions, acting[:, kept])
+        return Breaks(angles[kept], actions, acting[:, kept])
 
 
 def watches_of(crossings: Iterable[Crossing], loads: Sequence[Load]) -> list[Watch]:
@@ -95,32 +87,14 @@ def watches_of(crossings: Iterable[Crossing], loads: Sequence[Load]) -> list[Wat
     for crossing in crossings:
         if crossing.curve in timed:
             continue
-        orders = {
-            load: crossing.kink + _vanishes(load.velocity, crossing)
-            for load, nodes in zip(loads, behind, strict=True)
-            if crossing.curve in nodes
-        }
-        if orders:
-            jumps = 0 in orders.values()
-            watches.append(Watch(crossing, jumps, frozenset(load.action for load in orders)))
+        actions = {load.action for load, nodes in zip(loads, behind, strict=True) if crossing.curve in nodes}
+        if actions:
+            watches.append(Watch(crossing, frozenset(actions)))
     return watches
 
 
 def _held(nodes: Iterable[Node]) -> list[Node]:
     return [node for node in reached(nodes) if isinstance(node, Held)]
-
-
-def _vanishes(velocity: Node, crossing: Crossing) -> bool:
-    """Whether a velocity vanishes at a zero of a curve, because it is a multiple of that curve."""
-    level = crossing.level
-    if not (isinstance(level, Constant) and level.value + crossing.offset == 0.0):
-        return False
-    if velocity is crossing.curve:
-        return True
-    if not isinstance(velocity, Operation) or velocity.symbol not in ("*", "/", "neg"):
-        return False
-    factors = velocity.operands[:1] if velocity.symbol == "/" else velocity.operands
-    return any(_vanishes(factor, crossing) for factor in factors)
 
 
 def instants_of(scene: Scene, active: Iterable[str], numbers: Numbers, count: int) -> np.ndarray:
@@ -139,21 +113,11 @@ def instants_of(scene: Scene, active: Iterable[str], numbers: Numbers, count: in
     for name, action in (scene.forces | scene.moments).items():
         if name in active and getattr(action, "over_time", None) is not None:
             width = INSTANT * (abs(action.over_time[0]) + abs(action.over_time[-1]))
-            for x, kink in kinks_of(action).items():
-                found += [x - width, x + width] if kink == 0 else [x]
+            jumps = jumps_of(action)
+            for x in dict.fromkeys(map(float, action.abscissae)):
+                found += [x - width, x + width] if x in jumps else [x]
     for name, formula in load_formulas(scene).items():
         for x in formula.switching_times(numbers) if name in active else ():
             width = INSTANT * np.abs(x) + LEAST_INSTANT
             found += [x - width, x + width]
     return np.array([np.broadcast_to(x, count) for x in found]).reshape(len(found), count)
-
-
-def beside(breaks: np.ndarray, turned: np.ndarray, cycle: float) -> np.ndarray:
-    """Offset at which torques are evaluated from angles turned, (…, variants) [rad]: 0 except at a break.
-
-    Breaks (breaks, variants) recur after a cycle [rad], which is infinite if they do not.
-    """
-    apart = np.abs(breaks.reshape(len(breaks), *(1,) * (turned.ndim - 1), breaks.shape[1]) - turned)
-    if np.isfinite(cycle):
-        apart = np.minimum(np.mod(apart, cycle), cycle - np.mod(apart, cycle))
-    return np.where((apart <= 2.0 * JUMP).any(axis=0), JUMP, 0.0)

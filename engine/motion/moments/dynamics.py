@@ -349,9 +349,31 @@ class Dynamics:
             axis=0
         )
 
-    def grid(self, variants: Variants, start: np.ndarray, length: float | np.ndarray, steps: int) -> Grid:
-        """Grid from a start angle, with a node at every break."""
-        return make_grid(start, length, variants.direction, steps, self.cycle, variants.breaks)
+    def gathered(
+        self, system: MachineSystem, rows: np.ndarray, change: np.ndarray, sign: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Works of the motors and of each channel, and the integral of the squared motor torque; zero if unused.
+
+        The work of loads in a single channel is the change of energy minus the motors' work.
+
+        Parameters
+        ----------
+        system : MachineSystem
+        rows : ndarray (states and gathered, variants)
+            Rows of the system.
+        change : ndarray (variants,)
+            Change of the energy.
+        sign : float
+            −1; +1 if all are error estimates.
+        """
+        names, nothing = system.names, np.zeros_like(change)
+        motors, squares = (rows[names[name]] if name in names else nothing for name in ("motors", "squares"))
+        loads = [rows[names[name]] for name in self.channels] if self.works else [change + sign * motors]
+        return np.stack([motors, *loads]), squares
+
+    def grid(self, variants: Variants, start: np.ndarray, steps: int) -> Grid:
+        """Grid over a cycle from a start angle, with nodes at every break."""
+        return make_grid(start, variants.direction, steps, self.cycle, variants.breaks)
 
     def inertia(self, variants: Variants, places: np.ndarray, who: np.ndarray | slice = slice(None)) -> np.ndarray:
         """Reduced inertia with the flywheel at crank angles (…, variants) of all variants, or of some [kg·m²]."""

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.motion.moments.breaks import beside
+from engine.motion.moments.breaks import JUMP
 from engine.motion.moments.dynamics import Dynamics, Variants
 
 # Limits of a first step in time: relative to a time constant, to the maximum angle, and to the breakdown slip.
@@ -121,9 +121,13 @@ class EquationOfMotion:
 
     def beside(self, turned: np.ndarray) -> np.ndarray:
         """Offset at which torques are evaluated from angles turned, (…, variants) [rad]: 0 except at a break."""
-        own, who = self.variants, self.who
+        own, who, cycle = self.variants, self.who, self.dynamics.cycle
         breaks = own.direction[who] * (own.breaks.angles[:, who] - self.start[who])
-        return beside(breaks, turned, self.dynamics.cycle)
+        apart = np.abs(breaks.reshape(len(breaks), *(1,) * (turned.ndim - 1), breaks.shape[1]) - turned)
+        # Breaks recur after a cycle, which is infinite if they do not.
+        if np.isfinite(cycle):
+            apart = np.minimum(np.mod(apart, cycle), cycle - np.mod(apart, cycle))
+        return np.where((apart <= 2.0 * JUMP).any(axis=0), JUMP, 0.0)
 
     def acceleration(
         self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray

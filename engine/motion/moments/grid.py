@@ -9,8 +9,6 @@ import numpy as np
 
 from engine.motion.moments.breaks import JUMP, Breaks
 
-# The nodes among the places of a grid.
-NODES = slice(None, None, 2)
 # Steps up to this length are within a jump.
 GAP = 4.0 * JUMP
 
@@ -20,52 +18,47 @@ class Grid(NamedTuple):
 
     Attributes
     ----------
-    places : ndarray (2·steps + 1, variants)
-        Crank angles of the nodes and of the midpoints between them [rad].
+    angles : ndarray (steps + 1, variants)
+        Crank angles of the nodes [rad].
     steps : ndarray (steps, variants)
         Distances between nodes [rad].
-    even : ndarray (equal steps + 1, variants) of int, or None
-        Indices of the nodes of the equal steps; None if there are no others.
+    even : ndarray (equal steps + 1, variants) of int
+        Indices of the nodes of the equal steps.
     """
 
-    places: np.ndarray
+    angles: np.ndarray
     steps: np.ndarray
-    even: np.ndarray | None
+    even: np.ndarray
 
 
-def make_grid(
-    start: np.ndarray,
-    length: float | np.ndarray,
-    direction: np.ndarray,
-    steps: int,
-    cycle: float,
-    breaks: Breaks,
-) -> Grid:
-    """Grid from a start angle over a length in the direction of motion.
+def make_grid(start: np.ndarray, direction: np.ndarray, steps: int, cycle: float, breaks: Breaks) -> Grid:
+    """Grid over a cycle from a start angle in the direction of motion.
+
+    There are nodes on both sides of every break: a force may jump where its torque has only a kink, as at a dead
+    centre, where the velocity is zero.
 
     Parameters
     ----------
     start : ndarray (variants,)
         [rad].
-    length : float or ndarray (variants,)
-        [rad]; positive.
     direction : ndarray (variants,)
         +1 or −1.
     steps : int
         Number of equal steps.
     cycle : float
-        Period of the breaks [rad].
+        [rad].
     breaks : Breaks
     """
-    share = np.arange(steps + 1)[:, None] / steps
-    turned = share * np.broadcast_to(length, start.shape)
-    even = None
-    if breaks.jumps.size:
-        every = np.concatenate((turned, _edges(start, length, direction, cycle, breaks)))
-        order = np.argsort(every, axis=0, kind="stable")
-        turned = np.take_along_axis(every, order, axis=0)
-        even = np.argsort(order, axis=0, kind="stable")[: steps + 1]
-    return Grid(start + direction * _with_middles(turned), np.diff(turned, axis=0), even)
+    share, at_breaks = np.arange(steps + 1)[:, None] / steps, direction * (breaks.angles - start)
+    # For a break at the start of the cycle, one side is at the end.
+    sides = np.mod(np.concatenate((at_breaks - JUMP, at_breaks + JUMP)), cycle)
+    # A variant without this break gets the end of the cycle again.
+    sides = np.where(sides > 0.0, sides, cycle)
+    every = np.concatenate((share * np.full(start.shape, cycle), sides))
+    order = np.argsort(every, axis=0, kind="stable")
+    turned = np.take_along_axis(every, order, axis=0)
+    even = np.argsort(order, axis=0, kind="stable")[: steps + 1]
+    return Grid(start + direction * turned, np.diff(turned, axis=0), even)
 
 
 def edges_of(
@@ -106,24 +99,3 @@ def edges_of(
     edges = np.concatenate((np.zeros((1, count)), np.sort(turned, axis=0), np.full((1, count), cycle)))
     sides = np.where((edges > 0.0) & (edges < cycle), JUMP, ends)
     return edges, sides
-
-
-def _edges(
-    start: np.ndarray, length: float | np.ndarray, direction: np.ndarray, cycle: float, breaks: Breaks
-) -> np.ndarray:
-    """Angles turned at the breaks, on both sides of a jump; the whole length for a variant without a break."""
-    turned = direction * (breaks.angles - start)
-    turned = np.concatenate((turned - JUMP * breaks.jumps[:, None], turned[breaks.jumps] + JUMP))
-    # For a jump at the start of the cycle, one side is at the end.
-    turned = np.mod(turned, cycle)
-    return np.where((turned > 0.0) & (turned < length), turned, length)
-
-
-def _with_middles(turned: np.ndarray) -> np.ndarray:
-    """Nodes and the midpoints between them."""
-    places = np.empty((2 * turned.shape[0] - 1, turned.shape[1]))
-    places[0::2], places[1::2] = turned, 0.5 * (turned[1:] + turned[:-1])
-    # In the gap of a jump the new value applies from the midpoint on, as on a coarser grid whose midpoint is the end of
-    # the gap.
-    places[1::2] = np.where(np.diff(turned, axis=0) < GAP, turned[1:], places[1::2])
-    return places

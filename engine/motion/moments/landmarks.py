@@ -80,8 +80,7 @@ class Landmarks:
         some = np.isfinite(found).any(axis=2)
         which, angles = np.nonzero(some)[0], found[some]
         ends = {node: parameters[self.tabulation.functions.rows[node]] for node in self._found}
-        jumps = np.array([self.watches[i].jumps for i in which], bool)
-        return ends, Breaks(angles, jumps, self.actions, self._acting(parameters, angles, which))
+        return ends, Breaks(angles, self.actions, self._acting(parameters, angles, which))
 
     def _find(self, parameters: np.ndarray) -> np.ndarray:
         """Positions of the crossings, (crossings, places, variants); writes the landmarks into the parameters."""

@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from engine.compiling.decorators import scalar
+from engine.compiling.running import over_variants
 from engine.motion.moments.grid import GAP
 
 # For a kink in a step next to a jump, where the slope grows by D at the fraction t of the step, the integral error is
@@ -208,3 +209,36 @@ def peak_between(values: np.ndarray, steps: np.ndarray) -> tuple[float, float, f
         if top > best:
             best, node = top, k
     return best, float(node), max(most, best)
+
+
+def extremes_along(row: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    """−minimum and maximum of curves, each with the nearest node and an upper bound, (2, 3, variants).
+
+    Parameters
+    ----------
+    row : ndarray (nodes, variants)
+    steps : ndarray (nodes − 1, variants)
+    """
+    found = np.empty((2, 3, row.shape[1]))
+    for sign, own in zip((-1.0, 1.0), found, strict=True):
+        peaks_along(row.shape[1], np.ascontiguousarray(sign * row), np.ascontiguousarray(steps), own)
+    return found
+
+
+@over_variants
+def peaks_along(begin: int, end: int, row: np.ndarray, steps: np.ndarray, found: np.ndarray) -> None:
+    """Maximum of a row, the nearest node, and an upper bound: three numbers for each variant."""
+    nodes = row.shape[0]
+    own, h = np.empty(nodes), np.empty(nodes - 1)
+    for v in range(begin, end):
+        for k in range(nodes):
+            own[k] = row[k, v]
+        for k in range(nodes - 1):
+            h[k] = steps[k, v]
+        found[0, v], found[1, v], found[2, v] = peak_between(own, h)
+
+
+def of_extremes(low: np.ndarray, high: np.ndarray) -> dict[str, np.ndarray]:
+    """Statistics that follow from the minimum and the maximum."""
+    peak = np.maximum(np.abs(low), np.abs(high))
+    return {"min": low, "max": high, "range": high - low, "amplitude": (high - low) / 2, "peak": peak}

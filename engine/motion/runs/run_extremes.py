@@ -4,8 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from engine.compiling.running import over_variants
-from engine.motion.moments.piecewise import peak_between
+from engine.motion.moments.piecewise import extremes_along, of_extremes
 from engine.motion.quantities import Asked, FieldAnswers
 from engine.motion.runs.watching import Piece, RunFields
 
@@ -31,10 +30,7 @@ class RunExtremes:
         """Evaluate a piece of the motion of the variants `who`."""
         rows, columns, nodes = self.fields(who, piece), np.arange(who.size), piece.time.shape[0]
         for i, name in enumerate(self.names):
-            for side, sign in enumerate((-1.0, 1.0)):
-                found = np.empty((3, who.size))
-                look_along(who.size, np.ascontiguousarray(sign * rows[name]), np.ascontiguousarray(piece.steps), found)
-                most, node, beyond = found
+            for side, (most, node, beyond) in enumerate(extremes_along(rows[name], piece.steps)):
                 at = np.where(np.isfinite(node), node, 0.0).astype(int)
                 # NaN replaces a number for good.
                 more = (most > self._most[side, i, who]) | np.isnan(most)
@@ -60,27 +56,14 @@ class RunExtremes:
         for _, name, statistic in asked:
             i, key = self.names.index(name), f"{name}.{statistic}"
             low, high = -self._most[0, i], self._most[1, i]
-            peak = np.maximum(np.abs(low), np.abs(high))
             beyond = np.maximum(*(self._bound[:, i] - self._most[:, i]))
-            values = {"min": low, "max": high, "range": high - low, "amplitude": (high - low) / 2, "peak": peak}
+            values = of_extremes(low, high)
             missed = dict.fromkeys(values, beyond)
             for side, end in enumerate(("min", "max")):
                 place = start + way * self._turned[side, i]
                 values[f"{end}_at"] = np.mod(place, cycle) if np.isfinite(cycle) else place
                 values[f"{end}_time"] = self._time[side, i]
                 missed[f"{end}_at"], missed[f"{end}_time"] = spacing, self._pause[side, i]
-            found.values[key], found.missed[key], found.scales[key] = values[statistic], missed[statistic], peak
+            found.values[key], found.missed[key] = values[statistic], missed[statistic]
+            found.scales[key] = values["peak"]
         return found
-
-
-@over_variants
-def look_along(begin: int, end: int, row: np.ndarray, steps: np.ndarray, found: np.ndarray) -> None:
-    """Maximum of a row, the nearest node, and an upper bound: three numbers for each variant."""
-    nodes = row.shape[0]
-    own, h = np.empty(nodes), np.empty(nodes - 1)
-    for v in range(begin, end):
-        for k in range(nodes):
-            own[k] = row[k, v]
-        for k in range(nodes - 1):
-            h[k] = steps[k, v]
-        found[0, v], found[1, v], found[2, v] = peak_between(own, h)

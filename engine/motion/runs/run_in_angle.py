@@ -3,11 +3,11 @@
 import numpy as np
 
 from engine.motion.runs.one_speed_run import OneSpeedRuns
-from engine.motion.runs.run_progress import ABOVE, BELOW, State, gathered
+from engine.motion.runs.run_progress import ABOVE, BELOW, State
 from engine.motion.runs.settled_runs import pass_mark
 from engine.motion.runs.watching import BetweenNodes, Piece
 from engine.stepping.methods import EIGHT, FOUR, NINE
-from engine.stepping.recorded import read_steps
+from engine.stepping.recorded import RECORDED, states_at
 from engine.stepping.records import some
 from engine.stepping.system import Walks
 from engine.stepping.walk_task import Why
@@ -21,8 +21,6 @@ LEAST, FARTHER = 1e-14, 2.0
 CLOSELY = 0.5
 # Cycles before the first test whether a run still approaches a speed; the number doubles each time.
 FIRST_CYCLES = 8
-# Steps recorded at a time.
-RECORDED = 64
 # Further reason for the end of a walk: the next guard of the energy form.
 SLOW = BELOW + 1
 ENERGY, TIME = range(2)
@@ -108,11 +106,11 @@ def _take(runs: OneSpeedRuns, who: np.ndarray, before: np.ndarray, gone: Walks) 
     speed_off = gone.carried_errors[ENERGY] + np.where(slides > 0.0, np.abs(gone.slope) * slides, 0.0)
     speed_off = np.where(by_speed, 0.0, 0.5 * omega / energy * speed_off)
     system = runs.dynamics.by_angle
-    works, squares = gathered(system, runs.dynamics, gone.states, energy - before, -1.0)
-    works_off, squares_off = gathered(system, runs.dynamics, off, off[ENERGY], 1.0)
+    works, squares = runs.dynamics.gathered(system, gone.states, energy - before, -1.0)
+    works_off, squares_off = runs.dynamics.gathered(system, off, off[ENERGY], 1.0)
     time_off = np.where(by_time, 0.0, off[TIME])
     new = slides, speed_off, off[ENERGY], time_off, squares_off, works_off
-    for mine, changed in zip(runs.changed, new, strict=False):
+    for mine, changed in zip(runs.changed[: len(new)], new, strict=True):
         mine[..., who] = changed
     runs.carried[:, who] = gone.carried_errors
     slower, faster = gone.slowest < runs.slowest[who], gone.fastest > runs.fastest[who]
@@ -134,10 +132,7 @@ def _piece_of(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks, i
     turned = np.minimum(asked, gone.turned)
 
     def at(columns: np.ndarray, turned: np.ndarray) -> tuple[np.ndarray, ...]:
-        found = np.empty((3, turned.size))
-        asked = turned.size, gone.recorded, gone.steps, columns.ravel(), turned.ravel()
-        read_steps(*asked, runs.stepping.coarse, found)
-        energy, time, moment = found.reshape(3, *turned.shape)
+        energy, time, moment = states_at(gone, columns, turned, runs.stepping.coarse)
         own = runs.variants.some(who[columns[-1]])
         inertia = runs.dynamics.inertia(own, begin[columns[-1]] + own.direction * turned)
         # For a steep motor the speed does not determine the torque; use the recorded one.
@@ -161,8 +156,6 @@ def _piece_of(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks, i
 def _nodes(runs: OneSpeedRuns, who: np.ndarray, state: State) -> np.ndarray:
     """Angles turned from a state (nodes, variants) at which a cycle is evaluated."""
     part, cycle = runs.variants.some(who), runs.dynamics.cycle
-    # A force may jump where its torque has only a kink, as at a dead centre, where the velocity is zero.
-    sided = part._replace(breaks=part.breaks.two_sided())
     begin = runs.start[who] + part.direction * state.turned
-    steps = runs.dynamics.grid(sided, begin, cycle, runs.steps).steps
+    steps = runs.dynamics.grid(part, begin, runs.steps).steps
     return np.minimum(np.concatenate((np.zeros((1, who.size)), np.cumsum(steps, axis=0))), cycle)

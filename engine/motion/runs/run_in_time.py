@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from engine.motion.moments.breaks import JUMP, beside
+from engine.motion.moments.breaks import JUMP
 from engine.motion.runs.one_speed_run import OneSpeedRuns
 from engine.motion.runs.run_in_angle import TIMES_TO_THE_END
-from engine.motion.runs.run_progress import BELOW, State, gathered
+from engine.motion.runs.run_progress import BELOW, State
 from engine.motion.runs.settled_runs import pass_mark
 from engine.motion.runs.watching import BetweenNodes, Piece, side_by_side
 from engine.stepping.methods import EIGHT
-from engine.stepping.recorded import made_steps, read_steps
-from engine.stepping.records import some
+from engine.stepping.recorded import RECORDED, made_steps, states_at
+from engine.stepping.records import elements_of_counts, some
 from engine.stepping.system import Walks
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
@@ -32,8 +32,6 @@ STILL = 1e-12
 CLOSELY, LEAST_LOOKS = 0.1, 4
 # With dense output, a machine remains in the time form until its relative energy change per radian is below this.
 BRISK_TO_LOOK = 0.4
-# Steps recorded at a time.
-RECORDED = 64
 # Many steps that change neither the angle (in total) nor the time (each) by more than these fractions make no progress:
 # at a dead centre of the driven side the inertia grows without bound.
 NO_ANGLE, NO_TIME = 1e-14, 1e-9
@@ -189,7 +187,8 @@ def _take(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks, goal:
     omega = np.where(why == REST, 0.0, facing * gone.states[SPEED])
     time = np.where(why == Why.GOAL, runs.ends.time[who], before.time + gone.at)
     energies = [0.5 * runs.inertia(who, at) * w**2 for at, w in ((before.turned, before.omega), (turned, omega))]
-    works, squares = gathered(runs.dynamics.by_time, runs.dynamics, gone.states, energies[1] - energies[0], -1.0)
+    dynamics, change = runs.dynamics, energies[1] - energies[0]
+    works, squares = dynamics.gathered(dynamics.by_time, gone.states, change, -1.0)
     low, high = np.where(forward, gone.slowest, -gone.fastest), np.where(forward, gone.fastest, -gone.slowest)
     runs.slowest[who], runs.fastest[who] = np.fmin(runs.slowest[who], low), np.fmax(runs.fastest[who], high)
     runs.put(who, State(turned, omega, time, before.works + works, before.squares + squares))
@@ -222,20 +221,14 @@ def _piece_of(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks) -
     reach, spacing = np.abs(last - first), runs.spacing[who]
     # The number of samples depends on the variant only, not on the others in its batch.
     looks = np.maximum(LEAST_LOOKS, np.ceil(reach / spacing[column])).astype(int)
-    of = np.repeat(np.arange(looks.size), looks + 1)
-    k = np.arange(of.size) - np.repeat(np.cumsum(looks + 1) - looks - 1, looks + 1)
+    of, k = elements_of_counts(looks + 1)
     time, columns = at[of] + k / looks[of] * length[of], column[of]
 
-    def read(columns: np.ndarray, time: np.ndarray) -> np.ndarray:
-        found = np.empty((3, time.size))
-        read_steps(time.size, gone.recorded, gone.steps, columns, time, False, found)
-        return found[:2]
-
     facing = runs.facing[who]
-    turned, speed = read(columns, time)
+    turned, speed, _ = states_at(gone, columns, time)
     aside = np.where(reach > 4.0 * JUMP, 1.0, 0.0) * facing[column]
-    breaks = (runs.variants.direction * (runs.variants.breaks.angles - runs.start))[:, who[column]]
-    begins, ends = (aside * beside(breaks, at_end, runs.dynamics.cycle) for at_end in (first, last))
+    beside = runs.equation(who[column]).beside
+    begins, ends = (aside * beside(at_end) for at_end in (first, last))
     turned = np.where(k == 0, first[of] + begins[of], np.where(k == looks[of], last[of] - ends[of], turned))
     counts = np.bincount(columns, minlength=who.size)
     steps = np.where(k < looks[of], (reach / looks)[of], 0.0)
@@ -244,7 +237,7 @@ def _piece_of(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks) -
 
     def within(columns: np.ndarray, nodes_at: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, ...]:
         now = nodes[0][nodes_at, columns] + lengths
-        turned, speed = read(columns, now - before.time[columns])
+        turned, speed, _ = states_at(gone, columns, now - before.time[columns])
         return now, turned, facing[columns] * speed, np.full_like(now, np.nan)
 
     return Piece(*nodes, facing, steps[:-1], np.full_like(nodes[0], np.nan), BetweenNodes(True, within))

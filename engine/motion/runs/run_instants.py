@@ -8,6 +8,7 @@ from engine.cycle.regula_falsi import regula_falsi
 from engine.motion.quantities import TURNED
 from engine.motion.runs.run_progress import RunOutcome
 from engine.motion.runs.watching import Piece, RunFields
+from engine.stepping.records import elements_of_counts
 from engine.words.verdicts import Verdict
 
 # Relative rounding of sums of steps, by which a run may end before an instant at its very end.
@@ -140,7 +141,5 @@ class RunInstants:
 
 def _pairs(first: np.ndarray, upto: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Indices of columns, and of the places first … upto − 1 of each, as pairs."""
-    counts = np.maximum(upto - first, 0)
-    columns = np.repeat(np.arange(counts.size), counts)
-    within = np.arange(columns.size) - np.repeat(np.cumsum(counts) - counts, counts)
+    columns, within = elements_of_counts(np.maximum(upto - first, 0))
     return columns, first[columns] + within

@@ -7,10 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.graph.nodes import Given
-from engine.motion.moments.dynamics import Dynamics
 from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.moments.grid import edges_of
-from engine.motion.one_speed import MachineSystem, Sizes
+from engine.motion.one_speed import Sizes
 from engine.motion.runs.watching import Observer, Piece
 from engine.stepping.runs import WalkedRuns
 from engine.stepping.walk_task import Why
@@ -36,30 +35,6 @@ class State(NamedTuple):
     time: np.ndarray
     works: np.ndarray
     squares: np.ndarray
-
-
-def gathered(
-    system: MachineSystem, dynamics: Dynamics, rows: np.ndarray, change: np.ndarray, sign: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Works of the motors and of each channel, and the integral of the squared motor torque; zero if not accumulated.
-
-    The work of loads in a single channel is the change of energy minus the motors' work.
-
-    Parameters
-    ----------
-    system : MachineSystem
-    dynamics : Dynamics
-    rows : ndarray (states and gathered, variants)
-        Rows of the system.
-    change : ndarray (variants,)
-        Change of the energy.
-    sign : float
-        −1; +1 if all are error estimates.
-    """
-    names, nothing = system.names, np.zeros_like(change)
-    motors, squares = (rows[names[name]] if name in names else nothing for name in ("motors", "squares"))
-    loads = [rows[names[name]] for name in dynamics.channels] if dynamics.works else [change + sign * motors]
-    return np.stack([motors, *loads]), squares
 
 
 class CoupledStanding(NamedTuple):

@@ -13,8 +13,8 @@ from engine.compiling.running import over_variants
 from engine.motion.loads import PairLoads
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion
-from engine.motion.moments.grid import NODES, Grid
-from engine.motion.moments.piecewise import integral, peak_between
+from engine.motion.moments.grid import Grid
+from engine.motion.moments.piecewise import extremes_along, integral, of_extremes
 from engine.motion.one_speed import CHANNELS
 from engine.motion.quantities import EFFICIENCY_NOW, INSTANT, Asked, FieldAnswers
 from engine.motion.settled.steady import Steady
@@ -25,12 +25,7 @@ class Cycle(NamedTuple):
 
     Attributes
     ----------
-    angle : ndarray
-        Crank angle [rad].
-    steps : ndarray (nodes − 1, variants)
-        [rad].
-    even : ndarray (equal steps + 1, variants) of int
-        Indices of the nodes with equal steps.
+    grid : Grid
     omega : ndarray
         Magnitude of the speed [rad/s].
     direction : ndarray (variants,)
@@ -39,16 +34,14 @@ class Cycle(NamedTuple):
         Fields by name, counter-clockwise positive.
     """
 
-    angle: np.ndarray
-    steps: np.ndarray
-    even: np.ndarray
+    grid: Grid
     omega: np.ndarray
     direction: np.ndarray
     rows: dict[str, np.ndarray]
 
     def field(self, name: str) -> np.ndarray:
         """A field over the crank angle, (variants, equal steps)."""
-        found = np.take_along_axis(self.rows[name], self.even, axis=0)[:-1].T
+        found = np.take_along_axis(self.rows[name], self.grid.even, axis=0)[:-1].T
         found[np.isnan(self.omega[0])] = np.nan
         # The crank angle decreases if the crank turns clockwise.
         back = self.direction < 0.0
@@ -74,7 +67,7 @@ def cycle_of(
     off : frozenset of str
         Actions that are off.
     """
-    angle, way = grid.places[NODES], variants.direction
+    angle, way = grid.angles, variants.direction
     omega = np.sqrt(2.0 * steady.record[0] / dynamics.inertia(variants, angle))
     form = EquationOfMotion(dynamics, variants, np.zeros(variants.count))
     found = form.along(way * angle, omega, np.zeros_like(angle), np.ones(variants.count))
@@ -84,8 +77,7 @@ def cycle_of(
     rows[INSTANT] = steady.record[1]
     if loads is not None:
         rows |= loads(variants, loads.parameters(variants, off), angle, omega, epsilon * way)
-    even = np.broadcast_to(np.arange(omega.shape[0])[:, None], omega.shape) if grid.even is None else grid.even
-    return Cycle(angle, grid.steps, even, omega, way, rows)
+    return Cycle(grid, omega, way, rows)
 
 
 def motion_rows(
@@ -182,20 +174,17 @@ def statistics_of(cycle: Cycle, name: str, period: float) -> tuple[dict[str, np.
         Period of the crank angle [rad].
     """
     row, count = cycle.rows[name], cycle.direction.size
-    found = np.empty((9, count))
-    over_time(count, np.ascontiguousarray(row), cycle.omega, cycle.steps, found)
-    low, high, mean, rms, beyond, hidden, hidden_rms = found[:7]
-    columns = np.arange(count)
-    places = []
-    for place in found[7:]:
+    (lowest, low_at, least), (high, high_at, most) = extremes_along(row, cycle.grid.steps)
+    found = np.empty((4, count))
+    over_time(count, np.ascontiguousarray(row), cycle.omega, cycle.grid.steps, found)
+    mean, rms, hidden, hidden_rms = np.where(np.isnan(high), np.nan, found)
+    values = of_extremes(-lowest, high) | {"mean": mean, "rms": rms}
+    step = np.full(count, period / (cycle.grid.even.shape[0] - 1))
+    missed = dict.fromkeys(values, np.maximum(most - high, least - lowest)) | {"mean": hidden, "rms": hidden_rms}
+    for key, place in (("min_at", low_at), ("max_at", high_at)):
         known = np.isfinite(place)
-        at = cycle.angle[np.where(known, place, 0.0).astype(int), columns]
-        places.append(np.where(known, np.mod(at, period), np.nan))
-    values = {"min": low, "max": high, "range": high - low, "amplitude": (high - low) / 2}
-    values["peak"] = np.maximum(np.abs(low), np.abs(high))
-    values |= {"mean": mean, "rms": rms, "min_at": places[0], "max_at": places[1]}
-    step = np.full(count, period / (cycle.even.shape[0] - 1))
-    missed = dict.fromkeys(values, beyond) | {"mean": hidden, "rms": hidden_rms, "min_at": step, "max_at": step}
+        at = cycle.grid.angles[np.where(known, place, 0.0).astype(int), np.arange(count)]
+        values[key], missed[key] = np.where(known, np.mod(at, period), np.nan), step
     return values, missed
 
 
@@ -208,36 +197,19 @@ def over_time(
     steps: np.ndarray,
     found: np.ndarray,
 ) -> None:
-    """Statistics of a row over the time ∫dφ/ω: nine numbers of each variant into `found`.
-
-    Minimum, maximum, mean, rms; error estimates of the extremes, the mean and the rms due to the behaviour between
-    nodes; nodes next to the minimum and the maximum.
-    """
+    """Mean and rms of a row over the time ∫dφ/ω, and their error estimates due to the behaviour between nodes."""
     nodes = row.shape[0]
-    own, pace, first, second = np.empty(nodes), np.empty(nodes), np.empty(nodes), np.empty(nodes)
-    h = np.empty(nodes - 1)
+    pace, first, second, h = np.empty(nodes), np.empty(nodes), np.empty(nodes), np.empty(nodes - 1)
     for v in range(begin, end):
         for k in range(nodes):
-            own[k] = row[k, v]
             pace[k] = 1.0 / omega[k, v]
-            first[k] = own[k] * pace[k]
-            second[k] = own[k] * first[k]
+            first[k] = row[k, v] * pace[k]
+            second[k] = row[k, v] * first[k]
         for k in range(nodes - 1):
             h[k] = steps[k, v]
-        high, high_at, most = peak_between(own, h)
-        if math.isnan(high):
-            for i in range(found.shape[0]):
-                found[i, v] = math.nan
-            continue
         time, _ = integral(pace, h)
         total, hidden = integral(first, h)
         squares, hidden_squares = integral(second, h)
-        mean, rms = total / time, math.sqrt(max(squares, 0.0) / time)
-        for k in range(nodes):
-            first[k] = -own[k]
-        low, low_at, least = peak_between(first, h)
-        found[0, v], found[1, v], found[2, v], found[3, v] = -low, high, mean, rms
-        found[4, v] = max(most - high, least - low)
-        found[5, v] = hidden / time
-        found[6, v] = 0.5 * hidden_squares / (time * rms) if rms > 0.0 else 0.0
-        found[7, v], found[8, v] = low_at, high_at
+        rms = math.sqrt(max(squares, 0.0) / time)
+        found[0, v], found[1, v], found[2, v] = total / time, rms, hidden / time
+        found[3, v] = 0.5 * hidden_squares / (time * rms) if rms > 0.0 else 0.0

@@ -6,6 +6,7 @@ stable if |λ| < 1. Newton's method finds it in a few cycles, where waiting take
 requested results.
 """
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -14,15 +15,13 @@ from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.grid import edges_of
 from engine.stepping.closed_cycle import TOO_STEEP
 from engine.stepping.methods import EIGHT, NINE
-from engine.stepping.recorded import read_steps
+from engine.stepping.recorded import RECORDED, states_at
 from engine.stepping.system import Closed, Walks
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
 
 # Maximum steps: during the search, in the final cycle, and in the final cycle if it is recorded.
 FARTHEST, CLOSER, CLOSEST = 0.5 * np.pi, 0.25 * np.pi, 0.125 * np.pi
-# Steps recorded at a time.
-RECORDED = 64
 ENERGY, TIME = range(2)
 # Number of motor time constants in a step above which the change of energy gives the torque more accurately.
 STEEP = 200.0
@@ -155,7 +154,7 @@ class _Motion:
         self, energy: np.ndarray, carried_error: np.ndarray, residual: np.ndarray, gone: Walks
     ) -> tuple[list[np.ndarray], list[np.ndarray]]:
         """Numbers of cycles in the order of `Steady`, without verdict and record, and their error estimates."""
-        names = self.system.names
+        names, gathered = self.system.names, partial(self.dynamics.gathered, self.system)
         ended, fading = gone.states[ENERGY], gone.states[names["fading"]]
         multiplier = np.exp(np.minimum(fading, 700.0))
         low, high = gone.slowest, gone.fastest
@@ -165,8 +164,8 @@ class _Motion:
         apart = np.maximum(gone.slow_off / low - common, 0.0) + np.maximum(gone.fast_off / high - common, 0.0)
         fluctuation_off = fluctuation * carried_error / energy + apart
         between = np.maximum(gone.carried_errors[ENERGY] - multiplier * carried_error, 0.0)
-        works, squares = self._works(gone.states, ended - energy, -1.0)
-        works_off, squares_off = self._works(gone.carried_errors, between + np.abs(ended - energy), 1.0)
+        works, squares = gathered(gone.states, ended - energy, -1.0)
+        works_off, squares_off = gathered(gone.carried_errors, between + np.abs(ended - energy), 1.0)
         period = gone.states[TIME]
         own = [energy, ended, multiplier, residual, period, low, high, fluctuation, squares, works]
         ended_off = carried_error + np.abs(ended - energy) + between
@@ -179,13 +178,6 @@ class _Motion:
         ]
         off += [gone.slow_off, gone.fast_off, fluctuation_off, squares_off, works_off]
         return own, off
-
-    def _works(self, rows: np.ndarray, change: np.ndarray, sign: float) -> tuple[np.ndarray, np.ndarray]:
-        """Works of the motors and of each channel, and the squared motor torque; zero if not accumulated."""
-        names, nothing, channels = self.system.names, np.zeros_like(change), self.dynamics.channels
-        motors, squares = (rows[names[name]] if name in names else nothing for name in ("motors", "squares"))
-        loads = [rows[names[name]] for name in channels] if self.dynamics.works else [change + sign * motors]
-        return np.stack([motors, *loads]), squares
 
     def _cycle(
         self, who: np.ndarray, implicit: bool, energy: np.ndarray, carried_error: np.ndarray, asked: np.ndarray
@@ -234,10 +226,9 @@ class _Motion:
         over |= (wanted > gone.turned) & (gone.why == Why.GOAL)
         nodes, columns = np.nonzero(over)
         turned = np.minimum(wanted[over], gone.turned[columns])
-        found, doubtful = np.empty((2, 3, turned.size))
-        for carried_errors, rows in ((False, found), (True, doubtful)):
-            read_steps(turned.size, gone.recorded, gone.steps, columns, turned, carried_errors, rows)
-        record[:, nodes, who[columns]], off[:, nodes, who[columns]] = found, doubtful - found
+        found = states_at(gone, columns, turned)
+        record[:, nodes, who[columns]] = found
+        off[:, nodes, who[columns]] = states_at(gone, columns, turned, off=True) - found
 
 
 def _joined(whole: Walks, who: np.ndarray, gone: Walks) -> Walks:
