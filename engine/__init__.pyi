@@ -35,7 +35,7 @@ from engine.elements.engines.made_engine import engine_torque, made_engine
 from engine.elements.engines.shafts import balance_shafts, crankshaft_counterweights, remaining_shaking
 from engine.elements.engines.shaking import SHAKING_ORDERS, EngineShaking, engine_shaking
 from engine.elements.gears.chain_drive import ChainDrive
-from engine.elements.gears.gear_elements import GearTrain
+from engine.elements.gears.gear_train import GearTrain
 from engine.elements.gears.train_results import train_results
 from engine.elements.gears.velocity_picture import DrawnWheel, VelocityPicture, velocity_picture
 from engine.elements.governors.governor import Governor

@@ -60,9 +60,9 @@ class ElementResult(NamedTuple):
     rank: Rank = Rank.ANSWER
 
 
-def further(name: str, long_name: str, units: str, **others: Any) -> ElementResult:
+def further(*given: Any, **others: Any) -> ElementResult:
     """A result that is not a main one; parameters as for `ElementResult`."""
-    return ElementResult(name, long_name, units, rank=Rank.FURTHER, **others)
+    return ElementResult(*given, rank=Rank.FURTHER, **others)
 
 
 class Answers(NamedTuple):

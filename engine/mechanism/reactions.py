@@ -28,7 +28,7 @@ from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.link_loads import Components, LinkForce, LinkLoads, Wrench
 from engine.mechanism.vectors import Vector, named
-from engine.parts.skeleton import FRAME, CrankInput
+from engine.parts.skeleton import FRAME
 from engine.scene.masses import body_mass, carried_inertia, carried_on
 from engine.scene.pairs import (
     Pair,
@@ -37,6 +37,7 @@ from engine.scene.pairs import (
     driving_field,
     has_friction,
     lossy_meshes,
+    mesh_driver,
     outer_pair,
     pairs,
     pairs_of_group,
@@ -92,8 +93,7 @@ class Reactions:
         self._contacts = {pair.name: pair for pair in contact_pairs(self.scene)}
         self._rubs = mechanism.friction.rubbing_pairs(kinematics, motion) if self.scene.friction else {}
         tables = ("shafts", "noncircular_wheels", "racks", "pinions")
-        paths = {name: f"{table}.{name}" for table in tables for name in getattr(self.scene, table)}
-        self._lossy = {name: paths[name] for name in lossy_meshes(self.scene)}
+        self._paths = {name: f"{table}.{name}" for table in tables for name in getattr(self.scene, table)}
         self.lost_in_teeth: dict[str, Node] = {}
         self.lost = {friction.pair: self.graph.zero for friction in self.scene.friction.values()}
         self._forces: list[LinkForce] = []
@@ -245,48 +245,28 @@ class Reactions:
 
     # Pairs
 
-    def _revolute(self, pair: Pair, force: Vector, within: Collection[str]) -> None:
-        """Register the reaction of a revolute pair and apply it to the pair's links outside the group."""
-        self._in_joint(pair, force)
-        at = self._place(pair)
-        self._between(LinkForce("reaction", pair.name, pair.link, pair.other, at.r, force))
-        for link, sign in self._beyond(pair, within):
-            self._loads.push(link, at, sign * force)
-
-    def _between(self, found: LinkForce) -> None:
-        """Register a force and its reaction."""
-        self._forces += [found, found.opposite]
-
-    def _beyond(self, pair: Pair, within: Collection[str]) -> list[tuple[str, float]]:
-        """Links of a pair outside a group, each with the sign of the force on it relative to the pair's own link."""
-        sides = ((pair.link, 1.0), (pair.other, -1.0))
-        return [(link, sign) for link, sign in sides if link not in within]
-
-    def _place(self, pair: Pair) -> MovingPoint:
-        """Point where a pair's reaction acts: the joint, or the slider's origin."""
+    def _react(self, pair: Pair, reaction: Components, within: Collection[str]) -> None:
+        """Register the reaction of a pair, and apply it to the pair's links outside the group."""
+        link, ends = self.kinematics.links[pair.link], (pair.name, pair.link, pair.other)
         if pair.kind == "revolute":
-            return self.kinematics.points[pair.joint]
-        return self.kinematics.links[pair.link].origin
+            at, force = self.kinematics.points[pair.joint], Vector(*reaction).called(f"{pair.name} reaction")
+            own = self.in_axes[pair.name, pair.link] = _components(force, link)
+            self.in_axes[pair.name, pair.other] = _components(-force, self.kinematics.links[pair.other])
+            parts = {"_x": force.x, "_y": force.y, "_along": own.x, "_across": own.y, "": force.length}
+            moments = ()
+        else:
+            normal, *moments = reaction
+            at, force = link.origin, normal * link.u.normal
+            parts = {"": normal, "_x": force.x, "_y": force.y, "_moment": moments[0]}
+        self.variables |= {f"{pair.name}.reaction{part}": node for part, node in parts.items()}
+        self._exert(LinkForce("reaction", *ends, at.r, force), at, within)
+        for moment in moments:
+            self._exert(LinkForce("reaction", *ends, moment=moment), None, within)
 
-    def _in_joint(self, pair: Pair, force: Vector) -> None:
-        link, other = (self.kinematics.links[name] for name in (pair.link, pair.other))
-        force.called(f"{pair.name} reaction")
-        own = self.in_axes[pair.name, pair.link] = _components(force, link)
-        self.in_axes[pair.name, pair.other] = _components(-force, other)
-        found = {"_x": force.x, "_y": force.y, "_along": own.x, "_across": own.y, "": force.length}
-        self.variables |= {f"{pair.name}.reaction{part}": node for part, node in found.items()}
-
-    def _prismatic(self, pair: Pair, normal: Node, moment: Node, within: Collection[str]) -> None:
-        """Register the reaction of a prismatic pair and apply it to the pair's links outside the group."""
-        link = self.kinematics.links[pair.link]
-        force = normal * link.u.normal
-        found = {"": normal, "_x": force.x, "_y": force.y, "_moment": moment}
-        self.variables |= {f"{pair.name}.reaction{part}": node for part, node in found.items()}
-        self._between(LinkForce("reaction", pair.name, pair.link, pair.other, link.origin.r, force))
-        self._between(LinkForce("reaction", pair.name, pair.link, pair.other, moment=moment))
-        for name, sign in self._beyond(pair, within):
-            self._loads.push(name, link.origin, sign * force)
-            self._loads.twist(name, sign * moment)
+    def _exert(self, found: LinkForce, at: MovingPoint | None = None, within: Collection[str] = ()) -> None:
+        """Register a force or moment between two links, and apply it to those outside a group."""
+        self._forces += [found, found.opposite]
+        _apply_between(self._loads, found, at, within)
 
     # Groups, last first, then the links that turn on the frame
 
@@ -309,10 +289,7 @@ class Reactions:
         """Register the reactions in a group's pairs and apply them to the links that carry the group."""
         loads = {link: self._loads.total(link) for link in links}
         for pair, reaction in zip(around, self._with_friction(name, links, around, solved, loads), strict=True):
-            if pair.kind == "revolute":
-                self._revolute(pair, Vector(*reaction), links)
-            else:
-                self._prismatic(pair, *reaction, links)
+            self._react(pair, reaction, links)
         unloaded = {link for link, load in loads.items() if load.is_nothing}
         for pair in around:
             self._register_kinks(pair, unloaded)
@@ -340,13 +317,9 @@ class Reactions:
         self.variables |= {f"{name}.contact_force": contact, f"{name}.closing_force": closing}
         if touching.name in self._pressing:
             self.graph.bends(self._pressing[touching.name], contact)
-        force = contact * motion.normal
-        self._loads.push(cam.on, self.kinematics.at_rest(motion.contact), -force)
-        self._between(LinkForce("reaction", touching.name, links[0], cam.on, motion.contact, force))
-        if holding.kind == "revolute":
-            self._revolute(holding, Vector(*held), links)
-        else:
-            self._prismatic(holding, *held, links)
+        at = self.kinematics.at_rest(motion.contact)
+        self._exert(LinkForce("reaction", touching.name, *links, cam.on, at.r, contact * motion.normal), at, links)
+        self._react(holding, held, links)
         self._register_kinks(holding, frozenset())
 
     def _shaft(self, name: str) -> None:
@@ -370,10 +343,8 @@ class Reactions:
 
     def _apply_tooth_force(self, name: str, driver: str, place: Vector, force: Vector) -> None:
         """Apply the tooth force to a wheel or rack, and its reaction to the driver."""
-        at = self.kinematics.at_rest(place)
-        self._loads.push(name, at, force)
-        self._loads.push(driver, at, -force)
-        self._between(LinkForce("reaction", f"{name}.teeth", name, driver, place, force))
+        found = LinkForce("reaction", f"{name}.teeth", name, driver, place, force)
+        self._exert(found, self.kinematics.at_rest(place))
 
     def _in_mesh(self, name: str, load: Wrench) -> None:
         """Balance the moments on a shaft by the tooth force at the pitch point, which also separates the wheels."""
@@ -383,7 +354,7 @@ class Reactions:
             ratio, k = self.graph.number(f"shafts.{name}.ratio"), self._lost_share(name, -load.moment)
             arm = self.graph.apply(laws.friction.teeth.shifted_contact, found.radius, ratio, k)
         tangential = load.moment / arm
-        apart = self._separating_force(name, f"shafts.{name}", tangential)
+        apart = self._separating_force(name, tangential)
         force = -(tangential * found.along) + apart * found.away
         self._between_teeth(found, arm, force, name, shaft.geared_to)
         self._in_pivot(name, self._loads.total(name))
@@ -398,13 +369,13 @@ class Reactions:
         taken : Node
             Moment (for a rack, force) exerted by the driver; its sign gives the direction of power flow.
         """
-        if name not in self._lossy:
+        if name not in lossy_meshes(self.scene):
             return self.graph.one
         rate, slope = mechanism.friction.rolling_rate(self.kinematics, name)
         self.graph.switches(rate, slope)
         sense_of_input = input_sense(self.kinematics)
         direction = self.graph.held(self.graph.apply(sense, rate)) * sense_of_input
-        efficiency = self.graph.number(f"{self._lossy[name]}.efficiency")
+        efficiency = self.graph.number(f"{self._paths[name]}.efficiency")
         k = self.graph.apply(laws.friction.teeth.lost_share, direction * taken, efficiency)
         self.graph.bends(k, taken)
         self.lost_in_teeth[name] = sense_of_input * ((k - 1.0) * (taken * rate))
@@ -412,11 +383,8 @@ class Reactions:
 
     def _noncircular_wheel(self, name: str) -> None:
         """Balance the moments on a wheel: by a moment on the driver (by the ratio), or by tooth forces."""
-        wheel, found, load = (
-            self.scene.noncircular_wheels[name],
-            self.kinematics.noncircular[name],
-            self._loads.total(name),
-        )
+        wheel, found = self.scene.noncircular_wheels[name], self.kinematics.noncircular[name]
+        load = self._loads.total(name)
         if wheel.pressure_angle is None:
             passed = -(found.rate * load.moment * self._lost_share(name, -load.moment))
             self._transmit(name, wheel.geared_to, FRAME, load.moment, passed)
@@ -428,7 +396,7 @@ class Reactions:
             shifted = self.graph.apply(laws.friction.teeth.shifted_contact, -found.radius, -found.rate, k)
             place = place + (shifted + found.radius) * along
         arm = place - self.kinematics.links[name].origin.r
-        slope = self._tooth_slope(name, f"noncircular_wheels.{name}")
+        slope = self._tooth_slope(name)
         levers = arm.cross(found.tangent), arm.cross(found.away)
         law = laws.kinematics.noncircular_wheels.noncircular_tooth_force
         tangential, apart = self.graph.apply(law, load.moment, *levers, slope)
@@ -446,35 +414,35 @@ class Reactions:
 
     def _rack(self, name: str) -> None:
         """Balance the force along a rack's guide by tooth forces; the guide takes the rest."""
-        rack, load = self.scene.racks[name], self._loads.total(name)
+        load = self._loads.total(name)
         found = mechanism.higher_pairs.rack_motion.toothing(self.kinematics, name)
         tangential = -load.force.dot(found.along)
-        apart = self._separating_force(name, f"racks.{name}", tangential)
+        apart = self._separating_force(name, tangential)
         force = tangential * found.along - apart * found.away
-        arm = found.radius if rack.efficiency is None else found.radius * self._lost_share(name, tangential)
-        self._between_teeth(found, arm, force, name, rack.pinion)
+        arm = found.radius * self._lost_share(name, tangential)
+        self._between_teeth(found, arm, force, name, self.scene.racks[name].pinion)
         left = self._loads.total(name)
         normal = -left.force.dot(self.kinematics.links[name].u.normal)
-        self._prismatic(self._pairs[name], normal, -left.moment, {name})
+        self._react(self._pairs[name], (normal, -left.moment), {name})
 
     def _pinion(self, name: str) -> None:
         """Balance the moments on a pinion by tooth forces on its rack; the pivot takes the rest."""
-        pinion, load = self.scene.pinions[name], self._loads.total(name)
+        load = self._loads.total(name)
         found = mechanism.higher_pairs.rack_motion.toothing(self.kinematics, name)
-        arm = found.radius if pinion.efficiency is None else found.radius / self._lost_share(name, -load.moment)
+        arm = found.radius / self._lost_share(name, -load.moment)
         tangential = -load.moment / arm
-        apart = self._separating_force(name, f"pinions.{name}", tangential)
-        bearer = pinion.rack or self.scene.guides[pinion.guide].link
-        self._between_teeth(found, arm, tangential * found.along + apart * found.away, name, bearer)
+        force = tangential * found.along + self._separating_force(name, tangential) * found.away
+        self._between_teeth(found, arm, force, name, mesh_driver(self.scene, name))
         self._in_pivot(name, self._loads.total(name))
 
-    def _tooth_slope(self, name: str, at: str) -> Node:
+    def _tooth_slope(self, name: str) -> Node:
         """Tangent of the pressure angle."""
-        return self.graph.derived(f"slope of the teeth of {name}", lambda n: np.tan(n[f"{at}.pressure_angle"]))
+        angle = f"{self._paths[name]}.pressure_angle"
+        return self.graph.derived(f"slope of the teeth of {name}", lambda n: np.tan(n[angle]))
 
-    def _separating_force(self, name: str, at: str, tangential: Node) -> Node:
+    def _separating_force(self, name: str, tangential: Node) -> Node:
         """Separating force of a mesh; it has a kink where the tangential force changes sign."""
-        apart = abs(tangential) * self._tooth_slope(name, at)
+        apart = abs(tangential) * self._tooth_slope(name)
         self.graph.bends(apart, tangential)
         self._in_teeth(name, tangential, apart)
         return apart
@@ -498,33 +466,34 @@ class Reactions:
     def _in_pivot(self, name: str, load: Wrench) -> Node:
         """Register the reaction of a pivot; return its friction moment."""
         pair = self._pairs[name]
-        self._revolute(pair, -load.force, {pair.link})
+        self._react(pair, -load.force, {pair.link})
         friction = self._apply_friction(pair, self.variables[f"{name}.reaction"], {pair.link})
         self._register_kinks(pair, frozenset())
         return friction
 
     def _input(self) -> None:
-        drive, pair = self.scene.input, self._pairs["input"]
-        link, load = self.kinematics.links[drive.link], self._loads.total(drive.link)
-        if isinstance(drive, CrankInput):
-            total = load.moment + self._in_pivot("input", load)
-            needed = -total
-            self._loads.twist(FRAME, total)
-            self._between(LinkForce("drive", drive.link, drive.link, FRAME, moment=needed))
-        else:
-            total = load.force.dot(link.u) + self._in_guide(pair, load)
-            needed = -total
-            self._loads.push(FRAME, link.origin, total * link.u)
-            self._between(LinkForce("drive", drive.link, drive.link, FRAME, link.origin.r, needed * link.u))
+        needed = -self._load_on_drive(self.scene.input.link, FRAME, "input")
         self.variables["input_moment_by_equilibrium"] = named(needed, "input_moment_by_equilibrium")
 
-    def _in_guide(self, pair: Pair, load: Wrench) -> Node:
+    def _load_on_drive(self, name: str, base: str, pair: str) -> Node:
+        """Balance an input by its drive, which reacts on the base; return the load on the drive."""
+        load, link, ends = self._loads.total(name), self.kinematics.links[name], (name, name, base)
+        if self._pairs[pair].kind == "prismatic":
+            total = load.force.dot(link.u) + self._in_guide(pair, load)
+            self._exert(LinkForce("drive", *ends, link.origin.r, -total * link.u), link.origin, {name})
+        else:
+            total = load.moment + self._in_pivot(pair, load)
+            self._exert(LinkForce("drive", *ends, moment=-total), None, {name})
+        return total
+
+    def _in_guide(self, name: str, load: Wrench) -> Node:
         """Register the reaction of an input's guide; return its friction force."""
+        pair = self._pairs[name]
         normal, turning = load.force.cross(self.kinematics.links[pair.link].u), -load.moment
-        self._prismatic(pair, normal, turning, {pair.link})
-        if pair.name not in self._rubs:
+        self._react(pair, (normal, turning), {pair.link})
+        if name not in self._rubs:
             return self.graph.zero
-        edge = self._rubs[pair.name].edge
+        edge = self._rubs[name].edge
         pressing = self.graph.apply(laws.friction.feedback.guide_pressing, normal, turning, edge)
         friction = self._apply_friction(pair, pressing, {pair.link})
         self._register_kinks(pair, frozenset())
@@ -532,15 +501,7 @@ class Reactions:
 
     def _second_input(self, name: str) -> None:
         """Balance a second input by its drive, which reacts on the carrier, and on the crank if that drives it."""
-        load, link, base = self._loads.total(name), self.kinematics.links[name], drive_base(self.scene, name)
-        if name in self.kinematics.slides:
-            total = load.force.dot(link.u) + self._in_guide(self._pairs[name], load)
-            self._loads.push(base, link.origin, total * link.u)
-            self._between(LinkForce("drive", name, name, base, link.origin.r, -(total * link.u)))
-        else:
-            total = load.moment + self._in_pivot(name, load)
-            self._loads.twist(base, total)
-            self._between(LinkForce("drive", name, name, base, moment=-total))
+        total = self._load_on_drive(name, drive_base(self.scene, name), name)
         if self.scene.inputs[name].drive == "crank":
             passed = total * mechanism.higher_pairs.second_input_motion.rate_of_drive(self.kinematics, name)
             self._loads.twist(self.scene.input.link, passed)
@@ -564,12 +525,7 @@ class Reactions:
     # Friction
 
     def _with_friction(
-        self,
-        name: str,
-        links: Sequence[str],
-        around: Sequence[Pair],
-        solved: Solve,
-        loads: Mapping[str, Wrench],
+        self, name: str, links: Sequence[str], around: Sequence[Pair], solved: Solve, loads: Mapping[str, Wrench]
     ) -> Sequence[Components]:
         """Reactions in a group: those without its own friction, plus the effect of each pair with friction."""
         free = solved(loads)
@@ -598,25 +554,21 @@ class Reactions:
     def _loads_per_newton(self, pair: Pair, links: Sequence[str]) -> dict[str, Wrench]:
         """Loads on a group's links from friction in one of its pairs, per newton of pressing force."""
         loads = LinkLoads(self.kinematics)
-        self._apply_to_sides(loads, pair, ((pair.link, 1.0), (pair.other, -1.0)), self._rubs[pair.name].drag)
+        _apply_between(loads, *self._friction_in(pair, self._rubs[pair.name].drag))
         return {link: loads.total(link) for link in links}
 
-    def _apply_to_sides(self, loads: LinkLoads, pair: Pair, sides: Iterable[tuple[str, float]], friction: Node) -> None:
-        """Apply the friction on a pair's link to the given links, each with its sign."""
-        for name, sign in sides:
-            if pair.kind == "revolute":
-                loads.twist(name, sign * friction)
-            else:
-                at, along = self._friction_line(pair)
-                loads.push(name, at, (sign * friction) * along)
-
-    def _friction_line(self, pair: Pair) -> tuple[MovingPoint, Vector]:
-        """Point and direction of friction in a guide or on a cam."""
+    def _friction_in(self, pair: Pair, friction: Node) -> tuple[LinkForce, MovingPoint | None]:
+        """Friction on a pair's link, a moment in a joint or a force in a guide or on a cam, and where it acts."""
+        ends = (pair.name, pair.link, pair.other)
+        if pair.kind == "revolute":
+            return LinkForce("friction", *ends, moment=friction), None
         if pair.kind == "prismatic":
             link = self.kinematics.links[pair.link]
-            return link.origin, link.u
-        motion = self.kinematics.cams[pair.name.partition(".")[0]]
-        return self.kinematics.at_rest(motion.contact), motion.normal.normal
+            at, along = link.origin, link.u
+        else:
+            motion = self.kinematics.cams[pair.name.partition(".")[0]]
+            at, along = self.kinematics.at_rest(motion.contact), motion.normal.normal
+        return LinkForce("friction", *ends, at.r, friction * along), at
 
     def _apply_friction(self, pair: Pair, pressing: Node, within: Collection[str]) -> Node:
         """Friction on a pair's link from its pressing force; also applied to the pair's links outside the group."""
@@ -627,12 +579,7 @@ class Reactions:
         friction = rub.drag * pressing
         self.variables[f"{pair.name}.{_FRICTION[pair.kind]}"] = friction
         self.lost[pair.name] = rub.lost * pressing
-        self._apply_to_sides(self._loads, pair, self._beyond(pair, within), friction)
-        if pair.kind == "revolute":
-            self._between(LinkForce("friction", pair.name, pair.link, pair.other, moment=friction))
-        else:
-            at, along = self._friction_line(pair)
-            self._between(LinkForce("friction", pair.name, pair.link, pair.other, at.r, friction * along))
+        self._exert(*self._friction_in(pair, friction), within)
         return friction
 
     def _register_kinks(self, pair: Pair, unloaded: Iterable[str]) -> None:
@@ -706,3 +653,15 @@ class Reactions:
 def _components(force: Vector, link: Turning) -> Vector:
     """Components of a force along a link and across it, to its left."""
     return Vector(force.dot(link.u), link.u.cross(force))
+
+
+def _apply_between(
+    loads: LinkLoads, found: LinkForce, at: MovingPoint | None = None, within: Collection[str] = ()
+) -> None:
+    """Apply a force or moment and its reaction to their links, except those within a group."""
+    for one in (found, found.opposite):
+        if one.link not in within:
+            if at is None:
+                loads.twist(one.link, one.moment)
+            else:
+                loads.push(one.link, at, one.force)

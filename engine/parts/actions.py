@@ -12,7 +12,7 @@ import math
 from itertools import pairwise
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
 from engine import laws
 from engine.parts.formulas.by_formula import ByFormula, FormulaText
@@ -23,6 +23,7 @@ from engine.parts.skeleton import (
     AngularSpeed,
     Area,
     Density,
+    Faults,
     Length,
     LinkRef,
     Mass,
@@ -66,7 +67,7 @@ class OnPoint(Part):
     role: Role = "useful"
 
 
-class ResistingOnPoint(Part):
+class ResistingOnPoint(OnPoint):
     """A force that opposes the velocity of a point, or, with `angle`, its component in that direction.
 
     `on` is the loaded point. `turns_with` names a link from whose x axis, instead of the frame's, `angle` is measured.
@@ -74,17 +75,12 @@ class ResistingOnPoint(Part):
     "driving", "useful" or "harmful" (losses).
     """
 
-    on: PointRef
     angle: Angle | None = None
-    turns_with: LinkRef = FRAME
-    acts: Literal["always", "along", "against"] = "always"
     role: Role = "harmful"
 
-    @model_validator(mode="after")
-    def _direction_is_known(self) -> "ResistingOnPoint":
+    def _faults(self) -> Faults:
         if self.angle is None and (self.acts != "always" or self.turns_with != FRAME):
-            raise ValueError("acts and turns_with refer to a direction: give angle")
-        return self
+            yield "acts and turns_with refer to a direction: give angle"
 
 
 class OnLink(Part):
@@ -136,22 +132,17 @@ class Tabled(Part):
         """The forces or moments of the table."""
         return self.force if hasattr(self, "force") else self.moment
 
-    @model_validator(mode="after")
-    def _table_is_sound(self) -> "Tabled":
+    def _faults(self) -> Faults:
         given = [k for k in ("over_angle", "over_stroke", "over_time") if getattr(self, k) is not None]
         if len(given) != 1:
-            raise ValueError("give exactly one of over_angle, over_stroke, over_time")
+            yield "give exactly one of over_angle, over_stroke, over_time"
         if (given == ["over_stroke"]) != (self.slider is not None):
-            raise ValueError("over_stroke and slider belong together: name the slider whose stroke is meant")
+            yield "over_stroke and slider belong together: name the slider whose stroke is meant"
         if given != ["over_stroke"] and self.gives("measured_from"):
-            raise ValueError(f"measured_from has no meaning with {given[0]}, only with over_stroke; leave it out")
-        try:
-            names = (given[0], "force" if hasattr(self, "force") else "moment")
-            rows = self.abscissae, self.ordinates
-            laws.tables.make_table(*rows, self.interpolation, outside=self.outside, names=names)
-        except laws.tables.TableError as error:
-            raise ValueError(str(error)) from None
-        return self
+            yield f"measured_from has no meaning with {given[0]}, only with over_stroke; leave it out"
+        names = (given[0], "force" if hasattr(self, "force") else "moment")
+        rows = self.abscissae, self.ordinates
+        laws.tables.make_table(*rows, self.interpolation, outside=self.outside, names=names)
 
 
 class ConstantForce(OnPoint):
@@ -304,11 +295,9 @@ class DiscBrake(Brake):
     faces: Annotated[int, Field(ge=1)] = 2
     linings: Literal["worn in", "new"] = "worn in"
 
-    @model_validator(mode="after")
-    def _inner_inside_outer(self) -> "DiscBrake":
+    def _faults(self) -> Faults:
         if not self.inner_radius < self.outer_radius:
-            raise ValueError("inner_radius must be less than outer_radius")
-        return self
+            yield "inner_radius must be less than outer_radius"
 
 
 class BandBrake(Brake):
@@ -331,20 +320,18 @@ class BandBrake(Brake):
     slack_arm: Length = 0.0
     tight_arm: Length = 0.0
 
-    @model_validator(mode="after")
-    def _holds_an_end(self) -> "BandBrake":
+    def _faults(self) -> Faults:
         if self.slack_arm == 0.0 and self.tight_arm == 0.0:
-            raise ValueError("give slack_arm or tight_arm: the lever must pull an end of the band")
+            yield "give slack_arm or tight_arm: the lever must pull an end of the band"
         if not self.slack_arm + self.tight_arm > 0.0:
-            raise ValueError(
+            yield (
                 "slack_arm + tight_arm must be above 0, or the lever slackens the band: change a sign, or make the arm "
                 "of the end that the lever tightens the longer one"
             )
         if (self.blocks is None) != (self.block_angle is None):
-            raise ValueError("blocks and block_angle belong together: give both, or neither")
+            yield "blocks and block_angle belong together: give both, or neither"
         if (self.wrap is None) == (self.blocks is None):
-            raise ValueError("give wrap, or blocks with block_angle for a band lined with blocks")
-        return self
+            yield "give wrap, or blocks with block_angle for a band lined with blocks"
 
 
 class TorsionSpring(Part):
@@ -379,12 +366,10 @@ class Carried(Part):
     # Keys that are meaningless unless one of the others is given.
     needs: ClassVar[dict[str, tuple[str, ...]]] = {}
 
-    @model_validator(mode="after")
-    def _resists(self) -> "Carried":
+    def _faults(self) -> Faults:
         for key, others in self.needs.items():
             if self.gives(key) and not self.model_fields_set.intersection(others):
-                raise ValueError(f"{key} has no meaning without {' or '.join(others)}; leave it out")
-        return self
+                yield f"{key} has no meaning without {' or '.join(others)}; leave it out"
 
 
 class HoistMoment(Carried):
@@ -408,10 +393,7 @@ class VehicleMoment(Carried):
     """
 
     radius: ClassVar[str] = "wheel_radius"
-    needs: ClassVar[dict[str, tuple[str, ...]]] = {
-        "forwards": ("slope",),
-        "air_density": ("drag_area",),
-    }
+    needs: ClassVar[dict[str, tuple[str, ...]]] = {"forwards": ("slope",), "air_density": ("drag_area",)}
     type: Literal["vehicle"]
     mass: Annotated[Mass, Field(ge=0)]
     wheel_radius: Annotated[Length, Field(gt=0)]
@@ -430,10 +412,7 @@ class ConveyorMoment(Carried):
     """
 
     masses: ClassVar[tuple[str, ...]] = ("load_mass", "belt_mass")
-    needs: ClassVar[dict[str, tuple[str, ...]]] = {
-        "forwards": ("incline",),
-        "length_coefficient": ("friction",),
-    }
+    needs: ClassVar[dict[str, tuple[str, ...]]] = {"forwards": ("incline",), "length_coefficient": ("friction",)}
     type: Literal["conveyor"]
     load_mass: Annotated[Mass, Field(ge=0)]
     belt_mass: Annotated[Mass, Field(ge=0)] = 0.0
@@ -451,14 +430,12 @@ class DCCharacteristic(Part):
     power: Annotated[Power, Field(gt=0)] | None = None
     rated_speed: Annotated[AngularSpeed, Field(gt=0)] | None = None
 
-    @model_validator(mode="after")
-    def _one_description(self) -> "DCCharacteristic":
+    def _faults(self) -> Faults:
         nameplate = (self.power, self.rated_speed)
         if (self.stall_moment is None) == (None in nameplate) or (None in nameplate and any(nameplate)):
-            raise ValueError("give either stall_moment, or power and rated_speed (nameplate)")
+            yield "give either stall_moment, or power and rated_speed (nameplate)"
         if self.rated_speed is not None and not self.rated_speed < self.no_load_speed:
-            raise ValueError("rated_speed must be below no_load_speed")
-        return self
+            yield "rated_speed must be below no_load_speed"
 
 
 class Motor(Part):
@@ -494,20 +471,19 @@ class InductionCharacteristic(Part):
     breakdown_ratio: Annotated[Number, Field(gt=1)] | None = None
     starting_ratio: Annotated[Number, Field(gt=0)] | None = None
 
-    @model_validator(mode="after")
-    def _one_description(self) -> "InductionCharacteristic":
+    def _faults(self) -> Faults:
         kloss = (self.breakdown_moment, self.breakdown_slip)
         nameplate = (self.power, self.rated_speed, self.breakdown_ratio)
         if None not in kloss and all(v is None for v in (*nameplate, self.starting_ratio)):
-            return self
+            return
         if None not in nameplate and all(v is None for v in kloss):
             trouble = laws.motor_characteristics.nameplate_trouble(
                 self.power, self.rated_speed, self.synchronous_speed, self.breakdown_ratio, self.starting_ratio
             )
             if trouble:
-                raise ValueError(trouble)
-            return self
-        raise ValueError(
+                yield trouble
+            return
+        yield (
             "give either breakdown_moment and breakdown_slip (Kloss), or power, rated_speed and "
             "breakdown_ratio, with starting_ratio if known (nameplate)"
         )
@@ -529,15 +505,10 @@ class TableCharacteristic(Part):
     moment: list[Moment]
     scale: Annotated[Number, Field(gt=0)] = 1.0
 
-    @model_validator(mode="after")
-    def _table_is_sound(self) -> "TableCharacteristic":
-        try:
-            laws.tables.make_table(self.speed, self.moment, "linear", outside="hold", names=("speed", "moment"))
-        except laws.tables.TableError as error:
-            raise ValueError(str(error)) from None
+    def _faults(self) -> Faults:
+        laws.tables.make_table(self.speed, self.moment, "linear", outside="hold", names=("speed", "moment"))
         if any(after <= before for before, after in pairwise(self.speed)):
-            raise ValueError("speed: every row must lie above the one before; a motor's torque doesn't jump")
-        return self
+            yield "speed: every row must lie above the one before; a motor's torque doesn't jump"
 
 
 class TableMotor(Motor, TableCharacteristic):
@@ -549,17 +520,15 @@ class TableMotor(Motor, TableCharacteristic):
 
     type: Literal["table_motor"]
 
-    @model_validator(mode="after")
-    def _stops_driving(self) -> "TableMotor":
+    def _faults(self) -> Faults:
         before, last = self.moment[-2:]
         if before < last or before == last > 0.0:
-            raise ValueError(
+            yield (
                 "moment: the last rows must fall, as a motor stops driving at its no-load speed; for a torque that "
                 "doesn't depend on the speed use type = 'constant' with role = 'driving'"
             )
         if not max(self.moment) > 0.0:
-            raise ValueError("moment: no row is above 0: a motor drives at some speed")
-        return self
+            yield "moment: no row is above 0: a motor drives at some speed"
 
     @property
     def no_load_speed(self) -> float:
@@ -620,8 +589,6 @@ class Spring(Part):
             raise ValueError(f"both ends are {between[0]!r}: name two points")
         return between
 
-    @model_validator(mode="after")
-    def _length_is_of_a_spring(self) -> "Spring":
+    def _faults(self) -> Faults:
         if self.gives("free_length") and "stiffness" not in self.model_fields_set:
-            raise ValueError("free_length has no meaning without stiffness; give stiffness, or leave it out")
-        return self
+            yield "free_length has no meaning without stiffness; give stiffness, or leave it out"

@@ -9,10 +9,10 @@ regimes that list it as `off`.
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.parts.actions import Interpolation, Moment, Time
-from engine.parts.skeleton import Density, GearedRef, Length, Number, Part
+from engine.parts.skeleton import Density, Faults, GearedRef, Length, Number, Part
 
 Share = Annotated[Number, Field(ge=0)]
 
@@ -31,20 +31,18 @@ class FrictionClutch(Part):
     over_time: Annotated[list[Time], Field(min_length=2)] | None = None
     share: list[Share] | None = None
 
-    @model_validator(mode="after")
-    def _grows_one_way(self) -> "FrictionClutch":
+    def _faults(self) -> Faults:
         if (self.over_time is None) != (self.share is None):
-            raise ValueError("over_time and share belong together: give both, or neither")
+            yield "over_time and share belong together: give both, or neither"
         if self.over_time is None:
-            return self
+            return
         if self.engagement is not None:
-            raise ValueError("engagement and a table over_time are given: give one of the two")
+            yield "engagement and a table over_time are given: give one of the two"
         if len(self.over_time) != len(self.share):
-            raise ValueError(f"over_time has {len(self.over_time)} rows, share {len(self.share)}: give as many of both")
+            yield f"over_time has {len(self.over_time)} rows, share {len(self.share)}: give as many of both"
         steps = zip(self.over_time, self.over_time[1:], strict=False)
         if self.over_time[0] < 0.0 or not all(before < after for before, after in steps):
-            raise ValueError("over_time counts from when the clutch is engaged: its rows must rise from 0 s or later")
-        return self
+            yield "over_time counts from when the clutch is engaged: its rows must rise from 0 s or later"
 
 
 class FluidCoupling(Part):
@@ -61,15 +59,13 @@ class FluidCoupling(Part):
     coefficient: list[Share]
     interpolation: Interpolation
 
-    @model_validator(mode="after")
-    def _table_is_sound(self) -> "FluidCoupling":
+    def _faults(self) -> Faults:
         if len(self.slip) != len(self.coefficient):
-            raise ValueError(f"slip has {len(self.slip)} rows, coefficient {len(self.coefficient)}: give as many")
+            yield f"slip has {len(self.slip)} rows, coefficient {len(self.coefficient)}: give as many"
         if self.slip[0] != 0.0 or self.coefficient[0] != 0.0:
-            raise ValueError("the table must begin with slip 0 and coefficient 0: without slip nothing is transmitted")
+            yield "the table must begin with slip 0 and coefficient 0: without slip nothing is transmitted"
         if not all(before < after for before, after in zip(self.slip, self.slip[1:], strict=False)):
-            raise ValueError("the rows of slip must rise")
-        return self
+            yield "the rows of slip must rise"
 
 
 Coupling = Annotated[FrictionClutch | FluidCoupling, Field(discriminator="type")]

@@ -2,10 +2,10 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.parts.actions import Role
-from engine.parts.skeleton import Angle, Length, Number, Part, Pressure, SliderRef
+from engine.parts.skeleton import Angle, Faults, Length, Number, Part, Pressure, SliderRef
 
 
 class Cylinder(Part):
@@ -36,11 +36,9 @@ class Compressor(Cylinder):
     n_expansion: Annotated[Number, Field(gt=0)] = 1.3
     role: Role = "useful"
 
-    @model_validator(mode="after")
-    def _compresses(self) -> "Compressor":
+    def _faults(self) -> Faults:
         if not self.suction < self.discharge:
-            raise ValueError("suction must be below discharge: a compressor raises the pressure")
-        return self
+            yield "suction must be below discharge: a compressor raises the pressure"
 
 
 class Pump(Cylinder):

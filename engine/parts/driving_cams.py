@@ -2,10 +2,10 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.parts.motion_programs import CamProgram, TouchesCam
-from engine.parts.skeleton import Angle, FrameGuide, FramePoint, LinkRef, Mode, Name, Positive, Refers
+from engine.parts.skeleton import Angle, Faults, FrameGuide, FramePoint, LinkRef, Mode, Name, Positive, Refers
 
 
 class SlidingFollower(TouchesCam):
@@ -53,7 +53,5 @@ class DrivingCam(CamProgram):
     follower: Annotated[SlidingFollower | SwingingFollower, Field(discriminator="type")]
     closure: Literal["spring", "form"] = "spring"
 
-    @model_validator(mode="after")
-    def _moves_masses(self) -> "DrivingCam":
-        self._check_no_jumps()
-        return self
+    def _faults(self) -> Faults:
+        yield from self._faults_of_jumps()

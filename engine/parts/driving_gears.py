@@ -4,9 +4,21 @@ import math
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from engine.parts.skeleton import Angle, FramePoint, GuideRef, Length, LinkRef, Name, NonZero, Number, Part, PointRef
+from engine.parts.skeleton import (
+    Angle,
+    Faults,
+    FramePoint,
+    GuideRef,
+    Length,
+    LinkRef,
+    Name,
+    NonZero,
+    Number,
+    Part,
+    PointRef,
+)
 
 # Lobes of a wheel and harmonics of a law; more would be teeth.
 MOST_LOBES, MOST_HARMONICS = 8, 12
@@ -50,11 +62,9 @@ class Pinion(ToothedBar):
     guide: GuideRef | None = None
     phase: Angle = 0.0
 
-    @model_validator(mode="after")
-    def _has_one_rack(self) -> "Pinion":
+    def _faults(self) -> Faults:
         if (self.rack is None) == (self.guide is None):
-            raise ValueError("give either rack, the slider that drives it, or guide, along which a fixed rack lies")
-        return self
+            yield "give either rack, the slider that drives it, or guide, along which a fixed rack lies"
 
 
 class EllipticalLaw(Part):
@@ -82,8 +92,7 @@ class HarmonicLaw(Part):
     type: Literal["harmonic"]
     harmonics: Annotated[dict[Name, RateHarmonic], Field(min_length=1)]
 
-    @model_validator(mode="after")
-    def _never_reverses(self) -> "HarmonicLaw":
+    def _faults(self) -> Faults:
         # 30 points per period of the highest harmonic.
         angles = np.linspace(0.0, 2.0 * math.pi, 30 * MOST_HARMONICS + 1)
         terms = [
@@ -92,11 +101,10 @@ class HarmonicLaw(Part):
         speeds = 1.0 + sum(terms)
         if speeds.min() <= 0.0:
             place = math.degrees(angles[speeds.argmin()])
-            raise ValueError(
+            yield (
                 f"harmonics: the driven wheel would stand or turn back {place:.0f}° after the law's beginning, where "
                 f"its speed is {speeds.min():.3g} of the mean; wheels in mesh can't do that: make coefficients smaller"
             )
-        return self
 
 
 class NoncircularWheel(Part):

@@ -8,10 +8,10 @@ from collections.abc import Mapping
 from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine import laws
-from engine.parts.skeleton import Angle, Length, Name, Part, Positive
+from engine.parts.skeleton import Angle, Faults, Length, Name, Part, Positive
 
 LawName = Literal[
     "uniform",
@@ -70,17 +70,12 @@ class MotionTable(Part):
     swing: list[Angle] | None = None
     interpolation: Literal["spline", "pchip"] = "spline"
 
-    @model_validator(mode="after")
-    def _makes_a_table(self) -> "MotionTable":
+    def _faults(self) -> Faults:
         if (self.lift is None) == (self.swing is None):
-            raise ValueError("give lift for a slider or swing for a rotating link, not both")
+            yield "give lift for a slider or swing for a rotating link, not both"
         key = "lift" if self.swing is None else "swing"
         names = ("over_angle", key)
-        try:
-            laws.tables.make_table(self.over_angle, self.rows, self.interpolation, 2 * math.pi, names=names)
-        except laws.tables.TableError as error:
-            raise ValueError(str(error)) from None
-        return self
+        laws.tables.make_table(self.over_angle, self.rows, self.interpolation, 2 * math.pi, names=names)
 
     @property
     def rows(self) -> list[float]:
@@ -104,42 +99,40 @@ class MotionProgram(Part):
         """Net motion per turn [m or rad]; 0 for a follower."""
         return 0.0
 
-    @model_validator(mode="after")
-    def _closes(self) -> "MotionProgram":
+    def _faults(self) -> Faults:
         if self.sections and self.table is not None:
-            raise ValueError(_ONE_PROGRAM)
-        self._check_stroke()
+            yield (_ONE_PROGRAM)
+        yield from self._faults_of_strokes()
         if self.sections:
-            self._check_angles()
-        return self
+            yield from self._faults_of_angles()
 
-    def _check_stroke(self) -> None:
+    def _faults_of_strokes(self) -> Faults:
         right, wrong = ("lift", "swing") if self.translating else ("swing", "lift")
         parts = {f"sections.{name}": section for name, section in self.sections.items()}
         for place, part in (parts | ({"table": self.table} if self.table else {})).items():
             if getattr(part, wrong, None) is not None:
                 moves = "slides" if self.translating else "turns"
-                raise ValueError(f"{place}.{wrong}: what moves here {moves}; give {right} instead")
+                yield f"{place}.{wrong}: what moves here {moves}; give {right} instead"
             if isinstance(part, RiseSection) and getattr(part, right) is None:
-                raise ValueError(f"{place}.{right} is missing: say how far it moves away")
+                yield f"{place}.{right} is missing: say how far it moves away"
 
-    def _check_angles(self) -> None:
+    def _faults_of_angles(self) -> Faults:
         angles = [section.angle for section in self.sections.values()]
         whole = sum(angle for angle in angles if angle is not None)
         total = f"the angles of the sections add up to {math.degrees(whole):g} deg"
         if angles.count(None) > 1:
-            raise ValueError("angle: only one section may omit it; that section takes the rest of the turn")
+            yield "angle: only one section may omit it; that section takes the rest of the turn"
         if angles.count(None) == 1 and not whole < 2 * math.pi:
-            raise ValueError(f"{total}: nothing is left for the section without an angle; make one smaller")
+            yield f"{total}: nothing is left for the section without an angle; make one smaller"
         if None not in angles and abs(whole - 2 * math.pi) > CLOSING:
-            raise ValueError(f"{total}, not to 360 deg; leave out one angle, and it follows")
+            yield f"{total}, not to 360 deg; leave out one angle, and it follows"
         left = 0.0
         for name, section in self.sections.items():
             if isinstance(section, ReturnSection) and not left > 0.0:
-                raise ValueError(f"sections.{name}: the follower is back already; a return comes after a rise")
+                yield f"sections.{name}: the follower is back already; a return comes after a rise"
             left = self._after(section, left)
         if abs(left - self.advance) > CLOSING * self._maximum_stroke():
-            raise ValueError(f"the motion ends the turn {left:g} away from where it began; add a return")
+            yield f"the motion ends the turn {left:g} away from where it began; add a return"
 
     def _after(self, section: Section, before: float) -> float:
         match section:
@@ -157,11 +150,10 @@ class MotionProgram(Part):
         """Stroke of a section; None for a complete return."""
         return section.lift if self.translating else section.swing
 
-    def _check_no_jumps(self) -> None:
-        """Reject laws with velocity jumps."""
+    def _faults_of_jumps(self) -> Faults:
         for name, section in self.sections.items():
             if getattr(section, "law", None) == "uniform":
-                raise ValueError(
+                yield (
                     f"sections.{name}.law: at both ends of a uniform motion velocities jump, and with them all that "
                     "has mass; take another law, such as 'modified sine'"
                 )
@@ -170,15 +162,13 @@ class MotionProgram(Part):
 class TouchesCam(Part):
     """A follower, by its `contact` with the cam: a roller of some radius, a flat face, or a knife edge."""
 
-    @model_validator(mode="after")
-    def _contact_fits(self) -> "TouchesCam":
+    def _faults(self) -> Faults:
         if self.contact == "roller" and self.roller_radius is None:
-            raise ValueError("roller_radius is missing: contact = 'roller' needs it")
+            yield "roller_radius is missing: contact = 'roller' needs it"
         if self.contact != "roller" and self.roller_radius is not None:
-            raise ValueError(f"roller_radius goes with contact = 'roller'; the contact is {self.contact!r}")
+            yield f"roller_radius goes with contact = 'roller'; the contact is {self.contact!r}"
         if self.type == "oscillating" and (self.arm is None) != (self.contact == "flat"):
-            raise ValueError("arm is the distance of a roller or knife edge from the pivot; a flat face has none")
-        return self
+            yield "arm is the distance of a roller or knife edge from the pivot; a flat face has none"
 
 
 class CamProgram(MotionProgram):
@@ -191,13 +181,11 @@ class CamProgram(MotionProgram):
         """Whether the follower translates."""
         return self.follower.type == "translating"
 
-    @model_validator(mode="after")
-    def _has_one(self) -> "CamProgram":
+    def _faults(self) -> Faults:
         if not self.sections and self.table is None:
-            raise ValueError(_ONE_PROGRAM)
+            yield (_ONE_PROGRAM)
         if self.closure == "form" and self.follower.contact != "roller":
-            raise ValueError("closure = 'form' is a groove, in which a roller runs; give contact = 'roller'")
-        return self
+            yield "closure = 'form' is a groove, in which a roller runs; give contact = 'roller'"
 
 
 class Sections(NamedTuple):

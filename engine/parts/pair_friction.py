@@ -1,11 +1,11 @@
 """Friction in the pairs of a scene, `[friction.NAME]`."""
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.laws.friction.coefficients import SLIDING, STATIC_AND_KINETIC
-from engine.parts.skeleton import Angle, Number, Part, Positive, Refers, Speed
+from engine.parts.skeleton import Angle, Faults, Number, Part, Positive, Refers, Speed
 from engine.words.glossary import did_you_mean
 
 # Kinetic coefficients; the middle of a range.
@@ -28,6 +28,8 @@ class PairFriction(Part):
     `static_coefficient` with `stribeck_speed` raises the coefficient at low sliding speeds.
     """
 
+    one_of: ClassVar = (("coefficient", "material"),)
+
     pair: Annotated[str, Refers("pair")]
     coefficient: Annotated[Number, Field(ge=0)] | None = None
     material: str | None = None
@@ -40,16 +42,12 @@ class PairFriction(Part):
     static_coefficient: Annotated[Number, Field(ge=0)] | None = None
     stribeck_speed: Annotated[Speed, Field(gt=0)] | None = None
 
-    @model_validator(mode="after")
-    def _coefficient_is_known(self) -> "PairFriction":
-        if (self.coefficient is None) == (self.material is None):
-            raise ValueError("give coefficient or material, one of the two")
+    def _faults(self) -> Faults:
         if self.material is not None and self.material not in MATERIALS:
-            raise ValueError(f"material {self.material!r} is not known; {did_you_mean(self.material, MATERIALS)}")
+            yield f"material {self.material!r} is not known; {did_you_mean(self.material, MATERIALS)}"
         if (self.static_coefficient is None) != (self.stribeck_speed is None):
-            raise ValueError("static_coefficient and stribeck_speed belong together: give both, or neither")
+            yield "static_coefficient and stribeck_speed belong together: give both, or neither"
         if self.contact is not None and self.above_prismatic is not None:
-            raise ValueError("contact and above_prismatic both describe the contact of a journal: give one of the two")
+            yield "contact and above_prismatic both describe the contact of a journal: give one of the two"
         if (self.form == "vee") != (self.vee_angle is not None):
-            raise ValueError("vee_angle goes with form = 'vee': give both, or neither")
-        return self
+            yield "vee_angle goes with form = 'vee': give both, or neither"

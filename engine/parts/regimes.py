@@ -16,7 +16,7 @@ from itertools import pairwise
 from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
-from pydantic import BeforeValidator, Field, field_validator, model_validator
+from pydantic import BeforeValidator, Field, field_validator
 
 from engine.parts.actions import Time
 from engine.parts.skeleton import (
@@ -24,6 +24,7 @@ from engine.parts.skeleton import (
     Angle,
     AngularSpeed,
     CrankInput,
+    Faults,
     Length,
     Number,
     Part,
@@ -83,11 +84,9 @@ class Instants(Part):
             raise ValueError("counted from the start of the run, in ascending order")
         return values
 
-    @model_validator(mode="after")
-    def _one_kind(self) -> "Instants":
+    def _faults(self) -> Faults:
         if (self.times is None) == (self.angles is None):
-            raise ValueError("give either times or angles, such as times = '0 s to 2 s, 201'")
-        return self
+            yield "give either times or angles, such as times = '0 s to 2 s, 201'"
 
 
 class SteadyRegime(Part):
@@ -139,24 +138,20 @@ class RunRegime(Part):
     method: Literal["rk4"] | None = None
     steps_per_turn: Annotated[int, Field(ge=8, le=4096)] | None = None
 
-    @model_validator(mode="after")
-    def _steps_of_a_method(self) -> "RunRegime":
+    def _faults(self) -> Faults:
         if (self.method is None) != (self.steps_per_turn is None):
-            raise ValueError("method = 'rk4' and steps_per_turn, such as 64, go together: give both or neither")
-        return self
+            yield "method = 'rk4' and steps_per_turn, such as 64, go together: give both or neither"
 
-    @model_validator(mode="after")
-    def _ends_once(self) -> "RunRegime":
+    def _faults(self) -> Faults:
         given = [key for key in ENDS if getattr(self, key) is not None]
         if len(given) != 1:
             what = "none is" if not given else f"{' and '.join(given)} are"
-            raise ValueError(
+            yield (
                 f"a run ends after cycles, after a time, at a speed or at rest: {what} given; give exactly one of "
                 "cycles, time, speed, rest = true, reversal = true (where it first stands still, be it for a moment), "
                 "velocity of a sliding input, end_of_range = true of an input that doesn't turn fully, or with a "
                 "clutch lock_up = true"
             )
-        return self
 
 
 class RunKeys(NamedTuple):

@@ -3,10 +3,22 @@
 import math
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.parts.motion_programs import MotionProgram
-from engine.parts.skeleton import Angle, AngularSpeed, GuideRef, Length, Name, Number, Part, PointRef, Refers, Time
+from engine.parts.skeleton import (
+    Angle,
+    AngularSpeed,
+    Faults,
+    GuideRef,
+    Length,
+    Name,
+    Number,
+    Part,
+    PointRef,
+    Refers,
+    Time,
+)
 
 # Harmonics above this order would be vibration.
 _MOST_ORDER = 24
@@ -49,22 +61,20 @@ class MovedByLaw(MotionProgram):
         """Whether parts of its motion repeat with each turn of τ."""
         return bool(self.harmonics or self.sections or self.table)
 
-    @model_validator(mode="after")
-    def _has_one_argument(self) -> "MovedByLaw":
+    def _faults(self) -> Faults:
         if self.period is not None and self.travel is not None:
-            raise ValueError("give either period (a law of time) or travel (a law of the first input)")
+            yield "give either period (a law of time) or travel (a law of the first input)"
         lost = self.gives("period", "travel")
         if lost and not self.repeats and getattr(self, "ratio", 0.0) == 0.0:
-            raise ValueError(f"{lost[0]} has no meaning without a ratio, harmonics, sections or a table")
+            yield f"{lost[0]} has no meaning without a ratio, harmonics, sections or a table"
         if self.gives("begin") and not self.sections and self.table is None:
-            raise ValueError("begin has no meaning without sections or a table; leave it out")
+            yield "begin has no meaning without sections or a table; leave it out"
         if self.drive == "crank" and (self.period is not None or getattr(self, "speed", 0.0) != 0.0):
             key = "speed" if self.period is None else "period"
-            raise ValueError(
+            yield (
                 f"{key}: with drive = 'crank' the input follows the crank angle, not time; leave {key} out, or set "
                 "drive = 'own'"
             )
-        return self
 
 
 class SecondCrank(MovedByLaw):
@@ -97,17 +107,15 @@ class SecondCrank(MovedByLaw):
             before = self._after(section, before)
         return before
 
-    @model_validator(mode="after")
-    def _moves(self) -> "SecondCrank":
+    def _faults(self) -> Faults:
         if self.ratio == 0.0 and self.speed == 0.0 and not self.repeats:
-            raise ValueError("this link never moves: give a ratio, a speed, harmonics, sections or a table")
+            yield "this link never moves: give a ratio, a speed, harmonics, sections or a table"
         if self.advance < 0.0:
-            raise ValueError(
+            yield (
                 f"sections: the returns exceed the rises by {math.degrees(-self.advance):g} deg; shorten a return, or "
                 "omit its swing for a full return"
             )
-        self._check_no_jumps()
-        return self
+        yield from self._faults_of_jumps()
 
 
 class SecondSlider(MovedByLaw):
@@ -129,12 +137,10 @@ class SecondSlider(MovedByLaw):
         """Whether it translates."""
         return True
 
-    @model_validator(mode="after")
-    def _moves(self) -> "SecondSlider":
+    def _faults(self) -> Faults:
         if not self.repeats:
-            raise ValueError("this link never moves: give harmonics, sections or a table")
-        self._check_no_jumps()
-        return self
+            yield "this link never moves: give harmonics, sections or a table"
+        yield from self._faults_of_jumps()
 
 
 SecondInput = Annotated[SecondCrank | SecondSlider, Field(discriminator="type")]

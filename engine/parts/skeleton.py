@@ -44,6 +44,9 @@ FRAME = "frame"
 # Definition of the coefficient of speed fluctuation: relative to the mean of both speeds, not to the mean over time.
 OF_FLUCTUATION = "2 (ω_max − ω_min)/(ω_max + ω_min)"
 
+# What is wrong with a part, in words; only the first fault counts.
+Faults = Iterator[str]
+
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*$")]
 
 
@@ -135,6 +138,8 @@ class Part(BaseModel):
     ----------
     one_of, at_most_one_of : tuple of tuple of str
         Optional keys of which a class requires exactly one, and of which it allows one, in addition to its bases.
+
+    A class that has more to check, or that computes what can fail with a `ValueError`, defines `_faults`.
     """
 
     one_of: ClassVar[tuple[tuple[str, ...], ...]] = ()
@@ -142,8 +147,9 @@ class Part(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     @model_validator(mode="after")
-    def _alternatives(self) -> "Part":
-        for kind in type(self).__mro__:
+    def _is_sound(self) -> "Part":
+        kinds = type(self).__mro__
+        for kind in kinds:
             for keys in vars(kind).get("one_of", ()):
                 if sum(getattr(self, key) is not None for key in keys) != 1:
                     raise ValueError(f"give {' or '.join(keys)}, one of the two")
@@ -151,6 +157,9 @@ class Part(BaseModel):
                 given = [key for key in keys if getattr(self, key) is not None]
                 if len(given) > 1:
                     raise ValueError(f"{' and '.join(given)} are given; give one of {', '.join(keys)}, or none")
+        for kind in reversed(kinds):
+            for fault in vars(kind)["_faults"](self) or () if "_faults" in vars(kind) else ():
+                raise ValueError(fault)
         return self
 
     def numbers_within(self, path: str = "") -> Iterator[tuple[str, SceneNumber]]:
@@ -295,15 +304,13 @@ class CrankInput(Part):
         """Whether the machine has a closed cycle."""
         return self.start is None
 
-    @model_validator(mode="after")
-    def _limits_come_together(self) -> "CrankInput":
+    def _faults(self) -> Faults:
         if (self.start is None) != (self.stop is None):
-            raise ValueError("start and stop belong together: give both, or neither for full revolutions")
+            yield "start and stop belong together: give both, or neither for full revolutions"
         if self.start is not None and not self.stop > self.start:
-            raise ValueError("stop must be greater than start")
+            yield "stop must be greater than start"
         if self.start is not None and self.gives("revolutions"):
-            raise ValueError("revolutions are those of a cycle, and from start to stop there is none; leave them out")
-        return self
+            yield "revolutions are those of a cycle, and from start to stop there is none; leave them out"
 
 
 class SliderInput(Part):
@@ -323,11 +330,9 @@ class SliderInput(Part):
     stop: Length
     speed: Annotated[Speed, _RUNS]
 
-    @model_validator(mode="after")
-    def _travels(self) -> "SliderInput":
+    def _faults(self) -> Faults:
         if self.start == self.stop:
-            raise ValueError("start and stop are the same: give the two ends of its travel")
-        return self
+            yield "start and stop are the same: give the two ends of its travel"
 
 
 class Hinged(Part):
@@ -432,22 +437,20 @@ class FreeLink(Part):
     guide: GuideRef | None = None
     offset: Length = 0.0
 
-    @model_validator(mode="after")
-    def _is_a_bar_or_slides(self) -> "FreeLink":
+    def _faults(self) -> Faults:
         allowed = 2 if self.guide is None else 1
         if len(self.joints) > allowed:
             on_guide = "" if self.guide is None else " on a guide"
-            raise ValueError(
+            yield (
                 f"joints names {len(self.joints)} points; a link{on_guide} takes up to {allowed}: make the others "
                 'points of this link, [points] NAME = { link = "…", x = …, y = … }, and name them at the other links'
             )
         if len(set(self.joints)) < len(self.joints):
-            raise ValueError(f"joints names {self.joints[0]!r} twice; name two points")
+            yield f"joints names {self.joints[0]!r} twice; name two points"
         if (len(self.joints) == 2) != (self.length is not None):
-            raise ValueError("length is the distance of two joints: give both, or neither")
+            yield "length is the distance of two joints: give both, or neither"
         if self.guide is None and self.offset != 0.0:
-            raise ValueError("offset is the distance from a guide; give guide, or leave offset out")
-        return self
+            yield "offset is the distance from a guide; give guide, or leave offset out"
 
 
 class Near(Part):
@@ -481,11 +484,9 @@ class Ring(Part):
     inner_diameter: Annotated[Length, Field(gt=0)]
     thickness: Annotated[Length, Field(gt=0)] | None = None
 
-    @model_validator(mode="after")
-    def _inner_inside_outer(self) -> "Ring":
+    def _faults(self) -> Faults:
         if not self.inner_diameter < self.diameter:
-            raise ValueError("inner_diameter must be less than diameter")
-        return self
+            yield "inner_diameter must be less than diameter"
 
 
 class Plate(Part):
@@ -516,16 +517,14 @@ class CompoundPendulum(Swinging):
     type: Literal["compound"]
     distance: Annotated[Length, Field(gt=0)]
 
-    @model_validator(mode="after")
-    def _slower_than_a_point(self) -> "CompoundPendulum":
+    def _faults(self) -> Faults:
         least = 2 * math.pi * math.sqrt(self.distance / self.gravity)
         if self.period < least:
-            raise ValueError(
+            yield (
                 f"period = {self.period:g} s: no body swings faster than a point mass at distance = "
                 f"{quantity_text(self.distance, 'm')}, in {least:.4g} s; give a longer period "
                 f"(there and back) or a shorter distance"
             )
-        return self
 
 
 class BifilarSuspension(Swinging):
@@ -559,20 +558,18 @@ class Replacement(Part):
     at: tuple[Name, ...]
     mass: Mass | None = None
 
-    @model_validator(mode="after")
-    def _points_suffice(self) -> "Replacement":
+    def _faults(self) -> Faults:
         allowed = {"static": (2, 3), "dynamic": (1, 2, 3, 4)}[self.type]
         if len(self.at) not in allowed:
             listed = f"{', '.join(map(str, allowed[:-1]))} or {allowed[-1]}"
-            raise ValueError(f"at names {len(self.at)} points; a {self.type} replacement takes {listed}")
+            yield f"at names {len(self.at)} points; a {self.type} replacement takes {listed}"
         if len(set(self.at)) < len(self.at):
-            raise ValueError(f"at names a point twice: {', '.join(self.at)}; name each once")
+            yield f"at names a point twice: {', '.join(self.at)}; name each once"
         by_mass = self.type == "dynamic" and len(self.at) == 2
         if by_mass and self.mass is None:
-            raise ValueError(f"two points need the mass at the first, {self.at[0]!r}: give mass; or name one point")
+            yield f"two points need the mass at the first, {self.at[0]!r}: give mass; or name one point"
         if self.mass is not None and not by_mass:
-            raise ValueError("mass belongs to a dynamic replacement at two points; leave it out, masses are found")
-        return self
+            yield "mass belongs to a dynamic replacement at two points; leave it out, masses are found"
 
 
 class Body(Part):
@@ -595,27 +592,25 @@ class Body(Part):
     swing: Swing | None = None
     replace: Replacement | None = None
 
-    @model_validator(mode="after")
-    def _mass_is_known(self) -> "Body":
+    def _faults(self) -> Faults:
         if self.swing is not None and (self.inertia is not None or self.shape is not None):
             other = "inertia" if self.shape is None else "shape"
-            raise ValueError(f"inertia follows from the swing; give swing or {other}, one of the two")
+            yield f"inertia follows from the swing; give swing or {other}, one of the two"
         if self.shape is None:
             if self.density is not None:
-                raise ValueError("density needs a shape; give shape, or mass instead of density")
+                yield "density needs a shape; give shape, or mass instead of density"
             if self.mass is None:
-                raise ValueError("give mass (with inertia), or a shape with density")
-            return self
+                yield "give mass (with inertia), or a shape with density"
+            return
         thickness = "area" if self.shape.type == "rod" else "thickness"
         if self.density is None and self.shape.gives(thickness):
-            raise ValueError(f"shape.{thickness} has no meaning where the mass is given; leave it out, or give density")
+            yield f"shape.{thickness} has no meaning where the mass is given; leave it out, or give density"
         if self.inertia is not None:
-            raise ValueError("inertia follows from the shape; give one of the two")
+            yield "inertia follows from the shape; give one of the two"
         if (self.mass is None) == (self.density is None):
-            raise ValueError("with a shape, give either mass or density")
+            yield "with a shape, give either mass or density"
         if self.density is not None and getattr(self.shape, thickness) is None:
-            raise ValueError(f"density needs shape.{thickness}; give it, or give mass instead of density")
-        return self
+            yield f"density needs shape.{thickness}; give it, or give mass instead of density"
 
 
 class AcceleratedBase(Part):
@@ -658,12 +653,10 @@ class Shaft(Part):
     phase: Angle = 0.0
     around: Angle = 0.0
 
-    @model_validator(mode="after")
-    def _has_an_angle(self) -> "Shaft":
+    def _faults(self) -> Faults:
         lost = self.gives("phase", "around")
         if self.pivot is None and lost:
-            raise ValueError(f"{lost[0]}: without a pivot this shaft has no angle; give pivot, or leave {lost[0]} out")
-        return self
+            yield f"{lost[0]}: without a pivot this shaft has no angle; give pivot, or leave {lost[0]} out"
 
 
 # Keys that apply to some types of wheels only.
@@ -699,23 +692,21 @@ class WheelForm(Part):
     hub_diameter: Annotated[Length, Field(gt=0)] | None = None
     hub_width: Annotated[Length, Field(gt=0)] | None = None
 
-    @model_validator(mode="after")
-    def _arms_are_described(self) -> "WheelForm":
+    def _faults(self) -> Faults:
         missing = [k for k in ("arm_area", "hub_diameter", "hub_width") if getattr(self, k) is None]
         if self.type == "arms" and missing:
-            raise ValueError(f"a wheel with arms needs {', '.join(missing)}")
+            yield f"a wheel with arms needs {', '.join(missing)}"
         if self.density is not None and self.rim_speed_limit is not None and self.gives("material"):
-            raise ValueError("material: it has no effect with density and rim_speed_limit; remove it")
+            yield "material: it has no effect with density and rim_speed_limit; remove it"
         for keys, types in _OF_WHEELS.items():
             lost = self.gives(*keys)
             if lost and self.type not in types:
-                raise ValueError(f"{lost[0]} belongs to a wheel of type {' or '.join(map(repr, types))}; leave it out")
+                yield f"{lost[0]} belongs to a wheel of type {' or '.join(map(repr, types))}; leave it out"
         mean = self.type == "mean rim"
         wrong = "diameter" if mean else "mean_diameter"
         if getattr(self, wrong) is not None:
             right = "mean_diameter" if mean else "diameter"
-            raise ValueError(f"{wrong} doesn't belong to a wheel of type {self.type!r}; give {right}, or neither")
-        return self
+            yield f"{wrong} doesn't belong to a wheel of type {self.type!r}; give {right}, or neither"
 
 
 class Flywheel(Part):

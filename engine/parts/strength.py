@@ -2,9 +2,9 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from engine.parts.skeleton import LinkRef, Number, Part, Positive, Refers
+from engine.parts.skeleton import Faults, LinkRef, Number, Part, Positive, Refers
 
 # The materials of `engine.laws.buckling`.
 StrutMaterialName = Literal["S235", "E335", "grey cast iron"]
@@ -36,11 +36,9 @@ class Strut(Part):
     thickness: Positive | None = None
     end_fixity: Annotated[Number, Field(gt=0)] = 1.0
 
-    @model_validator(mode="after")
-    def _section_is_known(self) -> "Strut":
+    def _faults(self) -> Faults:
         round_one, flat_one = self.diameter is not None, self.width is not None and self.thickness is not None
         if round_one == flat_one or (round_one and (self.width or self.thickness)):
-            raise ValueError("give the diameter of a round rod, or width and thickness of a flat one")
+            yield "give the diameter of a round rod, or width and thickness of a flat one"
         if self.inner_diameter is not None and not (round_one and self.inner_diameter < self.diameter):
-            raise ValueError("inner_diameter belongs to a tube: give a larger diameter with it")
-        return self
+            yield "inner_diameter belongs to a tube: give a larger diameter with it"

@@ -3,11 +3,22 @@
 import math
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine import laws
 from engine.parts.actions import Interpolation
-from engine.parts.skeleton import Angle, CrankInput, Length, LinkRef, Part, PointRef, Refers, SliderInput, SliderRef
+from engine.parts.skeleton import (
+    Angle,
+    CrankInput,
+    Faults,
+    Length,
+    LinkRef,
+    Part,
+    PointRef,
+    Refers,
+    SliderInput,
+    SliderRef,
+)
 
 # Each place adds a curve whose minimum is computed.
 MOST_PLACES = 100
@@ -24,13 +35,11 @@ class WantedPath(Part):
     x: list[Length]
     y: list[Length]
 
-    @model_validator(mode="after")
-    def _has_places(self) -> "WantedPath":
+    def _faults(self) -> Faults:
         if len(self.x) != len(self.y):
-            raise ValueError(f"x has {len(self.x)} rows, y has {len(self.y)}; give one y for every x")
+            yield f"x has {len(self.x)} rows, y has {len(self.y)}; give one y for every x"
         if not 1 <= len(self.x) <= MOST_PLACES:
-            raise ValueError(f"x has {len(self.x)} rows; give 1 to {MOST_PLACES} places")
-        return self
+            yield f"x has {len(self.x)} rows; give 1 to {MOST_PLACES} places"
 
 
 class _OverAngle(Part):
@@ -48,13 +57,8 @@ class _OverAngle(Part):
         """Displacements [m] or angles [rad] of the rows."""
         return getattr(self, self.rows)
 
-    @model_validator(mode="after")
-    def _rows_make_a_table(self) -> "_OverAngle":
-        try:
-            laws.tables.make_table(self.over_angle, self.wanted, self.interpolation, names=("over_angle", self.rows))
-        except laws.tables.TableError as error:
-            raise ValueError(str(error)) from None
-        return self
+    def _faults(self) -> Faults:
+        laws.tables.make_table(self.over_angle, self.wanted, self.interpolation, names=("over_angle", self.rows))
 
 
 class WantedSlide(_OverAngle):

@@ -16,12 +16,12 @@ import math
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.cycle.regula_falsi import regula_falsi
 from engine.elements.element import Columns, Element, ElementResult, Numbers
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, path, plan
-from engine.parts.skeleton import AngularSpeed, Length, Mass, Number, Speed
+from engine.parts.skeleton import AngularSpeed, Faults, Length, Mass, Number, Speed
 from engine.units.display import quantity_text
 
 # Samples of a curve; number of lever positions drawn.
@@ -58,14 +58,12 @@ class RotatingGuide(Element):
     length: Annotated[Length, Field(gt=0)]
     friction: Annotated[Number, Field(ge=0)] = 0.0
 
-    @model_validator(mode="after")
-    def _has_a_way(self) -> "RotatingGuide":
+    def _faults(self) -> Faults:
         if not self.start_radius < self.length:
-            raise ValueError(
+            yield (
                 f"length = {quantity_text(self.length, 'm')} is not above start_radius = "
                 f"{quantity_text(self.start_radius, 'm')}: the body slides out"
             )
-        return self
 
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name."""

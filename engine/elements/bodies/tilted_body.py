@@ -12,12 +12,12 @@ import math
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.elements.element import Columns, Element, ElementResult, Numbers
 from engine.elements.panels import Panel, path, plan
 from engine.laws.rounding import EPS
-from engine.parts.skeleton import Angle, AngularSpeed, Inertia, Length, Mass, Positive
+from engine.parts.skeleton import Angle, AngularSpeed, Faults, Inertia, Length, Mass, Positive
 
 MOMENTS = ("inertia_x", "inertia_y", "inertia_z")
 SEMI_AXES = ("semi_axis_x", "semi_axis_y", "semi_axis_z")
@@ -75,14 +75,12 @@ class TiltedBody(Element):
     z: Length = 0.0
     speed: AngularSpeed | None = None
 
-    @model_validator(mode="after")
-    def _one_shape(self) -> "TiltedBody":
+    def _faults(self) -> Faults:
         moments, axes = ([getattr(self, key) is not None for key in keys] for keys in (MOMENTS, SEMI_AXES))
         if not (all(moments) and not any(axes)) and not (all(axes) and not any(moments)):
-            raise ValueError(f"give {', '.join(MOMENTS)}, or {', '.join(SEMI_AXES)} of an ellipsoid: all three of one")
+            yield f"give {', '.join(MOMENTS)}, or {', '.join(SEMI_AXES)} of an ellipsoid: all three of one"
         if all(axes) and (self.product_xy or self.product_yz or self.product_zx):
-            raise ValueError("products belong to given moments: an ellipsoid has none about its own axes")
-        return self
+            yield "products belong to given moments: an ellipsoid has none about its own axes"
 
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name; NaN if no body has such moments of inertia."""

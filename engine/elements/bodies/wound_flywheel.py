@@ -21,13 +21,13 @@ from collections.abc import Mapping
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.elements.element import Columns, Element, ElementResult, Numbers
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.elements.sampled_peak import sampled_peak
 from engine.laws.masses.moments_of_inertia import ring_inertia
-from engine.parts.skeleton import AngularSpeed, Number, Positive, Pressure, quantity
+from engine.parts.skeleton import AngularSpeed, Faults, Number, Positive, Pressure, quantity
 from engine.units.display import quantity_text
 
 _PLACES, _SHOWN = 65, 721
@@ -69,17 +69,15 @@ class WoundFlywheel(Element):
     speed: Annotated[AngularSpeed, Field(gt=0)]
     strength: Annotated[Pressure, Field(gt=0)] | None = None
 
-    @model_validator(mode="after")
-    def _from_inside_out(self) -> "WoundFlywheel":
+    def _faults(self) -> Faults:
         if not self.bore < self.winding_diameter < self.diameter:
-            raise ValueError(
+            yield (
                 f"bore = {quantity_text(self.bore, 'm')}, winding_diameter = "
                 f"{quantity_text(self.winding_diameter, 'm')}, diameter = "
                 f"{quantity_text(self.diameter, 'm')}: give them ascending, the winding lies outside the ring"
             )
         if self.strength is not None and not self.winding_stress < self.strength:
-            raise ValueError("winding_stress must be below strength: the tape would tear while it is wound")
-        return self
+            yield "winding_stress must be below strength: the tape would tear while it is wound"
 
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name; NaN if the radii do not ascend."""

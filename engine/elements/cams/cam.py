@@ -5,7 +5,7 @@ from enum import IntEnum
 from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.elements.cams.cam_curves import cam_curves
 from engine.elements.cams.followers import CamLimits, LineContact, OscillatingFollower, TranslatingFollower
@@ -17,7 +17,7 @@ from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.laws.cams.profiles import pressure_of_lines
 from engine.laws.rounding import EPS
 from engine.parts.motion_programs import TURN, CamProgram, sections_of
-from engine.parts.skeleton import AngularSpeed, Positive
+from engine.parts.skeleton import AngularSpeed, Faults, Positive
 from engine.words.verdicts import Verdict
 
 # The diagram omits curvatures above this multiple of the base circle's: they are infinite at edges.
@@ -95,14 +95,12 @@ class CamElement(CamProgram, Element):
     limits: CamLimits | None = None
     cutter_radius: Positive | None = None
 
-    @model_validator(mode="after")
-    def _contact_fits(self) -> "CamElement":
+    def _faults(self) -> Faults:
         if self.line_contact is not None and (self.follower.contact == "knife edge" or self.follower.moved is None):
             key = "mass" if self.translating else "inertia"
-            raise ValueError(f"line_contact: the pressure is that of a roller or flat face of known follower.{key}")
+            yield f"line_contact: the pressure is that of a roller or flat face of known follower.{key}"
         if self.follower.contact == "flat" and self.limits is not None and self.limits.pressure_angle is not None:
-            raise ValueError("limits.pressure_angle: a flat face has none; give limits.convex_radius alone")
-        return self
+            yield "limits.pressure_angle: a flat face has none; give limits.convex_radius alone"
 
     def results(self) -> tuple[ElementResult, ...]:
         """Results for shape and motion, for forces if the follower's mass is known, and for the limits."""

@@ -3,22 +3,22 @@
 import math
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.parts.actions import Force, Moment
 from engine.parts.motion_programs import TouchesCam
-from engine.parts.skeleton import Angle, Inertia, Length, Mass, Number, Part, Positive, quantity
+from engine.parts.skeleton import Angle, Faults, Inertia, Length, Mass, Number, Part, Positive, quantity
 
 NotNegative = Annotated[Length, Field(ge=0)]
 Stiffness = Annotated[quantity("stiffness"), Field(ge=0)]
 TorsionalStiffness = Annotated[quantity("torsional_stiffness"), Field(ge=0)]
 
 
-def _check_forces(follower: Part, moved: str) -> None:
-    """Raise ValueError if spring or load are given without the mass or inertia that forces require."""
+def _faults_of_forces(follower: Part, moved: str) -> Faults:
+    """Spring or load without the mass or inertia that forces require."""
     lost = follower.gives("preload", "stiffness", "load")
     if lost and getattr(follower, moved) is None:
-        raise ValueError(f"{lost[0]} matters to forces, which need the follower's {moved}: give that, or leave it out")
+        yield f"{lost[0]} matters to forces, which need the follower's {moved}: give that, or leave it out"
 
 
 class TranslatingFollower(TouchesCam):
@@ -40,17 +40,15 @@ class TranslatingFollower(TouchesCam):
     guide_length: Positive | None = None
     overhang: NotNegative | None = None
 
-    @model_validator(mode="after")
-    def _forces_fit(self) -> "TranslatingFollower":
-        _check_forces(self, "mass")
+    def _faults(self) -> Faults:
+        yield from _faults_of_forces(self, "mass")
         given = [self.friction is None, self.guide_length is None, self.overhang is None]
         if any(given) and not all(given):
-            raise ValueError("friction, guide_length and overhang belong together: give all three, or none")
+            yield "friction, guide_length and overhang belong together: give all three, or none"
         if self.friction is not None and (self.contact == "flat" or self.mass is None):
-            raise ValueError("friction in the guide is that of a roller or knife edge with a mass: leave it out")
+            yield "friction in the guide is that of a roller or knife edge with a mass: leave it out"
         if self.offset and self.contact == "flat":
-            raise ValueError("offset = 0 for a flat face: an offset moves the contact along the face, and nothing else")
-        return self
+            yield "offset = 0 for a flat face: an offset moves the contact along the face, and nothing else"
 
     @property
     def moved(self) -> float | None:
@@ -76,10 +74,8 @@ class OscillatingFollower(TouchesCam):
     stiffness: TorsionalStiffness = 0.0
     load: Moment = 0.0
 
-    @model_validator(mode="after")
-    def _forces_fit(self) -> "OscillatingFollower":
-        _check_forces(self, "inertia")
-        return self
+    def _faults(self) -> Faults:
+        yield from _faults_of_forces(self, "inertia")
 
     @property
     def moved(self) -> float | None:
@@ -101,8 +97,6 @@ class CamLimits(Part):
     pressure_angle: Annotated[Angle, Field(gt=0, lt=math.pi / 2)] | None = None
     convex_radius: NotNegative | None = None
 
-    @model_validator(mode="after")
-    def _limits_something(self) -> "CamLimits":
+    def _faults(self) -> Faults:
         if self.pressure_angle is None and self.convex_radius is None:
-            raise ValueError("give pressure_angle or convex_radius, or both")
-        return self
+            yield "give pressure_angle or convex_radius, or both"

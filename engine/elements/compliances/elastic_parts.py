@@ -2,10 +2,10 @@
 
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.parts.actions import Stiffness, TorsionalDamping, TorsionalStiffness
-from engine.parts.skeleton import Area, Length, Name, Number, Part, Positive, quantity
+from engine.parts.skeleton import Area, Faults, Length, Name, Number, Part, Positive, quantity
 from engine.units.display import quantity_text
 
 PartModulus = Annotated[quantity("pressure"), Field(gt=0)]
@@ -31,14 +31,12 @@ class HollowRound(Part):
     diameter: Positive
     bore: Annotated[Length, Field(ge=0)] = 0.0
 
-    @model_validator(mode="after")
-    def _has_a_wall(self) -> "HollowRound":
+    def _faults(self) -> Faults:
         if self.bore >= self.diameter:
-            raise ValueError(
+            yield (
                 f"bore = {quantity_text(self.bore, 'm')}: it must be less than the diameter, "
                 f"{quantity_text(self.diameter, 'm')}"
             )
-        return self
 
 
 class ShaftPart(HollowRound, _TurningPart):
@@ -87,26 +85,28 @@ class CouplingPart(_TurningPart):
     stiffness: Annotated[TorsionalStiffness, Field(gt=0)]
 
 
-class SeriesPart(_TurningPart):
+class _PartsTogether(_TurningPart):
+    """Several parts, each with its own damper."""
+
+    type: Literal["series", "parallel"]
+    parts: Annotated[dict[Name, "ElasticPart"], Field(min_length=1)]
+
+    def _faults(self) -> Faults:
+        for key in ("damping", "energy_absorption"):
+            if getattr(self, key) is not None:
+                yield f"{key}: parts in {self.type} have their own dampers; give it to them"
+
+
+class SeriesPart(_PartsTogether):
     """Parts in series: each carries the whole moment."""
 
     type: Literal["series"]
-    parts: Annotated[dict[Name, "ElasticPart"], Field(min_length=1)]
-
-    @model_validator(mode="after")
-    def _dampers_are_theirs(self) -> "SeriesPart":
-        return _without_damper(self)
 
 
-class ParallelPart(_TurningPart):
+class ParallelPart(_PartsTogether):
     """Parts in parallel: each is twisted by the whole angle."""
 
     type: Literal["parallel"]
-    parts: Annotated[dict[Name, "ElasticPart"], Field(min_length=1)]
-
-    @model_validator(mode="after")
-    def _dampers_are_theirs(self) -> "ParallelPart":
-        return _without_damper(self)
 
 
 ElasticPart = Annotated[
@@ -114,10 +114,3 @@ ElasticPart = Annotated[
 ]
 SeriesPart.model_rebuild()
 ParallelPart.model_rebuild()
-
-
-def _without_damper(group: SeriesPart | ParallelPart) -> SeriesPart | ParallelPart:
-    for key in ("damping", "energy_absorption"):
-        if getattr(group, key) is not None:
-            raise ValueError(f"{key}: parts in {group.type} have their own dampers; give it to them")
-    return group

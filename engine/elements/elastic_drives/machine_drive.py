@@ -7,18 +7,18 @@ them as numbers of the drive, with their error estimates and the verdict on ever
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.elements.elastic_drives.elastic_shaft import ElasticShaft
-from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank
+from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank, further
 from engine.parts.actions import Time
-from engine.parts.skeleton import OF_FLUCTUATION, ActionRef, Angle, GearedRef, Inertia, Part
+from engine.parts.skeleton import OF_FLUCTUATION, ActionRef, Angle, Faults, GearedRef, Inertia, Part
 
 RESULTS = (
     ElementResult("stiffness", "torsional stiffness of the shaft, reduced to the crank", "N m rad-1"),
-    ElementResult("damping", "torsional damping of the shaft, reduced to the crank", "N m s rad-1", rank=Rank.FURTHER),
+    further("damping", "torsional damping of the shaft, reduced to the crank", "N m s rad-1"),
     ElementResult("natural_frequency", "natural frequency with the machine's mean inertia", "rad s-1"),
-    ElementResult("period", "duration of a cycle", "s", rank=Rank.FURTHER),
+    further("period", "duration of a cycle", "s"),
     ElementResult("mean_speed", "mean speed of the crank over time", "rad s-1"),
     ElementResult("motor_fluctuation", f"coefficient of speed fluctuation at the motors' end, {OF_FLUCTUATION}", "1"),
     ElementResult("machine_fluctuation", f"coefficient of speed fluctuation of the crank, {OF_FLUCTUATION}", "1"),
@@ -26,12 +26,12 @@ RESULTS = (
     ElementResult("greatest_moment", "maximum shaft torque", "N m"),
     ElementResult("least_moment", "minimum shaft torque", "N m"),
     ElementResult("alternating_moment", "alternating torque of the shaft: half its range", "N m"),
-    ElementResult("rigid_moment", "peak torque of a rigid shaft", "N m", rank=Rank.FURTHER),
+    further("rigid_moment", "peak torque of a rigid shaft", "N m"),
     ElementResult("dynamic_factor", "peak shaft torque over that of a rigid shaft", "1", None, True),
     ElementResult("greatest_twist", "peak shaft twist (crank lag)", "rad"),
     ElementResult("position_error", "how far the crank is from turning rigidly: half the range of the twist", "rad"),
     ElementResult("motor_power", "mean power of the motors", "W"),
-    ElementResult("damping_power", "mean power that the shaft's damping takes", "W", rank=Rank.FURTHER),
+    further("damping_power", "mean power that the shaft's damping takes", "W"),
     ElementResult(
         "power_residual", "what is missing of the balance of power, as a share", "1", None, True, rank=Rank.CHECK
     ),
@@ -40,20 +40,16 @@ RESULTS = (
     ),
     ElementResult("second_multiplier", "second largest magnitude of a multiplier", "1", rank=Rank.CHECK),
     ElementResult("third_multiplier", "smallest magnitude of a multiplier", "1", rank=Rank.CHECK),
-    ElementResult("growth_rate", "rate at which disturbances grow", "s-1", rank=Rank.FURTHER),
+    further("growth_rate", "rate at which disturbances grow", "s-1"),
 )
 RUN_RESULTS = (
     ElementResult("run_greatest_moment", "peak shaft torque during the run", "N m", "run"),
     ElementResult("run_greatest_at", "time of its peak", "s", "run"),
-    ElementResult(
-        "run_motor_speed", "speed at the motors' end after the run, at the crank", "rad s-1", "run", rank=Rank.FURTHER
-    ),
-    ElementResult(
-        "run_machine_speed", "speed of the crank after the run, negative backwards", "rad s-1", "run", rank=Rank.FURTHER
-    ),
-    ElementResult("run_angle", "angle that the crank turned", "rad", "run", rank=Rank.FURTHER),
-    ElementResult("run_stops", "number of stops of the crank", "1", "run", exact=True, rank=Rank.FURTHER),
-    ElementResult("run_closings", "how often the backlash closed", "1", "run", exact=True, rank=Rank.FURTHER),
+    further("run_motor_speed", "speed at the motors' end after the run, at the crank", "rad s-1", "run"),
+    further("run_machine_speed", "speed of the crank after the run, negative backwards", "rad s-1", "run"),
+    further("run_angle", "angle that the crank turned", "rad", "run"),
+    further("run_stops", "number of stops of the crank", "1", "run", exact=True),
+    further("run_closings", "how often the backlash closed", "1", "run", exact=True),
 )
 
 
@@ -79,11 +75,9 @@ class MachineRun(Part):
     off: tuple[ActionRef, ...] = ()
     backlash: Annotated[Angle, Field(ge=0)] = 0.0
 
-    @model_validator(mode="after")
-    def _steady_at_zero(self) -> "MachineRun":
+    def _faults(self) -> Faults:
         if self.begin == "steady" and self.angle != 0.0:
-            raise ValueError("angle goes with begin = 'at rest': out of steady motion it begins at 0")
-        return self
+            yield "angle goes with begin = 'at rest': out of steady motion it begins at 0"
 
 
 class MachineDrive(ElasticShaft, Element):

@@ -3,7 +3,7 @@
 from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.elements.elastic_drives.drive_motors import DriveMotor
 from engine.elements.elastic_drives.elastic_shaft import ElasticShaft, drive_shaft
@@ -19,7 +19,7 @@ from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.laws.rounding import EPS
 from engine.parts.actions import Moment, Time
 from engine.parts.motor_constants import MotorCurve, motor_curve
-from engine.parts.skeleton import Angle, AngularSpeed, Inertia
+from engine.parts.skeleton import Angle, AngularSpeed, Faults, Inertia
 from engine.stepping.recorded import made_steps, weights_at
 from engine.words.verdicts import Verdict
 
@@ -71,11 +71,9 @@ class TwoMassDrive(ElasticShaft, Element):
     speed: Annotated[AngularSpeed, Field(gt=0)] | None = None
     time: Annotated[Time, Field(gt=0)]
 
-    @model_validator(mode="after")
-    def _begins_in_one_way(self) -> "TwoMassDrive":
+    def _faults(self) -> Faults:
         if (self.begin == "running") != (self.speed is not None) or (self.speed is None) != (self.load_before is None):
-            raise ValueError("speed and load_before go with begin = 'running': give both, or neither")
-        return self
+            yield "speed and load_before go with begin = 'running': give both, or neither"
 
     def values(self, n: Numbers, tolerance: float) -> tuple[Columns, FollowedDrives]:
         """Results of a set of variants by name, and their drives, for a step tolerance."""

@@ -16,7 +16,7 @@ from functools import cached_property
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.cycle.measured import Measured
 from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank, further
@@ -31,11 +31,7 @@ from engine.elements.engines.engine_layout import (
     w_engine,
 )
 from engine.elements.engines.engine_panels import engine_panels
-from engine.elements.engines.firing import (
-    FOUR_STROKE,
-    even_firing_order,
-    firing_angles,
-)
+from engine.elements.engines.firing import FOUR_STROKE, even_firing_order, firing_angles
 from engine.elements.engines.hodograph import Hodograph
 from engine.elements.engines.made_engine import ROUNDED_ORDERS, SIZES, TORQUE_ORDERS, engine_torque, made_engine
 from engine.elements.engines.master_rod import POSITIONS
@@ -43,7 +39,7 @@ from engine.elements.engines.shafts import crankshaft_counterweights, remaining_
 from engine.elements.engines.shaking import EngineShaking, engine_shaking
 from engine.elements.panels import Panel
 from engine.laws.rounding import EPS
-from engine.parts.skeleton import Angle, AngularSpeed, Inertia, Length, Mass, Number, Part, Positive, quantity
+from engine.parts.skeleton import Angle, AngularSpeed, Faults, Inertia, Length, Mass, Number, Part, Positive, quantity
 from engine.units.display import quantity_text
 
 MassOrNone = Annotated[Mass, Field(ge=0)]
@@ -117,21 +113,19 @@ class EngineElement(Element):
     gas: EngineGas | None = None
     firing_order: tuple[int, ...] | None = None
 
-    @model_validator(mode="after")
-    def _keys_fit_the_layout(self) -> "EngineElement":
+    def _faults(self) -> Faults:
         if (self.layout in ("V", "W")) != (self.bank_angle is not None):
-            raise ValueError(f"bank_angle goes with layout = 'V' or 'W'; the layout is {self.layout!r}")
+            yield f"bank_angle goes with layout = 'V' or 'W'; the layout is {self.layout!r}"
         if self.pin_offset is not None and self.layout != "V":
-            raise ValueError(f"pin_offset goes with layout = 'V'; the layout is {self.layout!r}")
+            yield f"pin_offset goes with layout = 'V'; the layout is {self.layout!r}"
         if self.throws is not None and self.layout == "radial":
-            raise ValueError("throws: a radial engine has one throw; leave throws out")
-        self._check_rods()
+            yield "throws: a radial engine has one throw; leave throws out"
+        yield from self._faults_of_rods()
         self.pattern()
         if self.gas is not None:
             firing_angles(self.nominal_layout, self.order_of_firing)
-        return self
 
-    def _check_rods(self) -> None:
+    def _faults_of_rods(self) -> Faults:
         aside = abs(self.gudgeon_offset or 0.0)
         if self.rod <= math.hypot(self.stroke / 2, aside):
             least = f"half the stroke, {quantity_text(self.stroke / 2, 'm')}"
@@ -140,21 +134,21 @@ class EngineElement(Element):
                     f"{quantity_text(math.hypot(self.stroke / 2, aside), 'm')}, for half the "
                     f"stroke and gudgeon_offset across it"
                 )
-            raise ValueError(f"rod = {quantity_text(self.rod, 'm')}: it must be longer than {least}")
+            yield f"rod = {quantity_text(self.rod, 'm')}: it must be longer than {least}"
         if (self.knuckle_radius is None) != (self.link_rod is None):
-            raise ValueError("knuckle_radius and link_rod belong together: give both, or neither")
+            yield "knuckle_radius and link_rod belong together: give both, or neither"
         if self.knuckle_radius is None:
             if self.link_rod_mass or self.link_rod_centre or self.master_cylinder != 1:
-                raise ValueError("link rods need knuckle_radius and link_rod: give both")
+                yield "link rods need knuckle_radius and link_rod: give both"
         elif self.layout != "radial":
-            raise ValueError(f"knuckle_radius goes with layout = 'radial'; the layout is {self.layout!r}")
+            yield f"knuckle_radius goes with layout = 'radial'; the layout is {self.layout!r}"
         elif self.gas is not None:
-            raise ValueError("gas: the torque is that of rods on the crankpin; leave out gas, or the link rods")
+            yield "gas: the torque is that of rods on the crankpin; leave out gas, or the link rods"
         elif self.master_cylinder > self.cylinders:
-            raise ValueError(f"master_cylinder = {self.master_cylinder}: there are {self.cylinders} cylinders")
+            yield f"master_cylinder = {self.master_cylinder}: there are {self.cylinders} cylinders"
         lost = [key for key in ("firing_order", "rod_inertia") if getattr(self, key) is not None]
         if lost and self.gas is None:
-            raise ValueError(f"{lost[0]} matters to the torque alone, which needs gas: give gas, or leave it out")
+            yield f"{lost[0]} matters to the torque alone, which needs gas: give gas, or leave it out"
 
     def pattern(self) -> Pattern:
         """Arrangement of the cylinders, without dimensions.

@@ -3,7 +3,7 @@
 import math
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.compiling.decorators import scalar
 from engine.elements.element import Columns, ElementResult, Numbers
@@ -21,7 +21,7 @@ from engine.laws.friction.belts import (
 )
 from engine.laws.friction.guides import vee_friction
 from engine.parts.actions import Moment
-from engine.parts.skeleton import Angle, Number, Speed, quantity
+from engine.parts.skeleton import Angle, Faults, Number, Speed, quantity
 
 
 @scalar
@@ -77,11 +77,9 @@ class BeltElement(FrictionElement):
     speed: Annotated[Speed, Field(ge=0)] | None = None
     linear_density: Annotated[quantity("linear_density"), Field(gt=0)] | None = None
 
-    @model_validator(mode="after")
-    def _moves_if_heavy(self) -> "BeltElement":
+    def _faults(self) -> Faults:
         if self.linear_density is not None and self.speed is None:
-            raise ValueError("linear_density matters at a speed: give speed")
-        return self
+            yield "linear_density matters at a speed: give speed"
 
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name."""

@@ -4,14 +4,14 @@ import math
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.compiling.decorators import scalar
 from engine.elements.element import PLACES, Columns, Element, ElementResult, Numbers
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.graph.over_arrays import over_arrays
 from engine.laws.brakes import axle_shares
-from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Angle, Number, Positive, Speed, Time
+from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Angle, Faults, Number, Positive, Speed, Time
 
 # Highest speed drawn, relative to the given one.
 _FASTEST = 1.5
@@ -54,11 +54,9 @@ class CarElement(Element):
     reaction_time: Annotated[Time, Field(ge=0)] = 0.0
     gravity: Annotated[Acceleration, Field(gt=0)] = STANDARD_GRAVITY
 
-    @model_validator(mode="after")
-    def _centre_between_axles(self) -> "CarElement":
+    def _faults(self) -> Faults:
         if not self.rear_distance < self.wheelbase:
-            raise ValueError("rear_distance must be less than wheelbase: the centre of mass lies between the axles")
-        return self
+            yield "rear_distance must be less than wheelbase: the centre of mass lies between the axles"
 
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name."""

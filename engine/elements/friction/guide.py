@@ -3,7 +3,7 @@
 import math
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.compiling.decorators import scalar
 from engine.elements.element import Columns, ElementResult, Numbers
@@ -19,7 +19,7 @@ from engine.laws.friction.guides import (
     vee_friction,
 )
 from engine.parts.actions import Force
-from engine.parts.skeleton import Angle, Length
+from engine.parts.skeleton import Angle, Faults, Length
 
 
 @scalar
@@ -48,10 +48,7 @@ class GuideElement(FrictionElement):
     `load` presses it onto the guide: flat, a V with `vee_angle` between its faces, or half-round, new or worn in.
     """
 
-    shown: ClassVar = (
-        (FORCE, ("drive_force", "front_edge_force", "rear_edge_force")),
-        (EFFICIENCY, ("efficiency",)),
-    )
+    shown: ClassVar = ((FORCE, ("drive_force", "front_edge_force", "rear_edge_force")), (EFFICIENCY, ("efficiency",)))
     RESULTS: ClassVar = (
         ElementResult(
             "effective_friction", "coefficient of friction in terms of the force that presses the slider", "1"
@@ -74,11 +71,9 @@ class GuideElement(FrictionElement):
     resistance: Load
     overhang: Length = 0.0
 
-    @model_validator(mode="after")
-    def _vee_has_an_angle(self) -> "GuideElement":
+    def _faults(self) -> Faults:
         if (self.form == "vee") != (self.vee_angle is not None):
-            raise ValueError("vee_angle goes with form = 'vee': give both, or neither")
-        return self
+            yield "vee_angle goes with form = 'vee': give both, or neither"
 
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name."""

@@ -3,7 +3,7 @@
 import math
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.compiling.decorators import scalar
 from engine.elements.element import Columns, ElementResult, Numbers
@@ -19,7 +19,7 @@ from engine.laws.friction.screws import (
     raise_moment,
     thread_slope,
 )
-from engine.parts.skeleton import Angle, Length
+from engine.parts.skeleton import Angle, Faults, Length
 
 THREAD_ANGLES = {"square": 0.0, "trapezoidal": math.radians(30.0), "metric": math.radians(60.0)}
 
@@ -80,11 +80,9 @@ class ScrewElement(FrictionElement):
     collar_diameter: Annotated[Length, Field(ge=0)] = 0.0
     collar_friction: Friction = 0.0
 
-    @model_validator(mode="after")
-    def _one_thread(self) -> "ScrewElement":
+    def _faults(self) -> Faults:
         if (self.thread is None) == (self.thread_angle is None):
-            raise ValueError("give thread ('square', 'trapezoidal' or 'metric') or thread_angle, one of the two")
-        return self
+            yield "give thread ('square', 'trapezoidal' or 'metric') or thread_angle, one of the two"
 
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name."""

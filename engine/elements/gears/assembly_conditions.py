@@ -6,8 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.cycle.measured import Measured
-from engine.elements.element import ElementResult, Numbers, Rank
-from engine.elements.gears.gear_elements import GearTrain
+from engine.elements.element import Element, ElementResult, Numbers, Rank
 from engine.elements.gears.gear_structure import PlanetaryPath
 from engine.elements.gears.tooth_laws import MeshGeometry, TeethInMesh, mesh_geometry, pitch_diameter
 from engine.elements.gears.train_speeds import teeth_of
@@ -48,7 +47,7 @@ class AssemblyConditions(NamedTuple):
     results: list[tuple[ElementResult, Measured]]
 
 
-def mesh_sizes(train: GearTrain, n: Numbers) -> dict[str, MeshSizes]:
+def mesh_sizes(train: Element, n: Numbers) -> dict[str, MeshSizes]:
     """Dimensions of all meshes, by name."""
     found = {}
     for place in train.structure.meshes:
@@ -69,7 +68,7 @@ def angle_error(size: MeshSizes) -> np.ndarray:
     return np.where(shifted, 32.0 * EPS * (1.0 + np.tan(size.geometry.angle) ** -2.0), 0.0)
 
 
-def tooth_contact(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes]) -> np.ndarray:
+def tooth_contact(train: Element, n: Numbers, sizes: dict[str, MeshSizes]) -> np.ndarray:
     """Verdicts on teeth (variants,): OK, INTERFERES, or CONTACT_BREAKS for a contact ratio below one.
 
     For helical wheels the overlap ratio is included; without a face width they are not checked.
@@ -91,14 +90,14 @@ def tooth_contact(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes]) -> 
     return np.where(interferes, Verdict.INTERFERES, np.where(breaks, Verdict.CONTACT_BREAKS, Verdict.OK))
 
 
-def module_of(train: GearTrain, mesh: str, n: Numbers) -> np.ndarray:
+def module_of(train: Element, mesh: str, n: Numbers) -> np.ndarray:
     """Normal module of a mesh [m]; 1 in a train without modules."""
     if train.meshes[mesh].module is not None:
         return n[f"meshes.{mesh}.module"]
     return n["module"] if train.module is not None else np.ones(next(iter(n.values())).size)
 
 
-def assembly_conditions(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes]) -> AssemblyConditions:
+def assembly_conditions(train: Element, n: Numbers, sizes: dict[str, MeshSizes]) -> AssemblyConditions:
     """Check whether a train can be assembled."""
     structure = train.structure
     fits = np.ones(next(iter(n.values())).size, bool)
@@ -134,7 +133,7 @@ def assembly_conditions(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes
     return AssemblyConditions(fits, results)
 
 
-def _equal_modules(train: GearTrain, sizes: dict[str, MeshSizes]) -> np.ndarray:
+def _equal_modules(train: Element, sizes: dict[str, MeshSizes]) -> np.ndarray:
     """Whether all meshes of a wheel have the same module and helix angle."""
     first: dict[str, MeshSizes] = {}
     equal = np.array(True)
@@ -146,7 +145,7 @@ def _equal_modules(train: GearTrain, sizes: dict[str, MeshSizes]) -> np.ndarray:
     return equal
 
 
-def _bores_leave_a_rim(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes]) -> np.ndarray:
+def _bores_leave_a_rim(train: Element, n: Numbers, sizes: dict[str, MeshSizes]) -> np.ndarray:
     """Whether the bores of discs are smaller than the root circles of the teeth."""
     left = np.array(True)
     for name, mesh in train.meshes.items():
@@ -178,7 +177,7 @@ def _spacing_remainder(path: PlanetaryPath, n: Numbers, count: np.ndarray) -> np
     return (np.abs(total) % k).astype(float)
 
 
-def _clearances(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes]) -> Iterator[tuple[str, np.ndarray]]:
+def _clearances(train: Element, n: Numbers, sizes: dict[str, MeshSizes]) -> Iterator[tuple[str, np.ndarray]]:
     """Gap between neighbouring planets, relative to their tip diameter: 2a sin(π/k)/d_a − 1."""
     structure = train.structure
     for planet, j in structure.pin_meshes.items():

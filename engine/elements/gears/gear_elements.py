@@ -1,21 +1,13 @@
-"""A gear train as a machine element of a scene: its wheels, the shafts they sit on, and their meshes."""
+"""Members of a gear train: its wheels, the shafts they sit on, and their meshes."""
 
 import math
-from functools import cached_property
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from engine.elements.gears.gear_structure import (
-    GearStructure,
-    TrainRefused,
-    gear_structure,
-)
 from engine.parts.actions import Moment
-from engine.parts.skeleton import FRAME, Angle, AngularSpeed, Density, Inertia, Length, Mass, Name, Number, Part
+from engine.parts.skeleton import Angle, AngularSpeed, Density, Faults, Inertia, Length, Mass, Name, Number, Part
 
-# With more meshes, the possible patterns of power flow are too many to try.
-MOST_MESHES = 12
 MOST_TEETH = 100_000
 
 
@@ -54,15 +46,13 @@ class GearShaft(Part):
     mass: Annotated[Mass, Field(ge=0)] | None = None
     inertia: Annotated[Inertia, Field(ge=0)] | None = None
 
-    @model_validator(mode="after")
-    def _one_role(self) -> "GearShaft":
+    def _faults(self) -> Faults:
         if self.held and (self.speed is not None or self.moment is not None):
-            raise ValueError("held: a shaft that is stopped has no speed, and its moment follows; leave those out")
+            yield "held: a shaft that is stopped has no speed, and its moment follows; leave those out"
         if self.loaded and (self.held or self.moment is not None):
-            raise ValueError("loaded: the shaft's moment is to follow from the others; leave out moment and held")
+            yield "loaded: the shaft's moment is to follow from the others; leave out moment and held"
         if self.loaded and self.speed is not None:
-            raise ValueError("loaded: the moment of a driven shaft without one follows anyway; leave loaded out")
-        return self
+            yield "loaded: the moment of a driven shaft without one follows anyway; leave loaded out"
 
     @property
     def moment_follows(self) -> bool:
@@ -85,133 +75,8 @@ class GearMesh(Part):
     efficiency: Annotated[Number, Field(gt=0, le=1)] | None = None
     friction: Annotated[Number, Field(ge=0, lt=1)] | None = None
 
-    @model_validator(mode="after")
-    def _one_loss(self) -> "GearMesh":
+    def _faults(self) -> Faults:
         if self.efficiency is not None and self.friction is not None:
-            raise ValueError("give efficiency or friction, one of the two")
+            yield "give efficiency or friction, one of the two"
         if self.between[0] == self.between[1]:
-            raise ValueError(f"between: a wheel doesn't mesh with itself; name two, not {self.between[0]!r} twice")
-        return self
-
-
-class GearTrain(Part):
-    """Wheels on shafts, in mesh: a fixed train, a planetary train or a differential, of any number of stages."""
-
-    type: Literal["gear_train"]
-    module: Annotated[Length, Field(gt=0)] | None = None
-    wheels: Annotated[dict[Name, GearWheel], Field(min_length=2)]
-    shafts: Annotated[dict[Name, GearShaft], Field(min_length=1)]
-    meshes: Annotated[dict[Name, GearMesh], Field(min_length=1, max_length=MOST_MESHES)]
-
-    @model_validator(mode="after")
-    def _is_a_train(self) -> "GearTrain":
-        names = [*self.wheels, *self.shafts, *self.meshes]
-        twice = sorted({name for name in names if names.count(name) > 1})
-        if twice:
-            raise ValueError(f"{twice[0]} stands for two things; wheels, shafts and meshes need names of their own")
-        if FRAME in names:
-            raise ValueError(f"{FRAME}: this name is that of the frame, which needs no table; choose another")
-        try:
-            structure = self.structure
-        except TrainRefused as problem:
-            raise ValueError(str(problem)) from None
-        self._check_modules()
-        self._check_roles(structure)
-        return self
-
-    def _check_modules(self) -> None:
-        given = [mesh.module is not None or self.module is not None for mesh in self.meshes.values()]
-        if any(given) and not all(given):
-            missing = list(self.meshes)[given.index(False)]
-            raise ValueError(f"meshes.{missing}.module is missing: give it, or module once for the whole train")
-        for name, wheel in self.wheels.items():
-            lost = wheel.gives("bore", "density")
-            if wheel.width is None and lost:
-                raise ValueError(
-                    f"wheels.{name}.{lost[0]} gives the mass of a wheel with a width; give width, or remove it"
-                )
-        rings = {mesh.between[1] for mesh in self.meshes.values() if mesh.type == "internal"}
-        for name, wheel in self.wheels.items():
-            if wheel.width is not None and name in rings:
-                raise ValueError(f"wheels.{name}.width: a ring is not a disc; give its shaft the inertia instead")
-            if wheel.width is not None and not self.has_modules:
-                raise ValueError(f"wheels.{name}.width needs a module: without it the wheel has no diameter")
-        self._check_orbits()
-
-    def _check_orbits(self) -> None:
-        """A planet with mass must orbit on a circle of known radius."""
-        structure = self.structure
-        for name, shaft in self.shafts.items():
-            if shaft.mass is not None and shaft.carrier is None:
-                raise ValueError(f"shafts.{name}.mass counts for planets, which go round; leave it out")
-        wide = {wheel.shaft for wheel in self.wheels.values() if wheel.width is not None}
-        for name in structure.planets:
-            if self.shafts[name].mass is None and name not in wide:
-                continue
-            carrier = self.shafts[name].carrier
-            if name not in structure.pin_meshes or self.shafts[carrier].carrier is not None:
-                raise ValueError(
-                    f"shafts.{name}: this planet has mass, but its circle isn't known: its carrier has to turn in the "
-                    "frame, and one of its meshes has to be with a central wheel"
-                )
-            if not self.has_modules:
-                raise ValueError(f"shafts.{name}.mass needs a module: without it the planet's circle has no radius")
-
-    def _check_roles(self, structure: GearStructure) -> None:
-        if len(structure.driven) != structure.mobility:
-            raise ValueError(
-                f"{structure.words}, and as many shafts need a speed, or further ones are held; "
-                f"{_told(structure.driven, 'a speed')}"
-            )
-        if not structure.speeds_follow:
-            raise ValueError(
-                f"the speeds of {', '.join((*structure.driven, *structure.held))} aren't independent: meshes tie them "
-                "to each other; give speed or held to other shafts"
-            )
-        if not self.has_loads:
-            loaded = [name for name, shaft in self.shafts.items() if shaft.loaded]
-            if loaded:
-                raise ValueError(f"shafts.{loaded[0]}.loaded: no shaft has a moment that it could follow from")
-            return
-        follow = tuple(name for name in structure.unknown_moments if name not in structure.held)
-        if len(follow) != structure.mobility:
-            raise ValueError(
-                f"W = {structure.mobility}: this many torques follow from the others, those of driven shafts without a "
-                f"moment and of loaded ones; {_told(follow, 'such a role')}"
-            )
-        if not structure.moments_follow:
-            raise ValueError(
-                f"the moments of {', '.join(structure.unknown_moments)} don't follow from those given: a moment acts "
-                "on what nothing supports; let other shafts be loaded"
-            )
-
-    @cached_property
-    def structure(self) -> GearStructure:
-        """How wheels, shafts and meshes are connected.
-
-        Raises
-        ------
-        TrainRefused
-            They do not form a train.
-        """
-        return gear_structure(self.wheels, self.shafts, self.meshes)
-
-    @property
-    def has_modules(self) -> bool:
-        """Whether the dimensions of the wheels are known."""
-        return all(mesh.module is not None or self.module is not None for mesh in self.meshes.values())
-
-    @property
-    def has_loads(self) -> bool:
-        """Whether any external torque is given."""
-        return any(shaft.moment is not None for shaft in self.shafts.values())
-
-    @property
-    def has_inertia(self) -> bool:
-        """Whether any part has mass or inertia."""
-        heavy = any(shaft.mass is not None or shaft.inertia is not None for shaft in self.shafts.values())
-        return heavy or any(wheel.width is not None for wheel in self.wheels.values())
-
-
-def _told(names: tuple[str, ...], role: str) -> str:
-    return f"those with {role} are {len(names)}: {', '.join(names)}" if names else f"no shaft has {role}"
+            yield f"between: a wheel doesn't mesh with itself; name two, not {self.between[0]!r} twice"

@@ -205,11 +205,7 @@ def _carriers(shafts: Mapping[str, Part], number: Mapping[str, int]) -> tuple[in
 
 
 def _mesh_place(
-    name: str,
-    mesh: Part,
-    wheels: Mapping[str, str],
-    number: Mapping[str, int],
-    carriers: tuple[int, ...],
+    name: str, mesh: Part, wheels: Mapping[str, str], number: Mapping[str, int], carriers: tuple[int, ...]
 ) -> MeshPlace:
     ends = mesh.between
     for wheel in ends:
@@ -237,10 +233,7 @@ def _mesh_place(
 
 
 def _axes(
-    wheels: Mapping[str, str],
-    shafts: Mapping[str, Part],
-    number: Mapping[str, int],
-    places: Sequence[MeshPlace],
+    wheels: Mapping[str, str], shafts: Mapping[str, Part], number: Mapping[str, int], places: Sequence[MeshPlace]
 ) -> dict[str, str]:
     """Name of the axis of every shaft and wheel; coaxial ones share it."""
     # A wheel fixed to the frame has its own axis unless a planet rolls about it.

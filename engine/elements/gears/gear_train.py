@@ -1,20 +1,127 @@
 """Gear trains as machine elements: speeds and ratios, assembly, torques, losses, tooth forces, inertia."""
 
 from functools import cached_property
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field
 
 from engine.elements.element import Answers, Element, ElementResult, Numbers
-from engine.elements.gears.gear_elements import GearTrain
+from engine.elements.gears.gear_elements import GearMesh, GearShaft, GearWheel
+from engine.elements.gears.gear_structure import GearStructure, gear_structure
 from engine.elements.gears.train_results import results_of, train_answers
+from engine.parts.skeleton import FRAME, Faults, Length, Name
+
+# With more meshes, the possible patterns of power flow are too many to try.
+MOST_MESHES = 12
 
 
-class GearTrainElement(GearTrain, Element):
-    """A gear train as a machine element of a scene."""
-
-    __doc__ = GearTrain.__doc__
+class GearTrain(Element):
+    """Wheels on shafts, in mesh: a fixed train, a planetary train or a differential, of any number of stages."""
 
     picture: ClassVar = "velocities"
+
     type: Literal["gear_train"]
+    module: Annotated[Length, Field(gt=0)] | None = None
+    wheels: Annotated[dict[Name, GearWheel], Field(min_length=2)]
+    shafts: Annotated[dict[Name, GearShaft], Field(min_length=1)]
+    meshes: Annotated[dict[Name, GearMesh], Field(min_length=1, max_length=MOST_MESHES)]
+
+    def _faults(self) -> Faults:
+        names = [*self.wheels, *self.shafts, *self.meshes]
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            yield f"{twice[0]} stands for two things; wheels, shafts and meshes need names of their own"
+        if FRAME in names:
+            yield f"{FRAME}: this name is that of the frame, which needs no table; choose another"
+        yield from self._faults_of_modules(self.structure)
+        yield from self._faults_of_roles(self.structure)
+
+    def _faults_of_modules(self, structure: GearStructure) -> Faults:
+        given = [mesh.module is not None or self.module is not None for mesh in self.meshes.values()]
+        if any(given) and not all(given):
+            missing = list(self.meshes)[given.index(False)]
+            yield f"meshes.{missing}.module is missing: give it, or module once for the whole train"
+        for name, wheel in self.wheels.items():
+            lost = wheel.gives("bore", "density")
+            if wheel.width is None and lost:
+                yield f"wheels.{name}.{lost[0]} gives the mass of a wheel with a width; give width, or remove it"
+        rings = {mesh.between[1] for mesh in self.meshes.values() if mesh.type == "internal"}
+        for name, wheel in self.wheels.items():
+            if wheel.width is not None and name in rings:
+                yield f"wheels.{name}.width: a ring is not a disc; give its shaft the inertia instead"
+            if wheel.width is not None and not self.has_modules:
+                yield f"wheels.{name}.width needs a module: without it the wheel has no diameter"
+        for name, shaft in self.shafts.items():
+            if shaft.mass is not None and shaft.carrier is None:
+                yield f"shafts.{name}.mass counts for planets, which go round; leave it out"
+        # A planet with mass must orbit on a circle of known radius.
+        wide = {wheel.shaft for wheel in self.wheels.values() if wheel.width is not None}
+        for name in structure.planets:
+            if self.shafts[name].mass is None and name not in wide:
+                continue
+            carrier = self.shafts[name].carrier
+            if name not in structure.pin_meshes or self.shafts[carrier].carrier is not None:
+                yield (
+                    f"shafts.{name}: this planet has mass, but its circle isn't known: its carrier has to turn in the "
+                    "frame, and one of its meshes has to be with a central wheel"
+                )
+            if not self.has_modules:
+                yield f"shafts.{name}.mass needs a module: without it the planet's circle has no radius"
+
+    def _faults_of_roles(self, structure: GearStructure) -> Faults:
+        if len(structure.driven) != structure.mobility:
+            yield (
+                f"{structure.words}, and as many shafts need a speed, or further ones are held; "
+                f"{_told(structure.driven, 'a speed')}"
+            )
+        if not structure.speeds_follow:
+            yield (
+                f"the speeds of {', '.join((*structure.driven, *structure.held))} aren't independent: meshes tie them "
+                "to each other; give speed or held to other shafts"
+            )
+        if not self.has_loads:
+            loaded = [name for name, shaft in self.shafts.items() if shaft.loaded]
+            if loaded:
+                yield f"shafts.{loaded[0]}.loaded: no shaft has a moment that it could follow from"
+            return
+        follow = tuple(name for name in structure.unknown_moments if name not in structure.held)
+        if len(follow) != structure.mobility:
+            yield (
+                f"W = {structure.mobility}: this many torques follow from the others, those of driven shafts without a "
+                f"moment and of loaded ones; {_told(follow, 'such a role')}"
+            )
+        if not structure.moments_follow:
+            yield (
+                f"the moments of {', '.join(structure.unknown_moments)} don't follow from those given: a moment acts "
+                "on what nothing supports; let other shafts be loaded"
+            )
+
+    @cached_property
+    def structure(self) -> GearStructure:
+        """How wheels, shafts and meshes are connected.
+
+        Raises
+        ------
+        TrainRefused
+            They do not form a train.
+        """
+        return gear_structure(self.wheels, self.shafts, self.meshes)
+
+    @property
+    def has_modules(self) -> bool:
+        """Whether the dimensions of the wheels are known."""
+        return all(mesh.module is not None or self.module is not None for mesh in self.meshes.values())
+
+    @property
+    def has_loads(self) -> bool:
+        """Whether any external torque is given."""
+        return any(shaft.moment is not None for shaft in self.shafts.values())
+
+    @property
+    def has_inertia(self) -> bool:
+        """Whether any part has mass or inertia."""
+        heavy = any(shaft.mass is not None or shaft.inertia is not None for shaft in self.shafts.values())
+        return heavy or any(wheel.width is not None for wheel in self.wheels.values())
 
     def results(self) -> tuple[ElementResult, ...]:
         """Results of its members, depending on the keys given."""
@@ -28,3 +135,7 @@ class GearTrainElement(GearTrain, Element):
     def evaluate(self, n: Numbers) -> Answers:
         """Results with error estimates, and verdicts."""
         return train_answers(self, n)
+
+
+def _told(names: tuple[str, ...], role: str) -> str:
+    return f"those with {role} are {len(names)}: {', '.join(names)}" if names else f"no shaft has {role}"

@@ -5,16 +5,15 @@ import math
 import numpy as np
 
 from engine.cycle.measured import Measured
-from engine.elements.element import Numbers
+from engine.elements.element import Element, Numbers
 from engine.elements.gears.assembly_conditions import MeshSizes
-from engine.elements.gears.gear_elements import GearTrain
 from engine.laws.rounding import EPS
 
 # Rounding of a disc's mass and inertia.
 _OF_DISCS = 8
 
 
-def kinetic_energy(train: GearTrain, n: Numbers, speeds: Measured, sizes: dict[str, MeshSizes]) -> Measured:
+def kinetic_energy(train: Element, n: Numbers, speeds: Measured, sizes: dict[str, MeshSizes]) -> Measured:
     """Kinetic energy ½ Σ (I ω² + m (ω_h a)²) of all shafts and planets (variants,) [J].
 
     Parameters
@@ -41,16 +40,14 @@ def kinetic_energy(train: GearTrain, n: Numbers, speeds: Measured, sizes: dict[s
     return energy
 
 
-def planet_sets(train: GearTrain, n: Numbers, carrier: str) -> np.ndarray:
+def planet_sets(train: Element, n: Numbers, carrier: str) -> np.ndarray:
     """Number of planet sets of a carrier (variants,)."""
     if carrier in train.shafts and train.shafts[carrier].planets is not None:
         return n[f"shafts.{carrier}.planets"]
     return np.ones(next(iter(n.values())).size)
 
 
-def mass_and_inertia(
-    train: GearTrain, n: Numbers, shaft: str, sizes: dict[str, MeshSizes]
-) -> tuple[Measured, Measured]:
+def mass_and_inertia(train: Element, n: Numbers, shaft: str, sizes: dict[str, MeshSizes]) -> tuple[Measured, Measured]:
     """Mass and inertia about its own axis of a shaft with its wheels (variants,)."""
     own = train.shafts[shaft]
     zero = np.zeros(next(iter(n.values())).size)

@@ -6,9 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.cycle.measured import Measured, maximum, minimum, where
-from engine.elements.element import ElementResult, Numbers, further
+from engine.elements.element import Element, ElementResult, Numbers, further
 from engine.elements.gears.assembly_conditions import MeshSizes, angle_error
-from engine.elements.gears.gear_elements import GearTrain
 from engine.elements.gears.gear_structure import STANDS_STILL
 from engine.elements.gears.tooth_laws import ToothForces, mesh_efficiency, tooth_forces
 from engine.elements.gears.train_inertia import mass_and_inertia, planet_sets
@@ -18,7 +17,7 @@ from engine.laws.rounding import EPS
 TOOTH_FORCES = ("tangential", "radial", "axial", "normal")
 
 
-def pinned_planets(train: GearTrain) -> list[str]:
+def pinned_planets(train: Element) -> list[str]:
     """Planets that mesh only with central wheels of a carrier in the frame, in a train with modules."""
     structure = train.structure
     found = []
@@ -32,7 +31,7 @@ def pinned_planets(train: GearTrain) -> list[str]:
     return found
 
 
-def mesh_efficiencies(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes]) -> np.ndarray:
+def mesh_efficiencies(train: Element, n: Numbers, sizes: dict[str, MeshSizes]) -> np.ndarray:
     """Efficiencies of all meshes with their carriers at rest (meshes, variants)."""
     found = []
     for place in train.structure.meshes:
@@ -55,7 +54,7 @@ class Equilibria(NamedTuple):
     efficiencies: np.ndarray
 
 
-def equilibria(train: GearTrain, n: Numbers, speeds: Measured, sizes: dict[str, MeshSizes]) -> Equilibria:
+def equilibria(train: Element, n: Numbers, speeds: Measured, sizes: dict[str, MeshSizes]) -> Equilibria:
     """Equilibrium of a train in both directions of rotation.
 
     Parameters
@@ -71,7 +70,7 @@ def equilibria(train: GearTrain, n: Numbers, speeds: Measured, sizes: dict[str, 
 
 
 def load_results(
-    train: GearTrain, n: Numbers, speeds: Measured, sizes: dict[str, MeshSizes], states: Equilibria
+    train: Element, n: Numbers, speeds: Measured, sizes: dict[str, MeshSizes], states: Equilibria
 ) -> Iterator[tuple[ElementResult, Measured]]:
     """All results that depend on torques.
 
@@ -134,7 +133,7 @@ def _efficiency(power: Measured) -> Measured:
     return where(into.value > 0, out / into, np.nan)
 
 
-def _circulating(train: GearTrain, speeds: Measured, state: TrainMoments, into: Measured) -> Measured:
+def _circulating(train: Element, speeds: Measured, state: TrainMoments, into: Measured) -> Measured:
     """Maximum power through a shaft in excess of the train's input power, relative to it.
 
     A shaft in the frame receives power from outside, from every mesh between axes in the frame, and from every
@@ -156,7 +155,7 @@ def _circulating(train: GearTrain, speeds: Measured, state: TrainMoments, into: 
     return where(share.value <= share.error, Measured(0.0 * share.value, share.error), share)
 
 
-def _tooth_forces(train: GearTrain, n: Numbers, mesh: tuple[int, MeshSizes], state: TrainMoments) -> ToothForces:
+def _tooth_forces(train: Element, n: Numbers, mesh: tuple[int, MeshSizes], state: TrainMoments) -> ToothForces:
     j, size = mesh
     sets = planet_sets(train, n, train.structure.name_of(train.structure.meshes[j].carrier))
     pulls = (abs(_pull(state, size, j, end)) for end in (0, 1))
@@ -170,7 +169,7 @@ def _pull(state: TrainMoments, size: MeshSizes, mesh: int, end: int) -> Measured
 
 
 def _pin_force(
-    train: GearTrain, n: Numbers, planet: str, speeds: Measured, sizes: dict[str, MeshSizes], state: TrainMoments
+    train: Element, n: Numbers, planet: str, speeds: Measured, sizes: dict[str, MeshSizes], state: TrainMoments
 ) -> Measured:
     """Force on a planet's bearing: tooth forces and centrifugal force."""
     structure = train.structure

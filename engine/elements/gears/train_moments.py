@@ -11,8 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.cycle.measured import Measured
-from engine.elements.element import Numbers
-from engine.elements.gears.gear_elements import GearTrain
+from engine.elements.element import Element, Numbers
 from engine.elements.gears.small_systems import solve
 from engine.elements.gears.train_speeds import teeth_of
 from engine.laws.rounding import EPS
@@ -43,7 +42,7 @@ class TrainMoments(NamedTuple):
 
 
 def train_moments(
-    train: GearTrain, n: Numbers, speeds: Measured, efficiencies: np.ndarray, backwards: bool = False
+    train: Element, n: Numbers, speeds: Measured, efficiencies: np.ndarray, backwards: bool = False
 ) -> TrainMoments:
     """Torques from equilibrium, with the directions of power flow.
 
@@ -104,7 +103,7 @@ class _Solved(NamedTuple):
 class _Equilibrium(NamedTuple):
     """Data of the equilibrium equations."""
 
-    train: GearTrain
+    train: Element
     teeth: np.ndarray
     speeds: Measured
     loads: np.ndarray

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from engine.cycle.measured import Measured
-from engine.elements.element import Answers, ElementResult, Numbers, Rank, further
+from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank, further
 from engine.elements.gears.assembly_conditions import (
     MeshSizes,
     angle_error,
@@ -16,7 +16,6 @@ from engine.elements.gears.assembly_conditions import (
     mesh_sizes,
     tooth_contact,
 )
-from engine.elements.gears.gear_elements import GearTrain
 from engine.elements.gears.tooth_laws import minimum_teeth
 from engine.elements.gears.train_inertia import kinetic_energy
 from engine.elements.gears.train_loads import equilibria, load_results
@@ -27,7 +26,7 @@ from engine.words.verdicts import Verdict
 NamedResults = Iterator[tuple[ElementResult, Measured]]
 
 
-def _of_teeth(train: GearTrain, sizes: dict[str, MeshSizes]) -> NamedResults:
+def _of_teeth(train: Element, sizes: dict[str, MeshSizes]) -> NamedResults:
     """Results of the meshing of teeth."""
     for place in train.structure.meshes:
         name, (a, b), size = place.name, place.wheels, sizes[place.name]
@@ -46,7 +45,7 @@ def _of_teeth(train: GearTrain, sizes: dict[str, MeshSizes]) -> NamedResults:
         yield least, Measured(minimum_teeth(teeth))
 
 
-def _of_motion(train: GearTrain, n: Numbers, speeds: Measured, sizes: dict[str, MeshSizes]) -> NamedResults:
+def _of_motion(train: Element, n: Numbers, speeds: Measured, sizes: dict[str, MeshSizes]) -> NamedResults:
     """Speeds, ratios, energy."""
     structure = train.structure
     mobility = np.full(speeds.shape[1], float(structure.mobility))
@@ -79,7 +78,7 @@ def _of_motion(train: GearTrain, n: Numbers, speeds: Measured, sizes: dict[str, 
             yield further(f"{name}.reduced_inertia", words, "kg m2", may_be_undefined=True), reduced
 
 
-def train_results(train: GearTrain, n: Numbers) -> tuple[list[tuple[ElementResult, Measured]], np.ndarray]:
+def train_results(train: Element, n: Numbers) -> tuple[list[tuple[ElementResult, Measured]], np.ndarray]:
     """All results of trains whose wheels fit and mesh, except the assembly conditions.
 
     Parameters
@@ -109,7 +108,7 @@ def train_results(train: GearTrain, n: Numbers) -> tuple[list[tuple[ElementResul
 
 
 @np.errstate(all="ignore")
-def results_of(train: GearTrain) -> tuple[ElementResult, ...]:
+def results_of(train: Element) -> tuple[ElementResult, ...]:
     """Results of a train, depending on its members."""
     n = train.own_numbers()
     sizes = mesh_sizes(train, n)
@@ -120,7 +119,7 @@ def results_of(train: GearTrain) -> tuple[ElementResult, ...]:
 
 
 @np.errstate(all="ignore")
-def train_answers(train: GearTrain, n: Numbers) -> Answers:
+def train_answers(train: Element, n: Numbers) -> Answers:
     """Results of a gear train with error estimates, and verdicts."""
     sizes = mesh_sizes(train, n)
     fit = assembly_conditions(train, n, sizes)

@@ -3,8 +3,7 @@
 import numpy as np
 
 from engine.cycle.measured import Measured
-from engine.elements.element import Numbers
-from engine.elements.gears.gear_elements import GearTrain
+from engine.elements.element import Element, Numbers
 from engine.elements.gears.gear_structure import MeshPlace, PlanetaryPath
 from engine.elements.gears.small_systems import solve
 from engine.laws.rounding import EPS
@@ -16,7 +15,7 @@ def teeth_of(place: MeshPlace, n: Numbers) -> tuple[np.ndarray, np.ndarray]:
     return first, place.sense * second
 
 
-def train_speeds(train: GearTrain, n: Numbers) -> Measured:
+def train_speeds(train: Element, n: Numbers) -> Measured:
     """All angular speeds for the given ones.
 
     Parameters

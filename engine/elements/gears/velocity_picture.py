@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.elements.element import Element
 from engine.elements.gears.assembly_conditions import MeshSizes, assembly_conditions, mesh_sizes
-from engine.elements.gears.gear_elements import GearTrain
 from engine.elements.gears.gear_structure import STANDS_STILL, MeshPlace
 from engine.elements.gears.train_speeds import train_speeds
 from engine.parts.skeleton import FRAME
@@ -56,7 +56,7 @@ class VelocityPicture(NamedTuple):
     fits: bool
 
 
-def velocity_picture(train: GearTrain) -> VelocityPicture:
+def velocity_picture(train: Element) -> VelocityPicture:
     """Velocity diagram of a gear train."""
     n = train.own_numbers()
     structure, sizes = train.structure, mesh_sizes(train, n)
@@ -102,7 +102,7 @@ def velocity_picture(train: GearTrain) -> VelocityPicture:
     return VelocityPicture(wheels, lines, contacts, axes, bool(assembly_conditions(train, n, sizes).fits[0]))
 
 
-def _heights(train: GearTrain, sizes: dict[str, MeshSizes]) -> dict[str, float]:
+def _heights(train: Element, sizes: dict[str, MeshSizes]) -> dict[str, float]:
     """Heights of all axes on the line of centres, the first wheel's at 0; others above the wheels they mesh with."""
     structure = train.structure
     heights = {structure.axes[structure.meshes[0].wheels[0]]: 0.0}
@@ -131,7 +131,7 @@ def _on_line(place: MeshPlace, axes: dict[str, str], heights: dict[str, float], 
     return bool(np.isclose(abs(at[0] - at[1]), distance, rtol=1e-9, atol=0))
 
 
-def _columns(train: GearTrain) -> dict[str, int]:
+def _columns(train: Element) -> dict[str, int]:
     """Column along the axes of every wheel: equal for wheels in mesh, except for meshes between planets."""
     column: dict[str, int] = {}
     for place in train.structure.meshes:

@@ -2,11 +2,11 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from engine.laws.tables import Table, TableError, make_table
+from engine.laws.tables import Table, make_table
 from engine.parts.actions import Moment
-from engine.parts.skeleton import ActionRef, Inertia, Length, Number, Part, Positive, quantity
+from engine.parts.skeleton import ActionRef, Faults, Inertia, Length, Number, Part, Positive, quantity
 from engine.units.display import quantity_text
 
 
@@ -16,15 +16,13 @@ class _Throttle(Part):
     full: Moment
     closed: Moment = 0.0
 
-    @model_validator(mode="after")
-    def _closes(self) -> "_Throttle":
+    def _faults(self) -> Faults:
         if not self.full > self.closed:
-            raise ValueError(
+            yield (
                 f"full = {quantity_text(self.full, 'N m')} is not above closed = "
                 f"{quantity_text(self.closed, 'N m')}: a governor closes the "
                 "throttle as it lifts the sleeve"
             )
-        return self
 
 
 class LinearThrottle(_Throttle):
@@ -41,17 +39,15 @@ class TableThrottle(Part):
     moment: list[Moment]
     interpolation: Literal["linear", "pchip"]
 
-    @model_validator(mode="after")
-    def _falls(self) -> "TableThrottle":
-        check_rows(self.over_lift, self.moment, self.interpolation, ("over_lift", "moment"))
+    def _faults(self) -> Faults:
+        make_table(self.over_lift, self.moment, self.interpolation, names=("over_lift", "moment"))
         rises = next((i for i in range(1, len(self.moment)) if self.moment[i] > self.moment[i - 1]), None)
         if rises is not None:
-            raise ValueError(
+            yield (
                 f"moment rises in row {rises + 1}, from "
                 f"{quantity_text(self.moment[rises - 1], 'N m')} to {quantity_text(self.moment[rises], 'N m')}: a "
                 "governor closes the throttle as it lifts the sleeve; sort the rows so that the moment falls"
             )
-        return self
 
     @property
     def table(self) -> Table:
@@ -67,14 +63,6 @@ class FullAndShutThrottle(_Throttle):
 
 
 Throttle = Annotated[LinearThrottle | TableThrottle | FullAndShutThrottle, Field(discriminator="type")]
-
-
-def check_rows(x: list[float], y: list[float], interpolation: str, names: tuple[str, str]) -> None:
-    """Raise ValueError if rows make no table, with the scene's keys in the message."""
-    try:
-        make_table(x, y, interpolation, names=names)
-    except TableError as error:
-        raise ValueError(str(error)) from None
 
 
 class GovernedEngine(Part):
@@ -102,19 +90,14 @@ class GovernedEngine(Part):
     duration: Annotated[quantity("time"), Field(gt=0)] | None = None
     settling_band: Annotated[Number, Field(gt=0)] = 0.01
 
-    @model_validator(mode="after")
-    def _has_inertia(self) -> "GovernedEngine":
+    def _faults(self) -> Faults:
         if not (self.machine or self.inertia > 0):
-            raise ValueError("inertia is missing: give that of the engine, or machine = true for the scene's own")
+            yield "inertia is missing: give that of the engine, or machine = true for the scene's own"
         if self.throttled and not self.machine:
-            raise ValueError("throttled names actions of the scene's mechanism: give machine = true, or leave it out")
-        return self
+            yield "throttled names actions of the scene's mechanism: give machine = true, or leave it out"
 
-    @model_validator(mode="after")
-    def _load_changes(self) -> "GovernedEngine":
         if self.duration is not None and self.new_load is None:
-            raise ValueError("duration belongs to a change of load: give new_load, or leave duration out")
+            yield "duration belongs to a change of load: give new_load, or leave duration out"
         lost = self.gives("settling_band", "throttled")
         if lost and self.duration is None:
-            raise ValueError(f"{lost[0]} counts where a change of load is followed: give duration, or leave it out")
-        return self
+            yield f"{lost[0]} counts where a change of load is followed: give duration, or leave it out"

@@ -6,9 +6,9 @@ A governor has two balls. The stops are given by radii of the balls; sleeve lift
 from typing import Annotated, ClassVar
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from engine.elements.element import ROUNDING, Answers, Element, ElementResult, Numbers, Rank, nudged
+from engine.elements.element import ROUNDING, Answers, Element, ElementResult, Numbers, further, nudged
 from engine.elements.governors.equilibria import (
     GovernorVariants,
     governor_marks,
@@ -25,41 +25,30 @@ from engine.graph.nodes import Graph, Node
 from engine.laws.governors.linkages import balls_on_upper_arms
 from engine.laws.tables import Table
 from engine.parts.actions import Force
-from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Length, Mass, Number, Positive, quantity
+from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Faults, Length, Mass, Number, Positive, quantity
 from engine.units.display import quantity_text
 from engine.words.verdicts import Verdict
 
 _FLAG = {"units": "1", "exact": True}
 _STATICS = (
-    ElementResult("inner_speed", "speed of the spindle in equilibrium at the inner stop", "rad s-1", rank=Rank.FURTHER),
-    ElementResult("outer_speed", "speed of the spindle in equilibrium at the outer stop", "rad s-1", rank=Rank.FURTHER),
-    ElementResult("inner_force", "controlling force of one ball at the inner stop", "N", rank=Rank.FURTHER),
-    ElementResult("outer_force", "controlling force of one ball at the outer stop", "N", rank=Rank.FURTHER),
-    ElementResult("stable_from", "radius at which the longest stable stretch begins", "m", rank=Rank.FURTHER),
-    ElementResult("stable_to", "radius at which the longest stable stretch ends", "m", rank=Rank.FURTHER),
+    further("inner_speed", "speed of the spindle in equilibrium at the inner stop", "rad s-1"),
+    further("outer_speed", "speed of the spindle in equilibrium at the outer stop", "rad s-1"),
+    further("inner_force", "controlling force of one ball at the inner stop", "N"),
+    further("outer_force", "controlling force of one ball at the outer stop", "N"),
+    further("stable_from", "radius at which the longest stable stretch begins", "m"),
+    further("stable_to", "radius at which the longest stable stretch ends", "m"),
     ElementResult("least_speed", "minimum speed of the spindle in the stable stretch", "rad s-1"),
     ElementResult("greatest_speed", "maximum speed of the spindle in the stable stretch", "rad s-1"),
     ElementResult("mean_speed", "mean of the minimum and maximum speed", "rad s-1"),
     ElementResult("non_uniformity", "range of speeds in the stable stretch over the mean speed", "1"),
-    ElementResult(
-        "least_stability",
-        "minimum of (dω²/dr)/(ω²/r) in equilibrium between the stops; 0 is isochronous",
-        "1",
-        rank=Rank.FURTHER,
-    ),
-    ElementResult("least_stability_radius", "radius at which the governor is least stable", "m", rank=Rank.FURTHER),
+    further("least_stability", "minimum of (dω²/dr)/(ω²/r) in equilibrium between the stops; 0 is isochronous", "1"),
+    further("least_stability_radius", "radius at which the governor is least stable", "m"),
     ElementResult("isochronous", "the governor is isochronous (1 or 0)", **_FLAG),
     ElementResult("sleeve_lift", "lift of the sleeve between the stops", "m"),
     ElementResult("insensitivity", "maximum range of speeds within which friction holds the sleeve, as a share", "1"),
-    ElementResult(
-        "least_speed_with_friction", "speed at which the sleeve falls to its lowest", "rad s-1", rank=Rank.FURTHER
-    ),
-    ElementResult(
-        "greatest_speed_with_friction", "speed at which the sleeve rises to its highest", "rad s-1", rank=Rank.FURTHER
-    ),
-    ElementResult(
-        "sleeve_force", "force at the sleeve that holds the balls, at half of the lift", "N", rank=Rank.FURTHER
-    ),
+    further("least_speed_with_friction", "speed at which the sleeve falls to its lowest", "rad s-1"),
+    further("greatest_speed_with_friction", "speed at which the sleeve rises to its highest", "rad s-1"),
+    further("sleeve_force", "force at the sleeve that holds the balls, at half of the lift", "N"),
     ElementResult("effort", "mean force at the sleeve for the given change of speed, at half of the lift", "N"),
     ElementResult("power", "effort times the lift that the given change of speed makes", "J", None, True),
 )
@@ -67,21 +56,15 @@ _OF_ENGINE = (
     ElementResult("working_lift", "lift of the sleeve at the engine's load, after its change", "m"),
     ElementResult("working_speed", "steady speed of the engine, after the change of load", "rad s-1"),
     ElementResult("steady_speed_change", "steady change of the engine's speed by the change of load", "rad s-1"),
-    ElementResult("vyshnegradsky_x", "Vyshnegradsky's X", "1", None, True, rank=Rank.FURTHER),
-    ElementResult("vyshnegradsky_y", "Vyshnegradsky's Y", "1", None, True, rank=Rank.FURTHER),
+    further("vyshnegradsky_x", "Vyshnegradsky's X", "1", None, True),
+    further("vyshnegradsky_y", "Vyshnegradsky's Y", "1", None, True),
     ElementResult("stable", "engine and governor are stable (1) or hunt (0)", **_FLAG),
     ElementResult("gain_margin", "gain of the throttle at which they hunt, over that given", "1", None, True),
-    ElementResult(
-        "critical_damping", "damping at the sleeve below which they hunt", "N s m-1", None, True, rank=Rank.FURTHER
-    ),
-    ElementResult(
-        "critical_inertia", "inertia of the engine below which they hunt", "kg m2", None, True, rank=Rank.FURTHER
-    ),
-    ElementResult(
-        "decay_rate", "rate at which the slowest part of a disturbance decays", "s-1", None, True, rank=Rank.FURTHER
-    ),
+    further("critical_damping", "damping at the sleeve below which they hunt", "N s m-1", None, True),
+    further("critical_inertia", "inertia of the engine below which they hunt", "kg m2", None, True),
+    further("decay_rate", "rate at which the slowest part of a disturbance decays", "s-1", None, True),
     ElementResult("hunting_frequency", "angular frequency of the oscillation", "rad s-1", None, True),
-    ElementResult("oscillates", "a disturbance decays or grows in oscillations (1 or 0)", **_FLAG, rank=Rank.FURTHER),
+    further("oscillates", "a disturbance decays or grows in oscillations (1 or 0)", **_FLAG),
 )
 _TRANSIENT = (
     ElementResult("highest_speed", "highest speed of the engine after the change of load", "rad s-1"),
@@ -89,8 +72,8 @@ _TRANSIENT = (
     ElementResult("overshoot", "maximum departure beyond the new steady speed, as a share", "1"),
     ElementResult("settling_time", "time after which the speed stays in its band", "s", None, True),
     ElementResult("hunting", "half the swing of speed that is left at the end, as a share", "1"),
-    ElementResult("inner_stop_hits", "how often the sleeve runs on its inner stop", **_FLAG, rank=Rank.FURTHER),
-    ElementResult("outer_stop_hits", "how often the sleeve runs on its outer stop", **_FLAG, rank=Rank.FURTHER),
+    further("inner_stop_hits", "how often the sleeve runs on its inner stop", **_FLAG),
+    further("outer_stop_hits", "how often the sleeve runs on its outer stop", **_FLAG),
 )
 # Prefix of the keys for the curves of a mechanism.
 CYCLE = "cycle."
@@ -118,17 +101,15 @@ class Governor(Element):
     speed_change: Annotated[Number, Field(gt=0)] = 0.01
     engine: GovernedEngine | None = None
 
-    @model_validator(mode="after")
-    def _has_a_range(self) -> "Governor":
+    def _faults(self) -> Faults:
         if not self.least_radius < self.greatest_radius:
-            raise ValueError(
+            yield (
                 f"greatest_radius = {quantity_text(self.greatest_radius, 'm')} is not above "
                 f"least_radius = {quantity_text(self.least_radius, 'm')}: "
                 "give the radii of the balls at the inner and the outer stop"
             )
         if self.engine is None and self.gives("damping"):
-            raise ValueError("damping matters to the motion with an engine alone; give engine, or leave damping out")
-        return self
+            yield "damping matters to the motion with an engine alone; give engine, or leave damping out"
 
     @property
     def is_followed(self) -> bool:

@@ -3,14 +3,13 @@
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from engine.elements.governors.governed_engine import check_rows
 from engine.elements.governors.governor import Governor
 from engine.elements.governors.governor_nodes import Holding, Linkage, by_table
 from engine.graph.nodes import Graph, Node
 from engine.laws.tables import Table, make_table
-from engine.parts.skeleton import Length, Number, quantity
+from engine.parts.skeleton import Faults, Length, Number, quantity
 from engine.units.display import quantity_text
 
 
@@ -29,20 +28,18 @@ class TableGovernor(Governor):
     interpolation: Literal["linear", "pchip", "spline"]
     lift_ratio: Annotated[Number, Field(gt=0)]
 
-    @model_validator(mode="after")
-    def _table_spans_the_range(self) -> "TableGovernor":
+    def _faults(self) -> Faults:
         key = "over_lift" if self.over_radius is None else "over_radius"
         rows = getattr(self, key)
-        check_rows(rows, self.controlling_force, self.interpolation, (key, "controlling_force"))
+        make_table(rows, self.controlling_force, self.interpolation, names=(key, "controlling_force"))
         lift = (self.greatest_radius - self.least_radius) * self.lift_ratio
         needed = (0.0, lift) if self.over_radius is None else (self.least_radius, self.greatest_radius)
         if not (rows[0] <= needed[0] and needed[1] <= rows[-1] * (1 + 1e-12)):
-            raise ValueError(
+            yield (
                 f"{key} spans {quantity_text(rows[0], 'm')} to {quantity_text(rows[-1], 'm')}, the "
                 f"stops lie at {quantity_text(needed[0], 'm')} and {quantity_text(needed[1], 'm')}: give "
                 "rows up to both stops, or move these"
             )
-        return self
 
     @property
     def controlling_table(self) -> Table:

@@ -3,15 +3,15 @@
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine import parts
 from engine.elements.compliances.elastic_parts import HollowRound, PartModulus
-from engine.laws.tables import TableError, make_table
+from engine.laws.tables import make_table
 from engine.parts.actions import Force, Time
 from engine.parts.formulas.by_formula import ByFormula, FormulaText
 from engine.parts.formulas.expressions import ExpressionError, TextExpression, parse
-from engine.parts.skeleton import AngularSpeed, Length, Mass, Part, Positive, Speed, quantity
+from engine.parts.skeleton import AngularSpeed, Faults, Length, Mass, Part, Positive, Speed, quantity
 from engine.units.dimensions import described
 from engine.units.reading import any_quantity
 from engine.words.glossary import unknown_name_message
@@ -76,36 +76,33 @@ class OverTime(ByFormula):
         """The parsed formula."""
         return parse(self.formula, any_quantity)
 
-    def _check(self, key: str, unit: str) -> None:
-        """Raise ValueError unless there are either rows or a formula of the time with the right unit."""
+    def _faults_of(self, key: str, unit: str) -> Faults:
+        """Anything but rows, or a formula of the time with the right unit."""
         rows = getattr(self, key)
         if (rows is None) != (self.over_time is None) or (rows is None) == (self.formula is None):
-            raise ValueError(f"give over_time and {key}, or a formula: one of the two")
+            yield f"give over_time and {key}, or a formula: one of the two"
         if self.formula is not None:
-            self._check_formula(unit)
+            yield from self._faults_of_formula(unit)
             return
         if self.numbers:
-            raise ValueError("numbers belong to a formula: give one, or leave them out")
-        try:
-            make_table(self.over_time, rows, "linear", names=("over_time", key))
-        except TableError as error:
-            raise ValueError(str(error)) from None
+            yield "numbers belong to a formula: give one, or leave them out"
+        make_table(self.over_time, rows, "linear", names=("over_time", key))
         if self.over_time[0] != 0.0:
-            raise ValueError(f"over_time begins at {self.over_time[0]:g} s: begin at 0 s, when the mass starts")
+            yield f"over_time begins at {self.over_time[0]:g} s: begin at 0 s, when the mass starts"
         if not np.any(rows):
-            raise ValueError(f"{key} is 0 in all rows: nothing drives the mass; leave the excitation out")
+            yield f"{key} is 0 in all rows: nothing drives the mass; leave the excitation out"
 
-    def _check_formula(self, unit: str) -> None:
+    def _faults_of_formula(self, unit: str) -> Faults:
         check = parts.formulas.dimension_check
         if self.time is None:
-            raise ValueError("time is missing: a formula has no last row; say how long the motion is followed")
+            yield "time is missing: a formula has no last row; say how long the motion is followed"
         if "t" in self.numbers:
-            raise ValueError("numbers.t: 't' is the time in formulas; choose another name")
+            yield "numbers.t: 't' is the time in formulas; choose another name"
         expression = self.expression
         units = {name: described(number.dimension).unit for name, number in self.numbers.items()} | {"t": "s"}
         for name in expression.names:
             if name not in units:
-                raise ValueError(f"formula: {unknown_name_message(name, units)}; it can use t and numbers")
+                yield f"formula: {unknown_name_message(name, units)}; it can use t and numbers"
         try:
             dimensions = {n: check.dimension_of_unit(u) for n, u in units.items()}
             check.check_yields(expression, check.dimension_of_unit(unit), dimensions)
@@ -119,10 +116,8 @@ class ForceOverTime(OverTime):
     type: Literal["force_over_time"]
     force: list[Force] | None = None
 
-    @model_validator(mode="after")
-    def _one_description(self) -> "ForceOverTime":
-        self._check("force", "N")
-        return self
+    def _faults(self) -> Faults:
+        yield from self._faults_of("force", "N")
 
 
 class SupportOverTime(OverTime):
@@ -131,12 +126,10 @@ class SupportOverTime(OverTime):
     type: Literal["support_over_time"]
     displacement: list[Length] | None = None
 
-    @model_validator(mode="after")
-    def _one_description(self) -> "SupportOverTime":
-        self._check("displacement", "m")
+    def _faults(self) -> Faults:
+        yield from self._faults_of("displacement", "m")
         if self.over_time is not None and np.any(np.diff(self.over_time) == 0.0):
-            raise ValueError("over_time has a time twice: a support can't jump; give the rise a time, however short")
-        return self
+            yield "over_time has a time twice: a support can't jump; give the rise a time, however short"
 
 
 class RunThrough(Part):

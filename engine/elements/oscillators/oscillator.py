@@ -4,7 +4,7 @@ import math
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.elements.compliances.stiffnesses import cantilever_stiffness
 from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, nudged
@@ -42,7 +42,7 @@ from engine.elements.oscillators.run_through import run_through_motion, run_thro
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.laws.rounding import EPS
 from engine.parts.actions import Damping, Stiffness
-from engine.parts.skeleton import Mass, Number
+from engine.parts.skeleton import Faults, Mass, Number
 from engine.words.verdicts import Verdict
 
 Ratio = Annotated[Number, Field(ge=0)]
@@ -114,15 +114,13 @@ class OscillatorElement(Element):
     excitation: Excitation | None = None
     run_through: RunThrough | None = None
 
-    @model_validator(mode="after")
-    def _belongs_together(self) -> "OscillatorElement":
+    def _faults(self) -> Faults:
         if self.run_through is not None and not isinstance(self.excitation, RotatingUnbalance):
-            raise ValueError("run_through needs a rotor: give excitation with type = 'unbalance'")
+            yield "run_through needs a rotor: give excitation with type = 'unbalance'"
         if isinstance(self.excitation, OverTime) and self.start is not None and self.start.time != 0.0:
-            raise ValueError("start.time belongs to a free motion: under an excitation over time give excitation.time")
+            yield "start.time belongs to a free motion: under an excitation over time give excitation.time"
         if self.run_through is not None and self.run_through.acceleration == 0:
-            raise ValueError("run_through.acceleration = 0: the speed must change; negative for a run-down")
-        return self
+            yield "run_through.acceleration = 0: the speed must change; negative for a run-down"
 
     @property
     def variants_at_once(self) -> int:

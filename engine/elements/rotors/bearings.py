@@ -63,10 +63,7 @@ def static_forces(
     weight = np.multiply(mass, gravity)
     with np.errstate(divide="ignore", invalid="ignore"):
         span = np.subtract(second, first)
-        return BearingForces(
-            weight * np.subtract(second, centre) / span,
-            weight * np.subtract(centre, first) / span,
-        )
+        return BearingForces(weight * np.subtract(second, centre) / span, weight * np.subtract(centre, first) / span)
 
 
 def peak_forces(rotating: BearingForces, static: BearingForces) -> BearingForces:

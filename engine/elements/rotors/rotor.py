@@ -12,7 +12,7 @@ from contextlib import suppress
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers, Rank, further, nudged
 from engine.elements.panels import Curve, Panel, PanelAxis
@@ -32,7 +32,7 @@ from engine.elements.rotors.unbalance import (
     unbalance_in_two_planes,
     vector_polygon,
 )
-from engine.parts.skeleton import AngularSpeed, Length, Mass, Name, Speed
+from engine.parts.skeleton import AngularSpeed, Faults, Length, Mass, Name, Speed
 
 # A number this close to an integer counts as one: error estimates nudge the numbers.
 WHOLE = 1e-6
@@ -96,14 +96,12 @@ class RotorElement(Element):
     planes: Annotated[dict[Name, CorrectionPlane], Field(min_length=1)]
     rolling_arm: Annotated[Length, Field(gt=0)] | None = None
 
-    @model_validator(mode="after")
-    def _places_differ(self) -> "RotorElement":
+    def _faults(self) -> Faults:
         if self.first_bearing == self.second_bearing:
-            raise ValueError("first_bearing and second_bearing are in one place; a rotor needs two apart")
+            yield "first_bearing and second_bearing are in one place; a rotor needs two apart"
         positions = [plane.position for plane in self.planes.values()]
         if len(positions) > 1 and len(set(positions)) == 1:
-            raise ValueError(f"planes {', '.join(self.planes)} are in one place; move one, or leave all but one out")
-        return self
+            yield f"planes {', '.join(self.planes)} are in one place; move one, or leave all but one out"
 
     def results(self) -> tuple[ElementResult, ...]:
         """Results of the rotor and of its planes."""

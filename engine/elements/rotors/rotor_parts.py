@@ -3,10 +3,10 @@
 import math
 from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from engine.elements.rotors.hole_pattern import PatternError, ways_to_fill
-from engine.parts.skeleton import Angle, Length, Mass, Number, Part, Positive
+from engine.elements.rotors.hole_pattern import ways_to_fill
+from engine.parts.skeleton import Angle, Faults, Length, Mass, Number, Part, Positive
 
 
 class OffAxis(Part):
@@ -40,15 +40,10 @@ class CorrectionPlane(Part):
     mass_error: Annotated[Number, Field(ge=0)] = 0.0
     angle_error: Annotated[Angle, Field(ge=0, le=math.pi)] = 0.0
 
-    @model_validator(mode="after")
-    def _holes_get_pieces(self) -> "CorrectionPlane":
+    def _faults(self) -> Faults:
         if (self.holes is None) != (self.piece is None):
-            raise ValueError("holes and piece (the mass of one) belong together: give both, or neither")
+            yield "holes and piece (the mass of one) belong together: give both, or neither"
         if self.holes is not None:
             if self.holes != int(self.holes):
-                raise ValueError(f"holes = {self.holes:g}: give a whole number")
-            try:
-                ways_to_fill(int(self.holes), self.most, self.used)
-            except PatternError as error:
-                raise ValueError(str(error)) from None
-        return self
+                yield f"holes = {self.holes:g}: give a whole number"
+            ways_to_fill(int(self.holes), self.most, self.used)

@@ -10,7 +10,7 @@ import math
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.elements.element import Columns, Element, ElementResult, Numbers
 from engine.elements.panels import Panel
@@ -18,7 +18,7 @@ from engine.elements.rotors.knife_edges import KNIFE_EDGES, on_knife_edges
 from engine.elements.rotors.rotor_parts import OffAxis
 from engine.elements.rotors.unbalance import vector_polygon
 from engine.laws.rounding import EPS
-from engine.parts.skeleton import AngularSpeed, Length, Mass, Name
+from engine.parts.skeleton import AngularSpeed, Faults, Length, Mass, Name
 
 
 class StaticRotor(Element):
@@ -46,11 +46,9 @@ class StaticRotor(Element):
     rolling_arm: Annotated[Length, Field(gt=0)] | None = None
     speed: Annotated[AngularSpeed, Field(gt=0)] | None = None
 
-    @model_validator(mode="after")
-    def _rolls_with_its_mass(self) -> "StaticRotor":
+    def _faults(self) -> Faults:
         if self.rolling_arm is not None and self.mass is None:
-            raise ValueError("rolling_arm needs the rotor's mass, which presses it on the knife edges: give mass")
-        return self
+            yield "rolling_arm needs the rotor's mass, which presses it on the knife edges: give mass"
 
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name."""

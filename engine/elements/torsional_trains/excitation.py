@@ -73,7 +73,7 @@ def train_excitation(train: Element, reduced: ReducedTrain, n: Numbers) -> Train
     """
     revolutions = int(n["machine.revolutions"][0]) if train.machine_at is not None else 1
     orders, layout = excitation_orders(train, revolutions), train.layout
-    nodes, node_of = range(len(layout.parents)), dict(zip(layout.masses, layout.node_of, strict=True))
+    nodes, node_of = range(len(layout.parents)), layout.node_of
     none = measured(np.zeros(reduced.inertias.shape[1], complex))
     sums = {(node, order): none for node in nodes for order in (0.0, *orders)}
 

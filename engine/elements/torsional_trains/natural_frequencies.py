@@ -73,10 +73,7 @@ def natural_vibration(train: ReducedTrain, count: int) -> NaturalVibration:
     mode_errors = _mode_errors(train, squares, modes, rounded)
     mixed = np.isnan(mode_errors)
     return NaturalVibration(
-        frequencies[:count],
-        errors[:count],
-        np.where(mixed, math.nan, modes)[:count],
-        mode_errors[:count],
+        frequencies[:count], errors[:count], np.where(mixed, math.nan, modes)[:count], mode_errors[:count]
     )
 
 

@@ -70,48 +70,31 @@ def reduced_train(train: Element, n: Numbers) -> ReducedTrain:
     for mass, before, joint, forwards in layout.path:
         ratio = n[f"{'gears' if joint in train.gears else 'shafts'}.{joint}.ratio"]
         ratios[mass] = ratios[before] * ratio if forwards else ratios[before] / ratio
-    nodes = len(layout.parents)
-    inertias, mass_damping, stiffnesses, dampings, absorptions, ground, ground_damping, ground_loss = np.zeros(
-        (8, nodes, *one.shape)
-    )
-    for mass, node in zip(layout.masses, layout.node_of, strict=True):
+    found = ReducedTrain(np.array(layout.parents), *np.zeros((8, len(layout.parents), *one.shape)), {}, ratios, {}, one)
+    for mass, node in layout.node_of.items():
         key = f"masses.{mass}.inertia" if train.masses[mass].inertia is not None else "machine.inertia"
-        inertias[node] += ratios[mass] ** 2 * n[key]
-        mass_damping[node] += ratios[mass] ** 2 * n[f"masses.{mass}.damping"]
-    shaft_ratios, ground_shafts, roundings = {}, {}, np.zeros_like(one)
-    grounded, node_of = dict(layout.grounded), dict(zip(layout.masses, layout.node_of, strict=True))
+        found.inertias[node] += ratios[mass] ** 2 * n[key]
+        found.mass_damping[node] += ratios[mass] ** 2 * n[f"masses.{mass}.damping"]
+    roundings = np.zeros_like(one)
     for name, shaft in train.shafts.items():
         stiffness, damping, absorption, rounded = _shaft(train, name, n)
         first = shaft.between[0] if shaft.between[0] in ratios else shaft.between[1]
-        g = shaft_ratios[name] = ratios[first]
+        g = found.shaft_ratios[name] = ratios[first]
         roundings = np.maximum(roundings, rounded)
-        if name in grounded:
-            node = node_of[grounded[name]]
-            held = ground_shafts[name] = g**2 * stiffness, g**2 * damping, g**2 * stiffness * absorption
-            for total, part in zip((ground, ground_damping, ground_loss), held, strict=True):
+        if name in layout.grounded:
+            node = layout.node_of[layout.grounded[name]]
+            held = found.ground_shafts[name] = g**2 * stiffness, g**2 * damping, g**2 * stiffness * absorption
+            for total, part in zip((found.ground, found.ground_damping, found.ground_loss), held, strict=True):
                 total[node] += part
         else:
             node = layout.shaft_to.index(name)
-            stiffnesses[node], dampings[node], absorptions[node] = g**2 * stiffness, g**2 * damping, absorption
+            found.stiffnesses[node], found.dampings[node] = g**2 * stiffness, g**2 * damping
+            found.absorptions[node] = absorption
     if train.takes_machine_inertia:
         roundings = np.maximum(roundings, n["machine.inertia_error"] / n["machine.inertia"] / EPS)
     # Every joint on the path multiplies by its ratio: rounding of the ratio and of the product.
     roundings = roundings + 4.0 * (len(layout.path) if any_ratio(train) else 0) + 8.0 + 2.0 * len(train.gears)
-    return ReducedTrain(
-        np.array(layout.parents),
-        inertias,
-        mass_damping,
-        stiffnesses,
-        dampings,
-        absorptions,
-        ground,
-        ground_damping,
-        ground_loss,
-        ground_shafts,
-        ratios,
-        shaft_ratios,
-        roundings,
-    )
+    return found._replace(roundings=roundings)
 
 
 def any_ratio(train: Element) -> bool:

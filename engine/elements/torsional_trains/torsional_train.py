@@ -6,10 +6,10 @@ from functools import cached_property
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.cycle.measured import Measured, maximum, measured, where
-from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank
+from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank, further
 from engine.elements.engines.engine import OF_SHAKING, EngineElement
 from engine.elements.panels import Panel
 from engine.elements.torsional_trains.excitation import TrainExcitation, excitation_orders, train_excitation
@@ -17,11 +17,11 @@ from engine.elements.torsional_trains.forced_vibration import ForcedVibration, f
 from engine.elements.torsional_trains.natural_frequencies import NaturalVibration, natural_vibration
 from engine.elements.torsional_trains.order_sums import extremes_of_orders
 from engine.elements.torsional_trains.reduced_train import ReducedTrain, reduced_train
-from engine.elements.torsional_trains.train_layout import FRAME_END, Joint, LayoutProblem, TrainLayout, train_layout
+from engine.elements.torsional_trains.train_layout import FRAME_END, Joint, TrainLayout, train_layout
 from engine.elements.torsional_trains.train_panels import train_panels
 from engine.elements.torsional_trains.train_parts import HarmonicMoment, TrainGear, TrainMass, TrainShaft
 from engine.laws.rounding import EPS
-from engine.parts.skeleton import AngularSpeed, Name
+from engine.parts.skeleton import AngularSpeed, Faults, Name
 from engine.words.verdicts import Verdict
 
 MOST_MASSES = 1000
@@ -56,59 +56,47 @@ class TorsionalTrain(Element):
     machine_at: Name | None = None
     load: Name | None = None
 
-    @model_validator(mode="after")
-    def _hangs_together(self) -> "TorsionalTrain":
+    def _faults(self) -> Faults:
         if FRAME_END in self.masses:
-            raise ValueError(f"masses.{FRAME_END}: this name is that of the frame; choose another")
+            yield f"masses.{FRAME_END}: this name is that of the frame; choose another"
         names = [*self.masses, *self.shafts, *self.gears]
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
-            raise ValueError(f"{twice[0]} stands for two things; masses, shafts and gears need names of their own")
-        try:
-            layout = self.layout
-        except LayoutProblem as problem:
-            raise ValueError(str(problem)) from None
-        if not layout.shaft_to[1:] and not layout.grounded:
-            raise ValueError("shafts is missing: masses without a shaft between them don't vibrate")
-        self._check_excitations()
-        return self
-
-    @model_validator(mode="after")
-    def _masses_have_inertia(self) -> "TorsionalTrain":
+            yield f"{twice[0]} stands for two things; masses, shafts and gears need names of their own"
+        if not self.layout.shaft_to[1:] and not self.layout.grounded:
+            yield "shafts is missing: masses without a shaft between them don't vibrate"
+        yield from self._faults_of_excitations()
         for name, mass in self.masses.items():
             if mass.inertia is None and name != self.machine_at:
-                raise ValueError(
-                    f"masses.{name}.inertia is missing; only the mass that is machine_at takes the machine's own"
-                )
-        return self
+                yield f"masses.{name}.inertia is missing; only the mass that is machine_at takes the machine's own"
 
     @property
     def takes_machine_inertia(self) -> bool:
         """Whether a mass has the inertia of the scene's machine."""
         return any(mass.inertia is None for mass in self.masses.values())
 
-    def _check_excitations(self) -> None:
+    def _faults_of_excitations(self) -> Faults:
         for key, mass in (("load", self.load), ("machine_at", self.machine_at)):
             if mass is not None and mass not in self.masses:
-                raise ValueError(f"{key}: there is no mass {mass!r}; masses are {', '.join(self.masses)}")
+                yield f"{key}: there is no mass {mass!r}; masses are {', '.join(self.masses)}"
         for name, excitation in self.excitations.items():
             if excitation.on not in self.masses:
                 known = ", ".join(self.masses)
-                raise ValueError(f"excitations.{name}.on: there is no mass {excitation.on!r}; masses are {known}")
+                yield f"excitations.{name}.on: there is no mass {excitation.on!r}; masses are {known}"
         given = [key for key in ("speed", "engine", "machine_at") if getattr(self, key) is not None]
         if len(given) > 1:
-            raise ValueError(f"{' and '.join(given)}: each of them gives the train's speed; leave all but one out")
+            yield f"{' and '.join(given)}: each of them gives the train's speed; leave all but one out"
         if not self.is_excited and self._of_vibration:
-            raise ValueError(
+            yield (
                 f"{self._of_vibration[0]} changes nothing without an excitation: natural frequencies are those without "
                 "damping; leave it out, or give excitations, engine or machine_at"
             )
         if self.excitations and not given:
-            raise ValueError("speed is missing: excitations have orders of it")
+            yield "speed is missing: excitations have orders of it"
         if self.engine is not None:
-            self._check_engine(self.engine)
+            yield from self._faults_of_engine(self.engine)
         elif self.cylinders_at:
-            raise ValueError("cylinders_at are those of an engine; give engine, or leave them out")
+            yield "cylinders_at are those of an engine; give engine, or leave them out"
 
     @property
     def _of_vibration(self) -> list[str]:
@@ -121,17 +109,17 @@ class TorsionalTrain(Element):
             pending += [(f"{at}.parts.{name}", own) for name, own in (getattr(part, "parts", None) or {}).items()]
         return found
 
-    def _check_engine(self, engine: EngineElement) -> None:
+    def _faults_of_engine(self, engine: EngineElement) -> Faults:
         if engine.gas is None:
-            raise ValueError("engine.gas is missing: without it the engine has no torque")
+            yield "engine.gas is missing: without it the engine has no torque"
         lost = engine.gives(*OF_SHAKING)
         if lost:
-            raise ValueError(f"engine.{lost[0]} matters to what shakes the engine, not to its torque; leave it out")
+            yield f"engine.{lost[0]} matters to what shakes the engine, not to its torque; leave it out"
         if len(self.cylinders_at) != engine.cylinders:
-            raise ValueError(f"cylinders_at: give a mass for each of the {engine.cylinders} cylinders, in their order")
+            yield f"cylinders_at: give a mass for each of the {engine.cylinders} cylinders, in their order"
         unknown = [mass for mass in self.cylinders_at if mass not in self.masses]
         if unknown:
-            raise ValueError(f"cylinders_at: there is no mass {unknown[0]!r}; masses are {', '.join(self.masses)}")
+            yield f"cylinders_at: there is no mass {unknown[0]!r}; masses are {', '.join(self.masses)}"
 
     @cached_property
     def layout(self) -> TrainLayout:
@@ -190,13 +178,8 @@ def _results(train: TorsionalTrain) -> Iterator[ElementResult]:
         yield ElementResult(f"frequency_{k}", f"natural frequency {k} above zero", "rad s-1")
     for k in modes:
         for mass in train.masses:
-            yield ElementResult(
-                f"mode_{k}.{mass}",
-                f"amplitude of {mass} in mode {k}, over the maximum of all",
-                "1",
-                None,
-                True,
-                rank=Rank.FURTHER,
+            yield further(
+                f"mode_{k}.{mass}", f"amplitude of {mass} in mode {k}, over the maximum of all", "1", None, True
             )
     if not train.is_excited:
         return
@@ -207,14 +190,12 @@ def _results(train: TorsionalTrain) -> Iterator[ElementResult]:
             )
             yield ElementResult(f"nearest_order_{k}", f"order nearest to natural frequency {k}", "1", exact=True)
     for shaft in train.shafts:
-        yield ElementResult(
-            f"{shaft}.mean_moment", f"mean torque of {shaft}, at its first end", "N m", rank=Rank.FURTHER
-        )
+        yield further(f"{shaft}.mean_moment", f"mean torque of {shaft}, at its first end", "N m")
         yield ElementResult(f"{shaft}.alternating_moment", f"alternating torque of {shaft}: half its range", "N m")
         yield ElementResult(f"{shaft}.greatest_moment", f"peak torque of {shaft}", "N m")
     for mass in train.masses:
         yield ElementResult(f"{mass}.amplitude", f"half the range of the vibration of {mass}", "rad")
-    yield ElementResult("dissipated_power", "mean power that all dampers dissipate", "W", rank=Rank.FURTHER)
+    yield further("dissipated_power", "mean power that all dampers dissipate", "W")
 
 
 def _found(train: TorsionalTrain, n: Numbers) -> dict[str, Measured]:
@@ -244,8 +225,8 @@ def _found(train: TorsionalTrain, n: Numbers) -> dict[str, Measured]:
 def _shape(train: TorsionalTrain, reduced: ReducedTrain, natural: NaturalVibration, k: int) -> dict[str, Measured]:
     """A mode as rotations of the masses about their own axes, relative to the maximum."""
     layout = train.layout
-    own = np.stack([reduced.ratios[mass] for mass in layout.masses])
-    mode = natural.modes[k, list(layout.node_of)], natural.mode_errors[k, list(layout.node_of)]
+    own, nodes = np.stack([reduced.ratios[mass] for mass in layout.masses]), list(layout.node_of.values())
+    mode = natural.modes[k, nodes], natural.mode_errors[k, nodes]
     amplitudes = Measured(own) * Measured(*mode)
     greatest = np.abs(amplitudes.value).argmax(axis=0), np.arange(own.shape[1])
     shape = amplitudes / amplitudes[greatest]
@@ -282,7 +263,7 @@ def _vibration(train: TorsionalTrain, reduced: ReducedTrain, excitation: TrainEx
             found[f"{name}.mean_moment"] = constant
             found[f"{name}.alternating_moment"] = 0.5 * (greatest - least)
             found[f"{name}.greatest_moment"] = maximum(abs(constant + greatest), abs(constant + least))
-        for mass, node in zip(layout.masses, layout.node_of, strict=True):
+        for mass, node in layout.node_of.items():
             least, greatest = _range(orders, reduced.ratios[mass] * swings.angles[node])
             found[f"{mass}.amplitude"] = 0.5 * (greatest - least)
         found["dissipated_power"] = swings.dissipated
@@ -296,12 +277,12 @@ def _shaft_moment(
     layout, first = train.layout, train.shafts[name].between[0]
     if name in layout.shaft_to:
         node = layout.shaft_to.index(name)
-        forwards = layout.node_of[layout.masses.index(first)] == layout.parents[node]
+        forwards = layout.node_of[first] == layout.parents[node]
         return swings.moments[node] if forwards else -swings.moments[node]
-    mass = dict(layout.grounded)[name]
+    mass = layout.grounded[name]
     stiffness, damping, loss = reduced.ground_shafts[name]
     held = reduced.known(stiffness + 1j * (loss / math.tau + frequencies * damping))
-    moment = held * swings.angles[layout.node_of[layout.masses.index(mass)]]
+    moment = held * swings.angles[layout.node_of[mass]]
     return moment if first == mass else -moment
 
 

@@ -30,24 +30,24 @@ class TrainLayout(NamedTuple):
     Attributes
     ----------
     masses : tuple of str
-    node_of : tuple of int
+    node_of : dict of str to int
         Node of each mass; 0 for the first mass. Parents have lower indices than their children.
     parents : tuple of int
         Parent of each node; -1 for node 0.
     shaft_to : tuple of str
         Shaft between each node and its parent; "" for node 0.
-    grounded : tuple of (str, str)
-        Shafts to the frame, and the mass at the other end.
+    grounded : dict of str to str
+        Masses at the other end of shafts to the frame.
     path : tuple of (str, str, str, bool)
         Masses in the order of the traversal: the mass, the previous mass, the joint, and whether it is traversed from
         its first end to its second.
     """
 
     masses: tuple[str, ...]
-    node_of: tuple[int, ...]
+    node_of: dict[str, int]
     parents: tuple[int, ...]
     shaft_to: tuple[str, ...]
-    grounded: tuple[tuple[str, str], ...]
+    grounded: dict[str, str]
     path: tuple[tuple[str, str, str, bool], ...]
 
     @property
@@ -71,7 +71,7 @@ def train_layout(masses: Sequence[str], joints: Sequence[Joint]) -> TrainLayout:
         The joints close a loop, leave masses unconnected, or name an unknown mass.
     """
     beside: Mapping[str, list[tuple[Joint, str]]] = {mass: [] for mass in masses}
-    grounded = []
+    grounded: dict[str, str] = {}
     for joint in joints:
         ends = [end for end in (joint.first, joint.second) if end != FRAME_END]
         unknown = [end for end in ends if end not in beside]
@@ -81,7 +81,7 @@ def train_layout(masses: Sequence[str], joints: Sequence[Joint]) -> TrainLayout:
             beside[ends[0]].append((joint, ends[1]))
             beside[ends[1]].append((joint, ends[0]))
         elif len(ends) == 1 and not joint.rigid:
-            grounded.append((joint.name, ends[0]))
+            grounded[joint.name] = ends[0]
         else:
             raise LayoutProblem(f"{joint.name}: one end must be a mass, and of a gear both")
     node_of, parents, shaft_to, path = {masses[0]: 0}, [-1], [""], []
@@ -110,11 +110,5 @@ def train_layout(masses: Sequence[str], joints: Sequence[Joint]) -> TrainLayout:
     apart = [mass for mass in masses if mass not in node_of]
     if apart:
         raise LayoutProblem(f"{', '.join(apart)}: no shafts or gears join them to {masses[0]!r}")
-    return TrainLayout(
-        tuple(masses),
-        tuple(node_of[mass] for mass in masses),
-        tuple(parents),
-        tuple(shaft_to),
-        tuple(grounded),
-        tuple(path),
-    )
+    in_order = {mass: node_of[mass] for mass in masses}
+    return TrainLayout(tuple(masses), in_order, tuple(parents), tuple(shaft_to), grounded, tuple(path))

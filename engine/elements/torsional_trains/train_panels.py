@@ -42,9 +42,7 @@ def _modes(train: Element, reduced: ReducedTrain, natural: NaturalVibration) -> 
     places = np.zeros(len(parents))
     for node in range(1, len(parents)):
         places[node] = places[parents[node]] + 0.25 + 0.75 * compliance[node - 1] / compliance.max()
-    names = [
-        "\n".join(m for m, at in zip(layout.masses, layout.node_of, strict=True) if at == k) for k in range(len(places))
-    ]
+    names = ["\n".join(m for m, at in layout.node_of.items() if at == k) for k in range(len(places))]
     # Both ends of each shaft, and a gap after it.
     ends = np.array([(parents[node], node, node) for node in range(1, len(places))] or [(0, 0, 0)]).ravel()
     gap = np.arange(ends.size) % 3 == 2

@@ -2,11 +2,11 @@
 
 from typing import Annotated, ClassVar
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.elements.compliances.elastic_parts import ElasticPart
 from engine.parts.actions import Moment, TorsionalDamping, TorsionalStiffness
-from engine.parts.skeleton import Angle, Inertia, Name, Number, Part
+from engine.parts.skeleton import Angle, Faults, Inertia, Name, Number, Part
 
 
 class TrainMass(Part):
@@ -33,13 +33,11 @@ class TrainShaft(Part):
     energy_absorption: Annotated[Number, Field(ge=0)] | None = None
     ratio: Number = 1.0
 
-    @model_validator(mode="after")
-    def _turns_with_its_dampers(self) -> "TrainShaft":
+    def _faults(self) -> Faults:
         if self.parts is not None and (self.damping is not None or self.energy_absorption is not None):
-            raise ValueError("the parts have their own dampers: give damping or energy_absorption to them")
+            yield "the parts have their own dampers: give damping or energy_absorption to them"
         if self.ratio == 0:
-            raise ValueError("ratio = 0: the ends would not turn together; give speed of the second over the first")
-        return self
+            yield "ratio = 0: the ends would not turn together; give speed of the second over the first"
 
 
 class TrainGear(Part):
@@ -48,11 +46,9 @@ class TrainGear(Part):
     between: tuple[Name, Name]
     ratio: Number
 
-    @model_validator(mode="after")
-    def _turns(self) -> "TrainGear":
+    def _faults(self) -> Faults:
         if self.ratio == 0:
-            raise ValueError("ratio = 0: give the speed of the second mass over that of the first")
-        return self
+            yield "ratio = 0: give the speed of the second mass over that of the first"
 
 
 class HarmonicMoment(Part):

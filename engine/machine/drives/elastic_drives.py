@@ -116,13 +116,7 @@ class ElasticDrives:
         return values, errors, self._judged(values, errors, verdict)
 
     def _add_run(
-        self,
-        name: str,
-        ready: "Ready",
-        steady: np.ndarray,
-        values: np.ndarray,
-        errors: np.ndarray,
-        verdict: np.ndarray,
+        self, name: str, ready: "Ready", steady: np.ndarray, values: np.ndarray, errors: np.ndarray, verdict: np.ndarray
     ) -> None:
         """Write the results and verdicts of a run, for variants whose verdict is OK so far."""
         well = np.flatnonzero(verdict[ready.which] == Verdict.OK)

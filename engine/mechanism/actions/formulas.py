@@ -18,7 +18,6 @@ from engine.laws.senses import angle_on_side, either, exceeds, kept_positive, qu
 from engine.laws.tables import cycles_before
 from engine.mechanism.acting import Characteristic
 from engine.mechanism.actions.paths import Along, input_sense, time_per_input, uniform_time
-from engine.mechanism.assembly import Slide
 from engine.mechanism.kinematics import Kinematics
 from engine.parts.formulas.expressions import TextOperation, TextQuantity, Tree, evaluate_tree, names_in_tree
 from engine.parts.formulas.speed_powers import NoPowerError, powers_of_speed
@@ -330,15 +329,8 @@ class _Curves:
                 found = found * (part if tree.name == "and" else 1.0 - part)
             return 1.0 - found if tree.name == "or" else found
         a, b = (self.of(operand) for operand in tree.operands)
-        match tree.name:
-            case ">":
-                return self._exceeds(a, b)
-            case "<":
-                return self._exceeds(b, a)
-            case ">=":
-                return 1.0 - self._exceeds(b, a)
-            case _:
-                return 1.0 - self._exceeds(a, b)
+        exceeds = self._exceeds(a, b) if tree.name in (">", "<=") else self._exceeds(b, a)
+        return exceeds if tree.name in (">", "<") else 1.0 - exceeds
 
     def _exceeds(self, a: Differentiated, b: Differentiated) -> Node:
         """1 where a exceeds b, else 0; held, with a switching event."""
@@ -432,24 +424,20 @@ class _Curves:
     def _of_slider(self, name: str, quantity: str) -> Differentiated:
         graph, slide, zero = self.graph, self.kinematics.slides[name], self.graph.zero
         low, high = (graph.found(slide.d, slide.v, which) for which in ("low", "high"))
+        coordinate = Differentiated(slide.d, slide.v)
         match quantity:
             case "slide":
-                return Differentiated(slide.d, slide.v)
+                return coordinate
             case "velocity":
                 return self._at_speed(Differentiated(slide.v, slide.a))
-            case "stroke":
-                return Differentiated(high - low, zero)
-            case "stroke_low":
-                return Differentiated(low, zero)
-            case "stroke_high":
-                return Differentiated(high, zero)
             case "from_low":
-                return self._distance(Differentiated(slide.d - low, slide.v), slide, 1.0, low)
+                found, *from_end = Differentiated(slide.d - low, slide.v), 1.0, low
+            case "from_high":
+                found, *from_end = Differentiated(high - slide.d, -slide.v), -1.0, high
             case _:
-                return self._distance(Differentiated(high - slide.d, -slide.v), slide, -1.0, high)
-
-    def _distance(self, found: Differentiated, slide: Slide, sign: float, end: Node) -> Differentiated:
-        self._distances[found.value] = Differentiated(slide.d, slide.v), sign, end
+                ends = {"stroke": high - low, "stroke_low": low, "stroke_high": high}
+                return Differentiated(ends[quantity], zero)
+        self._distances[found.value] = coordinate, *from_end
         return found
 
 

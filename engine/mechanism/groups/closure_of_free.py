@@ -164,17 +164,15 @@ class ClosureOfFree:
     def joint_on(self, links: dict[str, Turning], link: str, joint: str, still: bool = False) -> MovingPoint:
         """Motion of a joint as a point of one of the links that meet there."""
         if link in self._index:
-            return _at(links[link], self.local(link, joint))
+            return point_on(links[link], self.local(link, joint))
         if joint in self.assembly.points:
             point = self.assembly.points[joint]
             return self.assembly.at_rest(point.r) if still else point
-        return _at(links[link], self.local(link, joint))
+        return point_on(links[link], self.local(link, joint))
 
     def _hinged(self, links: dict[str, Turning], name: str, pair: Pair, unknown: Direction, still: bool) -> Turning:
-        other = pair.beyond(name)
-        joint = pair.joint
-        hinge = Turning(self.joint_on(links, other, joint, still), unknown.u, unknown.w, unknown.e)
-        return hinge._replace(origin=_at(hinge, -self.local(name, joint)))
+        at = self.joint_on(links, pair.beyond(name), pair.joint, still)
+        return hinged(Turning(at, unknown.u, unknown.w, unknown.e), self.local(name, pair.joint))
 
     def _sliding(self, links: dict[str, Turning], pair: Pair, unknown: Slide) -> Turning:
         """A slider on a guide of a link placed before it."""
@@ -288,7 +286,7 @@ class ClosureOfFree:
             second, turning = point.second + base.second, turns.get(carrier)
             if turning is None:
                 return first, second
-            arm = (r - _at(links[carrier], place).r).length
+            arm = (r - point_on(links[carrier], place).r).length
             second = second + 2.0 * sum(first) + (arm + sum(first) * within)
             return [f + arm if k == turning else f for k, f in enumerate(first)], second
 
@@ -333,7 +331,12 @@ class ClosureOfFree:
         return [first for first, _ in found], [second for _, second in found]
 
 
-def _at(link: Turning, place: Vector) -> MovingPoint:
+def hinged(link: Turning, place: Vector) -> Turning:
+    """A link whose motion is given at one of its points instead of its origin."""
+    return link._replace(origin=point_on(link, -place))
+
+
+def point_on(link: Turning, place: Vector) -> MovingPoint:
     """Motion of a point given in a link's axes."""
     return _at_arm(link, place.in_axes(link.u))
 

@@ -7,8 +7,8 @@ from engine.graph.nodes import Node
 from engine.laws.elementary import direction_of
 from engine.laws.kinematics.closure import greater
 from engine.laws.kinematics.seeds import between_seeds, place_in_range, place_in_table, proved, turned, two_seeds
-from engine.mechanism.assembly import Assembly, MovingPoint, Slide, Turning
-from engine.mechanism.groups.closure_of_free import ClosureOfFree, CutLink, Direction, Miss, Unknown
+from engine.mechanism.assembly import Assembly, Slide, Turning
+from engine.mechanism.groups.closure_of_free import ClosureOfFree, CutLink, Direction, Miss, Unknown, hinged, point_on
 from engine.mechanism.groups.minors import Inverse, inverse
 from engine.mechanism.groups.seed_tables import SeedTables
 from engine.mechanism.vectors import Vector, named
@@ -231,10 +231,7 @@ def _register(closure: ClosureOfFree, links: dict[str, Turning], motions: Sequen
         assembly.link(cut.name, _cut_link(closure, links, cut))
     for joint, owner in joint_owners(assembly.scene).items():
         if owner in group.links and joint not in assembly.scene.points:
-            link = assembly.links[owner]
-            place = closure.local(owner, joint)
-            at = link.origin if place == assembly.nowhere else link.at(place.in_axes(link.u))
-            assembly.points[joint] = at.called(joint)
+            assembly.points[joint] = point_on(assembly.links[owner], closure.local(owner, joint)).called(joint)
     found = {pair.name: m for (_, pair), m in zip(closure.cutting.placed, motions, strict=True) if isinstance(m, Slide)}
     for pair in group.pairs:
         if pair.kind == "prismatic":
@@ -260,19 +257,11 @@ def _cut_link(closure: ClosureOfFree, links: dict[str, Turning], cut: CutLink) -
         per_square = closure.graph.one / bar.dot(bar)
         share = bar * per_square
         u = Vector(r.dot(share), share.cross(r))
-        return _from_joint(one, joint, Turning(one, u, r.cross(v) * per_square, r.cross(a) * per_square))
+        return hinged(Turning(one, u, r.cross(v) * per_square, r.cross(a) * per_square), joint)
     point = closure.joint_on(links, cut.one.beyond(cut.name), cut.one.joint)
     line, _ = closure.line(links, cut)
     u = line.u
     if cut.other.link != cut.name:
         angle = closure.assembly.direction(f"guides.{closure.slider_guide(cut.other)}.angle")
         u = Vector(angle.x, -angle.y).in_axes(line.u)
-    return _from_joint(point, joint, Turning(point, u, line.carrier.w, line.carrier.e))
-
-
-def _from_joint(joint: MovingPoint, place: Vector, link: Turning) -> Turning:
-    """Motion of a link from that of one of its joints."""
-    nothing = link.w.graph.zero
-    if place == (nothing, nothing):
-        return link
-    return link._replace(origin=link.at((-place).in_axes(link.u)))
+    return hinged(Turning(point, u, line.carrier.w, line.carrier.e), joint)

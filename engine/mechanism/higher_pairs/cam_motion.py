@@ -130,8 +130,7 @@ def _angle(assembly: Assembly, name: str, turned: _Turned) -> Turned:
         return 1.0 if path is None else np.abs(numbers[path])
 
     lag = assembly.graph.derived(
-        f"angle of cam {name} before its first section",
-        lambda n: np.mod(ratio(n) * n[f"cams.{name}.begin"], TURN),
+        f"angle of cam {name} before its first section", lambda n: np.mod(ratio(n) * n[f"cams.{name}.begin"], TURN)
     )
     drive = scene.input
     own = 1.0 if path is None else abs(scene.shafts[scene.cams[name].on].ratio)

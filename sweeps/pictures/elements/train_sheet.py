@@ -109,7 +109,7 @@ def _holzer_text(train: TorsionalTrain, reduced: ReducedTrain, found: HolzerTabl
     layout = train.layout
     rows = [("mass", "J, kg·m²", "θ", "J ω² θ, N·m", "shaft", "torque, N·m", "k, N·m/rad", "twist")]
     for node in reversed(range(len(layout.parents))):
-        masses = " + ".join(m for m, at in zip(layout.masses, layout.node_of, strict=True) if at == node)
+        masses = " + ".join(m for m, at in layout.node_of.items() if at == node)
         own = (f"{reduced.inertias[node, 0]:.5g}", f"{found.amplitudes[node]:.5f}", f"{found.inertial[node]:.5g}")
         shaft = ("", "", "", "")
         if node:
