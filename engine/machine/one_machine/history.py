@@ -194,7 +194,7 @@ def _one_cycle(dynamics: Dynamics, variants: Variants, steps: int, tolerance: fl
     sided = variants._replace(breaks=variants.breaks.two_sided())
     grid = dynamics.grid(sided, zero, dynamics.cycle, steps)
     places = grid.places[NODES]
-    steady = settled_motion(dynamics, variants, tolerance, False, variants.direction * places)
+    steady = settled_motion(dynamics, variants, tolerance, 1.0, variants.direction * places)
     energy, time, moment = steady.record
     omega = np.sqrt(2.0 * energy / dynamics.inertia(variants, places))
     piece = Piece(time, variants.direction * places, omega, np.ones(1), grid.steps, moment)

@@ -136,7 +136,7 @@ def _piece_of(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks, i
     def at(columns: np.ndarray, turned: np.ndarray) -> tuple[np.ndarray, ...]:
         found = np.empty((3, turned.size))
         asked = turned.size, gone.recorded, gone.steps, columns.ravel(), turned.ravel()
-        read_steps(*asked, runs.stepping.coarse, found)
+        read_steps(*asked, runs.longer > 1.0, found)
         energy, time, moment = found.reshape(3, *turned.shape)
         own = runs.variants.some(who[columns[-1]])
         inertia = runs.dynamics.inertia(own, begin[columns[-1]] + own.direction * turned)
@@ -148,7 +148,7 @@ def _piece_of(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks, i
     columns = np.broadcast_to(np.arange(who.size), turned.shape)
     time, whole, omega, moment = at(columns, turned)
     # Interpolation errors must not make time decrease.
-    end = before.time + gone.states[TIME] + (gone.carried_errors[TIME] if runs.stepping.coarse else 0.0)
+    end = before.time + gone.states[TIME] + (gone.carried_errors[TIME] if runs.longer > 1.0 else 0.0)
     time = np.minimum(np.maximum.accumulate(time, axis=0), end)
 
     def within(columns: np.ndarray, nodes: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, ...]:
