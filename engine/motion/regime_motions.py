@@ -54,6 +54,8 @@ class OneRegime(NamedTuple):
         Minimum and maximum position of the input in a run.
     by_equal_steps : ndarray (3, variants) or None
         Angle turned [rad], final speed [rad/s] and time [s] of a run by equal steps.
+    known : ndarray (variants,) or bool
+        Whether all errors are propagated, so that one comparison suffices.
     """
 
     answers: FieldAnswers
@@ -62,6 +64,7 @@ class OneRegime(NamedTuple):
     energy: np.ndarray
     covered: np.ndarray | None = None
     by_equal_steps: np.ndarray | None = None
+    known: np.ndarray | bool = False
 
 
 class _Ready(NamedTuple):
@@ -119,23 +122,23 @@ class RegimeMotion:
         """Whether any of some results of the regime is requested."""
         return not self._asked.asked.isdisjoint(f"{self.name}.{key}" for key in keys)
 
-    def _steps(self, half: bool) -> int:
+    def _steps(self, longer: float) -> int:
         """Number of steps in a cycle."""
-        return self._asked.steps // 2 if half else self._asked.steps
+        return self._asked.steps // 2 if longer > 1.0 else self._asked.steps
 
     @property
     def at_two_speeds(self) -> bool:
         """Whether both sides of a coupling have separate speeds: always, except for a locked clutch."""
         return self.two is not None and (not self.is_steady or self.two.is_fluid)
 
-    def follow(self, variants: Variants, standing: Standing, half: bool) -> OneRegime:
-        """A regime from the current state; with longer steps and half the positions if `half`."""
+    def follow(self, variants: Variants, standing: Standing, longer: float) -> OneRegime:
+        """A regime from the current state; with longer steps, also at half the positions."""
         hindered = self.hindered(variants)
         standing = standing._replace(verdict=np.where(standing.verdict, standing.verdict, hindered))
         if not self.is_steady:
-            return self._ran(variants, standing, half)
+            return self._ran(variants, standing, longer)
         steady = self._steady_at_two_speeds if self.at_two_speeds else self._steady
-        return steady(variants, standing, half)
+        return steady(variants, standing, longer)
 
     def hindered(self, variants: Variants) -> np.ndarray:
         """Verdict that rules out a regime before it is computed.
@@ -165,7 +168,7 @@ class RegimeMotion:
         self,
         variants: Variants,
         standing: Standing,
-        half: bool = False,
+        longer: float = 1.0,
         record: Callable[[RunFields], Observer] | None = None,
     ) -> tuple[RunOutcome, FieldAnswers, Standing]:
         """Run a regime from the current state.
@@ -175,8 +178,8 @@ class RegimeMotion:
         variants : Variants
             With the inertia of all parts.
         standing : Standing
-        half : bool
-            Whether to use a looser tolerance and half the samples, for comparison.
+        longer : float
+            One of `WALKS`; comparison runs have half the samples.
         record : callable, optional
             Creates the observer of the run, which replaces the requested fields.
         """
@@ -192,13 +195,13 @@ class RegimeMotion:
         if self.two and (standing.coupled is None or regime.from_speed is not None):
             begin = begin._replace(coupled=CoupledStanding(begin.omega, np.zeros(count)))
         # Near a speed that is never reached, the time to reach it is as uncertain as its last digits.
-        speed = number(keys.speed) * (1.0 - ROUNDING if half else 1.0)
+        speed = number(keys.speed) * (1.0 - ROUNDING if longer > 1.0 else 1.0)
         flags = (getattr(regime, key) is True for key in ("rest", "reversal", "end_of_range", "lock_up"))
         ends = Ends(number("cycles") * cycle, number("time"), speed, number("at_most") * cycle, *flags)
         ready = np.flatnonzero(standing.verdict == Verdict.OK)
         run = self._run_at_two_speeds if self.two else self._run_at_one_speed
         own = _Ready(ready, variants.some(ready), some(begin, ready), some(ends, ready), variants.kept)
-        found = run(own, half, record)
+        found = run(own, longer, record)
         outcome, answers = over_all(found[0], ready, count), found[1].over_all(ready, count)
         verdict = np.where(standing.verdict == Verdict.OK, outcome.verdict, standing.verdict).astype(np.uint8)
         # An end of the range stops the input.
@@ -207,7 +210,7 @@ class RegimeMotion:
         return outcome, answers, Standing(place, omega, clock, verdict, outcome.coupled)
 
     def _run_at_two_speeds(
-        self, run: "_Ready", half: bool, record: Callable[[CoupledFields], Observer] | None
+        self, run: "_Ready", longer: float, record: Callable[[CoupledFields], Observer] | None
     ) -> tuple[RunOutcome, FieldAnswers]:
         sides, standing = self.two.of(run.variants, run.standing.angle), run.standing
         if self.regime.from_shaft_speed is not None:
@@ -216,7 +219,7 @@ class RegimeMotion:
         along, asked = CoupledFields(sides, standing.clock, self.loads), self.fields
         watch = record or (lambda along: RunExtremes(along, [one.field for one in asked]))
         observers = [watch(along)] if asked or record else []
-        outcome = run_coupled(sides, standing, run.ends, self._stepping(half), observers)
+        outcome = run_coupled(sides, standing, run.ends, self._stepping(longer), observers)
         if not asked or record is not None:
             return outcome, FieldAnswers.none()
         return outcome, observers[0].answers(asked, np.full(run.which.size, BETWEEN_LOOKS))
@@ -225,7 +228,7 @@ class RegimeMotion:
         self,
         variants: Variants,
         standing: Standing,
-        half: bool = False,
+        longer: float = 1.0,
         record: Callable[[CoupledFields, np.ndarray], Observer] | None = None,
     ) -> tuple[CoupledSteady, RunOutcome, Standing]:
         """Steady running through a fluid coupling, and one cycle of it; parameters as for `run`.
@@ -234,7 +237,7 @@ class RegimeMotion:
         """
         two, count, zero = self.two, variants.count, np.zeros(variants.count)
         ready = np.flatnonzero(standing.verdict == Verdict.OK)
-        sides, stepping = two.of(variants.some(ready), zero[ready]), self._stepping(half)
+        sides, stepping = two.of(variants.some(ready), zero[ready]), self._stepping(longer)
         steady = settled_at_two_speeds(sides, stepping)
         good = np.flatnonzero(steady.verdict == Verdict.OK)
         moving = sides.some(good)
@@ -246,18 +249,18 @@ class RegimeMotion:
         steady = steady._replace(verdict=verdict.astype(np.uint8))
         return steady, gone, Standing(zero, steady.speeds[0], zero, steady.verdict, shaft)
 
-    def _steady_at_two_speeds(self, variants: Variants, standing: Standing, half: bool) -> OneRegime:
+    def _steady_at_two_speeds(self, variants: Variants, standing: Standing, longer: float) -> OneRegime:
         asked, seen = self.fields, []
 
         def record(along: CoupledFields, good: np.ndarray) -> CycleStates:
-            seen.append((along, good, CycleStates(good.size, LOOKS[:: 2 if half else 1].size)))
+            seen.append((along, good, CycleStates(good.size, LOOKS[:: 2 if longer > 1.0 else 1].size)))
             return seen[0][2]
 
-        steady, gone, after = self.settled_at_two_speeds(variants, standing, half, record if asked else None)
+        steady, gone, after = self.settled_at_two_speeds(variants, standing, longer, record if asked else None)
         answers = FieldAnswers.none()
         if asked:
             along, good, states = seen[0]
-            answers = answers_of(self._fluid_cycle(along, states, half), asked, self.dynamics.cycle)
+            answers = answers_of(self._fluid_cycle(along, states, longer), asked, self.dynamics.cycle)
             answers = answers.over_all(good, variants.count)
         found = self._of_run(variants, gone)
         low, high, period = gone.slowest, gone.fastest, gone.state.time
@@ -267,50 +270,54 @@ class RegimeMotion:
         answers.scales["speed_fluctuation"] = np.ones(variants.count)
         # Steady running returns exactly.
         answers.missed["return_residual"] = steady.residual
-        return OneRegime(answers, after, float(self._steps(half)), gone.energy)
+        return OneRegime(answers, after, float(self._steps(longer)), gone.energy)
 
-    def _fluid_cycle(self, along: CoupledFields, states: CycleStates, half: bool) -> Cycle:
+    def _fluid_cycle(self, along: CoupledFields, states: CycleStates, longer: float) -> Cycle:
         """The steady cycle through a fluid coupling with its fields."""
         variants = along.variants
-        grid = along.dynamics.grid(variants, np.zeros(variants.count), self._steps(half))
+        grid = along.dynamics.grid(variants, np.zeros(variants.count), self._steps(longer))
         rows = along(np.arange(variants.count), states.at(variants.direction * grid.angles))
         return Cycle(grid, rows["speed"], variants.direction, rows)
 
     def _run_at_one_speed(
-        self, run: "_Ready", half: bool, record: Callable[[RunFields], Observer] | None
+        self, run: "_Ready", longer: float, record: Callable[[RunFields], Observer] | None
     ) -> tuple[RunOutcome, FieldAnswers]:
         observers = [] if record is None else [record(self._along(run))]
-        key, stepping = ("run", self.name), self._stepping(half)
-        if half and record is None:
+        key, stepping = ("run", self.name), self._stepping(longer)
+        if longer > 1.0 and record is None and key in run.kept:
             # A known run predicts the effect of coarser steps.
             before, known = run.kept[key]
             outcome = on_arrays(np.copy, known.shifted(known.changed))
             left = np.flatnonzero(~(run.alike(before) & known.known))
             if left.size:
-                put(outcome, left, run_to_end(self.dynamics, *run.some(left).begin, self._steps(False), stepping))
+                put(outcome, left, run_to_end(self.dynamics, *run.some(left).begin, self._asked.steps, stepping))
         else:
-            outcome = run_to_end(self.dynamics, *run.begin, self._steps(False), stepping, observers)
+            outcome = run_to_end(self.dynamics, *run.begin, self._asked.steps, stepping, observers)
             run.kept[key] = run, outcome
         if record is not None or not self.fields:
             return outcome, FieldAnswers.none()
         # Fields are evaluated for runs that reach their end.
         good = np.flatnonzero(outcome.verdict == Verdict.OK)
-        return outcome, self._along_run(run.some(good), half).over_all(good, run.which.size)
+        answers, known = self._along_run(run.some(good), longer)
+        whole = outcome.known.copy()
+        whole[good] &= known
+        return outcome._replace(known=whole), answers.over_all(good, run.which.size)
 
-    def _ran(self, variants: Variants, standing: Standing, half: bool) -> OneRegime:
-        outcome, answers, after = self.run(variants, standing, half)
+    def _ran(self, variants: Variants, standing: Standing, longer: float) -> OneRegime:
+        outcome, answers, after = self.run(variants, standing, longer)
         results_of = partial(self._of_run, variants)
         answers.values.update(results_of(outcome) | self._at_end(outcome, after))
-        if outcome.changed is not None and not half:
+        if outcome.changed is not None and longer == 1.0:
             answers.missed.update(spread_errors(outcome, outcome.changed, results_of))
         # The work residual is relative to the works, and rounds as they do.
         answers.scales.update(end_reached=np.zeros(variants.count), work_residual=np.ones(variants.count))
         low, high = self.reduction.range_of(variants.numbers, variants.count)
         turned = outcome.state.turned
-        made = turned / (high - low) * self._steps(half)
+        made = turned / (high - low) * self._steps(longer)
         covered = np.sort(after.angle + variants.direction * (outcome.covered - turned), axis=0)
         ends = None if self.regime.method is None else np.stack(outcome.state[:3])
-        return OneRegime(answers, after, made, outcome.energy, covered, ends)
+        known = False if outcome.known is None else outcome.known == 1.0
+        return OneRegime(answers, after, made, outcome.energy, covered, ends, known)
 
     def _at_end(self, outcome: RunOutcome, standing: Standing) -> dict[str, np.ndarray]:
         """Final position of an input of limited range, and the energy of its impact on a stop."""
@@ -321,10 +328,10 @@ class RegimeMotion:
         found = {"final_position": standing.angle, "end_reached": arrived, "impact_energy": taken}
         return found | {"displacement": outcome.state.turned}
 
-    def _stepping(self, coarse: bool) -> Stepping:
+    def _stepping(self, longer: float) -> Stepping:
         steps = self.regime.steps_per_turn if not self.is_steady else None
         extremes = self.asks(*EXTREMES_OF_SPEED)
-        stepping = Stepping(*self._asked.run_tolerance, extremes=extremes, coarse=coarse)
+        stepping = Stepping(*self._asked.run_tolerance, extremes=extremes, longer=longer)
         return stepping if steps is None else stepping._replace(farthest=TURN / steps, classical=True)
 
     def _along(self, run: "_Ready") -> RunFields:
@@ -332,9 +339,9 @@ class RegimeMotion:
         begin = run.standing
         return RunFields(self.dynamics, run.variants, begin.angle, begin.clock, self.loads, self.dynamics.off)
 
-    def _along_run(self, run: "_Ready", half: bool) -> FieldAnswers:
-        """Requested fields of a run, with half the samples if `half`, for comparison."""
-        steps, along = self._steps(half), self._along(run)
+    def _along_run(self, run: "_Ready", longer: float) -> tuple[FieldAnswers, np.ndarray]:
+        """Requested fields of a run, and whether its errors are known; comparison runs have half the samples."""
+        steps, along = self._steps(longer), self._along(run)
         asked = [one for one in self.fields if one.statistic]
         kept = [one.field for one in self.fields if not one.statistic]
         extremes = RunExtremes(along, [one.field for one in asked])
@@ -342,13 +349,13 @@ class RegimeMotion:
         if kept:
             instants = RunInstants(along, kept, self._at.values, self._at.over_time)
             observers.append(instants)
-        outcome = run_to_end(self.dynamics, *run.begin, steps, self._stepping(half), observers)
+        outcome = run_to_end(self.dynamics, *run.begin, steps, self._stepping(longer), observers)
         low, high = self.reduction.range_of(run.variants.numbers, run.which.size)
         found = extremes.answers(asked, (high - low) / steps)
         if kept:
             instants.finish(outcome)
             found = found._replace(rows=instants.rows)
-        return found
+        return found, outcome.known
 
     def _of_run(self, variants: Variants, outcome: RunOutcome) -> dict[str, np.ndarray]:
         """Results of a run by their names without the regime's."""
@@ -365,19 +372,19 @@ class RegimeMotion:
             found[f"{places[side]}_{rest}" if side in places else key] = value
         return found
 
-    def _steady(self, variants: Variants, standing: Standing, half: bool) -> OneRegime:
+    def _steady(self, variants: Variants, standing: Standing, longer: float) -> OneRegime:
         zero, asked = np.zeros(variants.count), self.fields
         found, missed, verdict = {}, {}, np.full(variants.count, Verdict.OK, np.uint8)
         if self.asks("flywheel"):
             delta = np.broadcast_to(variants.numbers["flywheel.speed_fluctuation"], (variants.count,))
-            found["flywheel"], verdict = flywheel_for(self.dynamics, variants, self._asked.tolerance, delta, half)
+            found["flywheel"], verdict = flywheel_for(self.dynamics, variants, self._asked.tolerance, delta, longer)
             wheel = np.where(verdict == Verdict.OK, found["flywheel"], variants.flywheel)
             variants = variants._replace(flywheel=wheel, kept={})
-        grid = self.dynamics.grid(variants, zero, self._steps(half)) if asked or self.two else None
+        grid = self.dynamics.grid(variants, zero, self._steps(longer)) if asked or self.two else None
         nodes = None if grid is None else variants.direction * grid.angles
         off: Steady | None = None
         if self.dynamics.rubs:
-            steady = settled_motion(self.dynamics, variants, self._asked.tolerance, half, nodes)
+            steady = settled_motion(self.dynamics, variants, self._asked.tolerance, longer, nodes)
         else:
             # Without nodes the second call is identical.
             if nodes is not None or "steady" not in variants.kept:
@@ -387,9 +394,9 @@ class RegimeMotion:
         def results_of(steady: Steady) -> dict[str, np.ndarray]:
             return self._of_steady(variants, steady)
 
-        if off is not None and not half:
+        if off is not None and longer == 1.0:
             missed |= spread_errors(steady, off, results_of)
-        if off is not None and half:
+        if off is not None and longer > 1.0:
             steady = steady.shifted(off)
         found |= results_of(steady)
         if self.two:
@@ -408,7 +415,8 @@ class RegimeMotion:
         begin = np.sqrt(2.0 * steady.energy / self.dynamics.inertia(variants, zero))
         held = CoupledStanding(begin, np.full(variants.count, np.inf)) if self.two else None
         after = Standing(zero, begin, zero, verdict.astype(np.uint8), held)
-        return OneRegime(answers, after, float(self._steps(half)), found["energy"])
+        made = float(self._steps(longer))
+        return OneRegime(answers, after, made, found["energy"], known=not self.dynamics.rubs)
 
     def _of_steady(self, variants: Variants, steady: Steady) -> dict[str, np.ndarray]:
         """Results of steady running by their names without the regime's."""

@@ -1,9 +1,8 @@
 """A schedule: the regimes of a scene in order, for many variants, with an error estimate for every number.
 
 Runs over the crank angle and steady running propagate the errors of their steps; fields of steady running are evaluated
-again with these errors added, at half the positions. All other motions run twice, the second time with 128 times the
-tolerance and twice the maximum step. The error estimate is the larger of the propagated error and the change, plus the
-rounding of the energies.
+again with these errors added, at half the positions. All other motions run three times, twice for comparison. The error
+estimate is the larger of the propagated error and the range of the results, plus the rounding of the energies.
 """
 
 from typing import NamedTuple
@@ -20,6 +19,7 @@ from engine.motion.regime_motions import ROUNDING, OneRegime, RegimeMotion
 from engine.motion.runs.run_progress import Standing
 from engine.scene.scene import Numbers
 from engine.stepping.records import on_arrays
+from engine.stepping.walk_task import WALKS
 from engine.words.verdicts import Verdict
 
 # Largest relative change of the final time, angle or speed with equal steps of twice the length; beyond: TOO_COARSE.
@@ -111,10 +111,20 @@ class Schedule(AskedRegimes):
         driven = {off: dynamics.driven(variants) for off, dynamics in self.dynamics.items()}
         # Infinite or NaN numbers cause a verdict, not a warning.
         with np.errstate(all="ignore"):
-            (fine, regimes), (coarse, others) = self._go(driven), self._go(driven, half=True)
-        verdict, other_verdict = (each[-1].standing.verdict for each in (regimes, others))
-        # A verdict with coarser steps only is due to the method, not to the machine.
-        whole, rough = other_verdict == Verdict.OK, np.zeros(count, bool)
+            (fine, regimes), (coarse, others) = (self._go(driven, longer) for longer in WALKS[:2])
+            verdict, other_verdict = (each[-1].standing.verdict for each in (regimes, others))
+            # A verdict with coarser steps only is due to the method, not to the machine.
+            whole, rough, compared = other_verdict == Verdict.OK, np.zeros(count, bool), [coarse.values | coarse.rows]
+            known = np.all([np.broadcast_to(one.known, count) for one in regimes], axis=0)
+            again = np.flatnonzero(~known & whole & (verdict == Verdict.OK))
+            if again.size:
+                # Nothing kept of other walks: an estimate depends on its own variant alone.
+                few = {off: each.some(again)._replace(kept={}) for off, each in driven.items()}
+                third, more = self._go(few, WALKS[2])
+                whole[again] = more[-1].standing.verdict == Verdict.OK
+                compared.append(on_arrays(np.copy, compared[0]))
+                for name, row in (third.values | third.rows).items():
+                    compared[1][name][again] = row
         for mine, other in zip(regimes, others, strict=True):
             if mine.by_equal_steps is not None:
                 change = np.abs(mine.by_equal_steps - other.by_equal_steps)
@@ -123,9 +133,10 @@ class Schedule(AskedRegimes):
         values = {name: np.where(verdict == Verdict.OK, v, np.nan) for name, v in fine.values.items()}
         errors = {}
         for name, row in (values | fine.rows).items():
-            size, other = np.abs(row), (coarse.values | coarse.rows)[name]
+            size, others = np.abs(row), [each[name] for each in compared]
             # The positions of the coarser cycle are a subset.
-            change = np.abs((row if row.ndim == 1 else row[:, :: row.shape[1] // other.shape[1]]) - other)
+            alike = row if row.ndim == 1 else row[:, :: row.shape[1] // others[0].shape[1]]
+            change = np.ptp([alike, *others], axis=0)
             if row.ndim > 1:
                 size, change = _greatest(size), _greatest(change)
             change = share_of_change(name) * np.where(whole, change, size)
@@ -135,12 +146,12 @@ class Schedule(AskedRegimes):
         covered = [found.covered for found in regimes if found.covered is not None]
         return RegimeAnswers(values, errors, fine.rows, verdict, np.reshape(covered, (-1, 2, count)))
 
-    def _go(self, driven: dict[frozenset[str], Variants], half: bool = False) -> tuple[FieldAnswers, list[OneRegime]]:
+    def _go(self, driven: dict[frozenset[str], Variants], longer: float) -> tuple[FieldAnswers, list[OneRegime]]:
         """Compute all needed regimes in order; the requested results by their names, and each regime's."""
         standing = self.at_begin(next(iter(driven.values())))
         every, regimes = FieldAnswers.none(), []
         for name, motion in self.motions.items():
-            found = motion.follow(driven[motion.dynamics.off], standing, half)
+            found = motion.follow(driven[motion.dynamics.off], standing, longer)
             answers, standing = found.answers, found.standing
             asked = {key: v for key, v in answers.values.items() if f"{name}.{key}" in self.asked}
             # Rounding accumulates from step to step.

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from engine.stepping.walk_task import LONGER, coarser
+from engine.stepping.walk_task import tolerance_of_walk
 from engine.words.verdicts import Verdict
 
 
@@ -14,14 +14,14 @@ class WalkedRuns:
     count : int
         Number of variants.
     tolerance : float
-        Relative tolerance of a step in time.
-    coarse : bool
-        Whether this is a comparison run: looser tolerance and longer steps.
+        Relative tolerance of a step in time, if steps aren't longer.
+    longer : float
+        One of `WALKS`.
 
     Attributes
     ----------
-    longer, tolerance : float
-        Factor by which steps are longer, and their tolerance.
+    tolerance : float
+        That of these runs.
     pace : ndarray (variants,)
         Length of the next step in time [s]; infinite if not yet known.
     verdict : ndarray (variants,) of uint8
@@ -33,9 +33,8 @@ class WalkedRuns:
     # Walks after which runs that aren't over are given up.
     most_walks = 100_000
 
-    def __init__(self, count: int, tolerance: float, coarse: bool) -> None:
-        # A looser tolerance alone may leave the steps unchanged; lengthen them, too.
-        self.longer, self.tolerance = (LONGER, coarser(tolerance)) if coarse else (1.0, tolerance)
+    def __init__(self, count: int, tolerance: float, longer: float) -> None:
+        self.longer, self.tolerance = longer, tolerance_of_walk(tolerance, longer)
         self.pace = np.full(count, np.inf)
         self.verdict, self.done = np.full(count, Verdict.OK, np.uint8), np.zeros(count, bool)
 

@@ -20,7 +20,7 @@ from engine.stepping.methods import EIGHT, EIGHT_IN_TIME, METHODS
 from engine.stepping.steps.step_guards import ROOT
 from engine.stepping.steps.step_lanes import FOUND, GIVEN, RESPONSES, STEEPNESS, Room, WalkBatch, new_room
 from engine.stepping.walk import STEEPEST, walk
-from engine.stepping.walk_task import LONGER, WalkTask
+from engine.stepping.walk_task import WALKS, WalkTask
 
 # Fractions of a step at which its polynomial of degree seven is recorded.
 SHOWN = 0.5 - 0.5 * np.cos(np.pi * np.arange(8) / 7.0)
@@ -195,7 +195,7 @@ class PrintedSystem:
             stages=made.stages,
             fixed=not made.fine.any(),
             longer=longer,
-            steepest=STEEPEST if system.along == "angle" else STEEPEST / LONGER * longer,
+            steepest=STEEPEST if system.along == "angle" else STEEPEST / max(WALKS) * longer,
             implicit=made.implicit,
             solved=math.isqrt(len(system.slopes)),
             slopes=RESPONSES + len(system.responses),

@@ -1,19 +1,22 @@
 """What a walk is asked: its system, method, tolerance and ends; and why a walk may end."""
 
+import math
 from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
 
-# A comparison walk uses steps LONGER times as long, which grow LONGER times as fast, and a tolerance COARSER times as
-# large, but at most COARSEST, beyond which it says nothing. Its steps differ even where growth, an instant or a longest
-# step limits them, so the difference of the walks estimates the error.
-LONGER, COARSER, COARSEST = 2.0, 2.0**7, 1e-1
+# Factors by which steps are longer, and grow faster, in a walk and in the two for its comparison. The tolerance of
+# those two is COARSER times as large, but at most COARSEST, beyond which it says nothing; their steps differ even where
+# growth, an instant or a longest step limits them. The range of the three results estimates the error: the difference
+# of two may cross zero.
+WALKS = (1.0, 2.0, math.sqrt(2.0))
+COARSER, COARSEST = 2.0**7, 1e-1
 
 
-def coarser(tolerance: float) -> float:
-    """Step tolerance of a comparison walk."""
-    return max(tolerance, min(COARSER * tolerance, COARSEST))
+def tolerance_of_walk(tolerance: float, longer: float) -> float:
+    """Step tolerance of a walk with steps longer by one of the factors `WALKS`."""
+    return tolerance if longer == 1.0 else max(tolerance, min(COARSER * tolerance, COARSEST))
 
 
 class Why(IntEnum):
@@ -50,7 +53,7 @@ class WalkTask(NamedTuple):
     fixed : bool
         Whether steps have fixed lengths.
     longer : float
-        1, or LONGER for a comparison walk.
+        One of `WALKS`.
     steepest : float
         Limit of |h ∂f/∂y| for an explicit step.
     nodes, parts : ndarray

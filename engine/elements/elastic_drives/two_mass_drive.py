@@ -21,12 +21,13 @@ from engine.parts.actions import Moment, Time
 from engine.parts.motor_constants import MotorCurve, motor_curve
 from engine.parts.skeleton import Angle, AngularSpeed, Faults, Inertia
 from engine.stepping.recorded import made_steps, weights_at
+from engine.stepping.walk_task import WALKS
 from engine.words.verdicts import Verdict
 
 # The smallest backlash [rad] whose products keep full precision.
 SMALLEST = np.finfo(float).tiny / EPS
-# Step tolerance, and that of the comparison run; number of steps over which rounding accumulates.
-TOLERANCE, COARSE, STEPS = 1e-12, 1e-10, 1e4
+# Number of steps over which rounding accumulates.
+STEPS = 1e4
 # Instants of curves, and maximum number of steps recorded for a plot.
 _INSTANTS, MOST_SHOWN = 8004, 20_000
 
@@ -75,9 +76,9 @@ class TwoMassDrive(ElasticShaft, Element):
         if (self.begin == "running") != (self.speed is not None) or (self.speed is None) != (self.load_before is None):
             yield "speed and load_before go with begin = 'running': give both, or neither"
 
-    def values(self, n: Numbers, tolerance: float) -> tuple[Columns, FollowedDrives]:
-        """Results of a set of variants by name, and their drives, for a step tolerance."""
-        followed, rigid = self.follow(n, tolerance), self.of_shaft(n)["rigid_moment"]
+    def values(self, n: Numbers, longer: float) -> tuple[Columns, FollowedDrives]:
+        """Results of a set of variants by name, and their drives, by one of the `WALKS`."""
+        followed, rigid = self.follow(n, longer), self.of_shaft(n)["rigid_moment"]
         held = followed.held
         found = {
             "greatest_moment": held.greatest,
@@ -109,28 +110,31 @@ class TwoMassDrive(ElasticShaft, Element):
             return MotorCurve(n["motor_moment"], 0.0, (), None, np.inf)
         return motor_curve(self.motor, "motor", n)
 
-    def follow(self, n: Numbers, tolerance: float, recorded: int = 0) -> FollowedDrives:
-        """Compute drives for their duration, and record up to `recorded` steps."""
+    def follow(self, n: Numbers, longer: float, recorded: int = 0) -> FollowedDrives:
+        """Compute drives for their duration by one of the `WALKS`, and record up to `recorded` steps."""
         shaft, zero = drive_shaft(self, n), np.zeros_like(n["motor_inertia"])
         # A backlash whose products underflow counts as zero.
         backlash = np.where(n["backlash"] < SMALLEST, 0.0, n["backlash"])
         mobilities = 1.0 / n["motor_inertia"], 1.0 / n["load_inertia"]
         drive = DriveNumbers(*mobilities, shaft.stiffness, shaft.damping + zero, backlash, n["load_moment"] + zero)
         runs = self.begin == "running", n.get("speed", zero), n.get("load_before", zero)
-        return follow_drives(drive, self.curve(n), Beginning(*runs, n["time"] + zero), tolerance, recorded)
+        return follow_drives(drive, self.curve(n), Beginning(*runs, n["time"] + zero), longer, recorded)
 
     def evaluate(self, n: Numbers) -> Answers:
         """Results with error estimates from longer steps with perturbed numbers."""
         found, errors = nudged(self.of_shaft, n)
-        # Perturb up and down in turn.
-        others = {name: row * (1.0 + (-1.0) ** i * ROUNDING * EPS) for i, (name, row) in enumerate(n.items())}
-        (fine, followed), (coarse, _) = self.values(n, TOLERANCE), self.values(others, COARSE)
+        found_by = []
+        for longer, nudge in zip(WALKS, (0.0, ROUNDING * EPS, -ROUNDING * EPS), strict=True):
+            # Perturb up and down in turn.
+            others = {name: row * (1.0 + (-1.0) ** i * nudge) for i, (name, row) in enumerate(n.items())}
+            found_by.append(self.values(others, longer))
+        fine, followed = found_by[0]
         # A speed rounds like that of the vibration, however small it is at the end.
         swing = fine["greatest_moment"] / found["stiffness"] * found["natural_frequency"]
         with np.errstate(invalid="ignore"):
             for name, row in fine.items():
                 size = np.abs(row) + (swing if name.endswith("speed") else 0.0)
-                error = np.abs(row - coarse[name]) + STEPS * EPS * size
+                error = np.ptp([values[name] for values, _ in found_by], axis=0) + STEPS * EPS * size
                 errors[name] = np.where(np.isnan(error), np.inf, error)
         too_stiff = np.where(followed.too_stiff, Verdict.SHAFT_RIGID, Verdict.OK)
         return Answers(found | fine, errors, too_stiff.astype(np.uint8))
@@ -192,7 +196,7 @@ def drive_history(drive: TwoMassDrive, instants: int) -> DriveHistory:
     instants : int
     """
     n = drive.own_numbers()
-    followed = drive.follow(n, TOLERANCE, MOST_SHOWN)
+    followed = drive.follow(n, 1.0, MOST_SHOWN)
     _, begin, length, samples = made_steps(followed.recorded, followed.steps)
     time = np.linspace(0.0, drive.time, instants)
     own = np.searchsorted(begin, time, side="right") - 1

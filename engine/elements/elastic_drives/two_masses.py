@@ -30,8 +30,10 @@ from engine.laws.senses import past, sense
 from engine.parts.motor_constants import MotorCurve
 from engine.stepping.records import put
 from engine.stepping.system import Guard, PrintedSystem, System, Walks
-from engine.stepping.walk_task import Why
+from engine.stepping.walk_task import Why, tolerance_of_walk
 
+# Of a step.
+TOLERANCE = 1e-12
 # First step, in radians of the vibration.
 FIRST = 0.1
 # Longest motion, in radians of the vibration; a single drive takes some seconds for it.
@@ -281,7 +283,7 @@ class Beginning(NamedTuple):
 
 
 def follow_drives(
-    drive: DriveNumbers, motor: MotorCurve, begin: Beginning, tolerance: float, recorded: int = 0
+    drive: DriveNumbers, motor: MotorCurve, begin: Beginning, longer: float, recorded: int = 0
 ) -> FollowedDrives:
     """Compute drives for their duration.
 
@@ -291,8 +293,8 @@ def follow_drives(
         Arrays.
     motor : MotorCurve
     begin : Beginning
-    tolerance : float
-        Step tolerance.
+    longer : float
+        One of `WALKS`.
     recorded : int
         Maximum number of steps to record.
     """
@@ -326,9 +328,9 @@ def follow_drives(
     numbers |= dict(zip(made.motor.kloss, motor.kloss or (), strict=True))
     for (bend, knot, side), (change, at) in zip(made.motor.bends, motor.bends, strict=True):
         numbers |= {bend: change, knot: at, side: np.where(speed >= at, 1.0, -1.0)}
-    lanes = {"tolerance": tolerance, "clock": zero, "goal": np.where(follows, time, 0.0)}
+    lanes = {"tolerance": tolerance_of_walk(TOLERANCE, longer), "clock": zero, "goal": np.where(follows, time, 0.0)}
     lanes |= {"pace": np.minimum(FIRST / frequency, time), "floor": (np.abs(driving) + load) / stiffness * frequency}
-    walks = _walk(made, numbers, np.array([frequency * twist, speed, speed]), lanes, recorded)
+    walks = _walk(made, numbers, np.array([frequency * twist, speed, speed]), lanes, longer, recorded)
     swung, speed, load_speed = walks.states
     held = HeldOfDrive(*(walks.numbers[made.functions.rows[node]] for node in made.held))
     ending = (swung / frequency, speed, load_speed, zero, time)
@@ -348,12 +350,13 @@ def _walk(
     numbers: Mapping[Given, np.ndarray],
     states: np.ndarray,
     lanes: Mapping[str, np.ndarray],
+    longer: float,
     recorded: int,
 ) -> Walks:
     """Walk to the end of the duration, in several walks if one has too many steps."""
     count = states.shape[1]
     numbers = made.limited(np.zeros((len(made.functions.rows), count)), numbers)
-    given, task = {"turned": states[0]} | lanes, made.task(np.inf)
+    given, task = {"turned": states[0]} | lanes, made.task(np.inf, longer=longer)
     walks = made.run(task, numbers, None, None, given, states, recorded=recorded)
     for _ in range(0 if recorded else MOST_WALKS):
         full = np.flatnonzero(walks.why == Why.FULL)

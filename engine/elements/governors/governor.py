@@ -26,6 +26,7 @@ from engine.laws.governors.linkages import balls_on_upper_arms
 from engine.laws.tables import Table
 from engine.parts.actions import Force
 from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Faults, Length, Mass, Number, Positive, quantity
+from engine.stepping.walk_task import WALKS
 from engine.units.display import quantity_text
 from engine.words.verdicts import Verdict
 
@@ -149,7 +150,7 @@ class Governor(Element):
         return (*_STATICS, *of_engine, *(_TRANSIENT if self.is_followed else ()))
 
     def evaluate(self, n: Numbers) -> Answers:
-        """Statics with errors by perturbation, motion with errors by a second, coarser run, and verdicts."""
+        """Statics with errors by perturbation, motion with errors by comparison, and verdicts."""
         g = governor_variants(self, {key: row for key, row in n.items() if not key.startswith(CYCLE)})
         marks, verdicts = governor_marks(g)
         found, errors = nudged(lambda m: near_equilibrium(g.with_numbers(m), marks), g.n)
@@ -158,11 +159,12 @@ class Governor(Element):
             errors[name] = errors[name] + ROUNDING * more
         if self.is_followed:
             cycle = np.array([n[key] for key in n if key.startswith(CYCLE)]).reshape(-1, verdicts.size)
-            fine, coarse = (follow_changes(g, marks, verdicts, cycle, coarser) for coarser in (False, True))
-            for result, row, other in zip(_TRANSIENT, fine.answers, coarse.answers, strict=True):
-                found[result.name] = row
-                errors[result.name] = np.abs(row - other) + ROUNDING * np.abs(row) * TOLERANCE
-            verdicts = np.where(fine.verdict == Verdict.OK, coarse.verdict, fine.verdict)
+            changes = [follow_changes(g, marks, verdicts, cycle, longer) for longer in WALKS]
+            for result, *rows in zip(_TRANSIENT, *(each.answers for each in changes), strict=True):
+                found[result.name] = rows[0]
+                errors[result.name] = np.ptp(rows, axis=0) + ROUNDING * np.abs(rows[0]) * TOLERANCE
+            for each in changes:
+                verdicts = np.where(verdicts == Verdict.OK, each.verdict, verdicts)
         well = verdicts == Verdict.OK
         found = {name: np.where(well, row, np.nan) for name, row in found.items()}
         return Answers(found, {name: np.where(well, row, 0.0) for name, row in errors.items()}, verdicts)

@@ -113,7 +113,7 @@ def load_change(governor: Element, cycle: np.ndarray | None = None) -> LoadChang
     if verdicts[0] != Verdict.OK:
         return None
     changes = follow_changes(
-        g, marks, verdicts, np.zeros((0, 1)) if cycle is None else cycle[:, None], False, records=True
+        g, marks, verdicts, np.zeros((0, 1)) if cycle is None else cycle[:, None], 1.0, records=True
     )
     steady = near_equilibrium(g, marks)
     after = steady["working_speed"][0]

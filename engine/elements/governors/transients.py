@@ -214,7 +214,7 @@ class Changes(NamedTuple):
 
 
 def follow_changes(
-    g: GovernorVariants, marks: Marks, verdict: np.ndarray, cycle: np.ndarray, second: bool, records: bool = False
+    g: GovernorVariants, marks: Marks, verdict: np.ndarray, cycle: np.ndarray, longer: float, records: bool = False
 ) -> Changes:
     """Simulate engines and their governors after a change of load.
 
@@ -226,8 +226,8 @@ def follow_changes(
         Only variants with OK are simulated.
     cycle : ndarray (numbers, variants)
         Curves of mechanisms one after another, and lengths of their cycles; without rows for other engines.
-    second : bool
-        Whether steps are longer, for comparison.
+    longer : float
+        One of `WALKS`.
     records : bool
         Whether instants are recorded.
     """
@@ -235,7 +235,7 @@ def follow_changes(
     verdict, who = verdict.copy(), np.flatnonzero(verdict == Verdict.OK)
     if not who.size:
         return Changes(found, verdict, np.zeros((3, 0)))
-    runs = _Runs(g.some(who), some(marks, who), cycle[:, who], second, records)
+    runs = _Runs(g.some(who), some(marks, who), cycle[:, who], longer, records)
     runs.go_to_end()
     with np.errstate(all="ignore"):
         found[:, who], verdict[who] = runs.answers(), runs.verdict
@@ -245,9 +245,9 @@ def follow_changes(
 class _Runs(WalkedRuns):
     """Runs of a number of variants, in progress; rows (variants,)."""
 
-    def __init__(self, g: GovernorVariants, marks: Marks, cycle: np.ndarray, second: bool, records: bool) -> None:
+    def __init__(self, g: GovernorVariants, marks: Marks, cycle: np.ndarray, longer: float, records: bool) -> None:
         self.g, self.marks, self.records, count = g, marks, records, marks.inner.size
-        super().__init__(count, TOLERANCE, second)
+        super().__init__(count, TOLERANCE, longer)
         low, high, n, ratio = marks.inner, marks.outer, g.n, g.n["engine.ratio"]
         begin, goal, half, inner, outer = g.at(
             np.stack([marks.before, marks.after, marks.middle, low, high]), low
@@ -279,7 +279,7 @@ class _Runs(WalkedRuns):
         self.system = PrintedSystem(system, graph, graph.zero, graph.zero)
         self.farthest = FARTHEST_TURN * self.longer if machine else math.inf
         if machine:
-            given |= self._take_curves(cycle, graph, 2 if second else 1)
+            given |= self._take_curves(cycle, graph, 2 if longer > 1.0 else 1)
         rows = self.system.functions.rows
         self.numbers = np.zeros((len(rows), count))
         for node, row in rows.items():

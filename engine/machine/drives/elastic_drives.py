@@ -33,6 +33,7 @@ from engine.motion.runs.run_progress import ADAPTIVE, Stepping
 from engine.motion.runs.watching import Observer
 from engine.motion.settled.steady import steady_motion
 from engine.scene.scene import Numbers, Scene, scene_numbers
+from engine.stepping.walk_task import WALKS
 from engine.words.verdicts import Verdict
 
 # Maximum number of values in the curves of variants that are solved together.
@@ -123,16 +124,15 @@ class ElasticDrives:
         if not well.size:
             return
         part = ready.some(well)
-        fine, coarse = (self._run(name, part, steady[:, part.which], Stepping(coarse=c)) for c in (False, True))
-        rows, rough = (
-            np.stack([run.peak, run.peak_at, run.shaft_omega, run.omega, run.turned, run.stops, run.closings])
-            for run in (fine, coarse)
+        runs = [self._run(name, part, steady[:, part.which], Stepping(longer=longer)) for longer in WALKS]
+        every = np.array(
+            [(run.peak, run.peak_at, run.shaft_omega, run.omega, run.turned, run.stops, run.closings) for run in runs]
         )
         # Unfinished runs have no results.
-        rows[:, fine.verdict != Verdict.OK] = np.nan
-        values[len(RESULTS) :, part.which] = rows
-        errors[len(RESULTS) :, part.which] = np.abs(rows - rough) + ROUNDING * np.abs(rows)
-        verdict[part.which] = fine.verdict
+        every[0, :, runs[0].verdict != Verdict.OK] = np.nan
+        values[len(RESULTS) :, part.which] = every[0]
+        errors[len(RESULTS) :, part.which] = np.ptp(every, axis=0) + ROUNDING * np.abs(every[0])
+        verdict[part.which] = runs[0].verdict
 
     def seconds_of_runs(self, numbers: Numbers, count: int) -> float:
         """Forecast the computing time of the runs per variant [s], on average, by timing a few steps.
@@ -150,8 +150,8 @@ class ElasticDrives:
                 steps = steps_on_shaft(ready.frequency, self._of_run(name, ready, "time"))
                 followed = np.flatnonzero(steps > 0.0)
                 if followed.size:
-                    # The comparison run, with steps twice as long, adds half.
-                    seconds += 1.5 * steps.sum() / count * self._seconds_of_step(name, ready.some(followed[:1]))
+                    of_all = steps.sum() / count * sum(1.0 / longer for longer in WALKS)
+                    seconds += of_all * self._seconds_of_step(name, ready.some(followed[:1]))
         return seconds
 
     def _seconds_of_step(self, name: str, ready: "Ready") -> float:

@@ -192,7 +192,7 @@ def _one_cycle(dynamics: Dynamics, variants: Variants, steps: int, tolerance: fl
     zero = np.zeros(1)
     grid = dynamics.grid(variants, zero, steps)
     places = grid.angles
-    steady = settled_motion(dynamics, variants, tolerance, False, variants.direction * places)
+    steady = settled_motion(dynamics, variants, tolerance, 1.0, variants.direction * places)
     energy, time, moment = steady.record
     omega = np.sqrt(2.0 * energy / dynamics.inertia(variants, places))
     piece = Piece(time, variants.direction * places, omega, np.ones(1), grid.steps, moment)

@@ -94,7 +94,7 @@ class CoupledRuns(MachineRuns):
     ) -> None:
         super().__init__(sides.crank, standing, ends, stepping, observers)
         self.sides, self.cycle, count = sides, self.dynamics.cycle, sides.count
-        self.looks = slice(None, None, 2 if stepping.coarse else 1)
+        self.looks = slice(None, None, 2 if self.longer > 1.0 else 1)
         self.state, self.time, zero = np.zeros((len(sides.two.system.rates), count)), np.zeros(count), np.zeros(count)
         self.turned, self.omega, self.shaft_omega = (self.state[row] for row in (TURNED, CRANK_SPEED, SHAFT_SPEED))
         self.omega[:], self.shaft_omega[:] = standing.omega, standing.coupled.speed

@@ -9,7 +9,7 @@ from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.runs.run_progress import ADAPTIVE, Changed, Ends, MachineRuns, Standing, State, Stepping
 from engine.motion.runs.watching import Observer, Piece
 from engine.stepping.records import put, some
-from engine.stepping.walk_task import coarser
+from engine.stepping.walk_task import tolerance_of_walk
 from engine.words.verdicts import Verdict
 
 # Fraction of a cycle before a mark within which it counts as passed: rounding.
@@ -54,7 +54,7 @@ class OneSpeedRuns(MachineRuns):
     changed : Changed
         Error estimates of the ends, as in `RunOutcome`.
     known : ndarray of bool
-        Whether these are complete: steps in time and equal steps require a comparison run.
+        Whether these are complete: steps in time and equal steps require comparison runs.
     turned_round : ndarray
         Angle turned at the last rest [rad].
     by_speed : ndarray of bool
@@ -93,7 +93,7 @@ class OneSpeedRuns(MachineRuns):
         self.turned, self.omega, self.time, _, _ = self.state
         self.slowest, self.fastest = self.omega.copy(), self.omega.copy()
         self.to_the_end = not (stepping.classical or observers)
-        self.over_angle = coarser(stepping.over_angle) if stepping.coarse else stepping.over_angle
+        self.over_angle = tolerance_of_walk(stepping.over_angle, stepping.longer)
         self.facing, self.turned_round = np.sign(self.omega), np.zeros(count)
         endless = np.isinf(ends.turned) & np.isinf(ends.time)
         self.by_speed = endless & dynamics.reduction.has_cycle & (not dynamics.changing)

@@ -132,7 +132,7 @@ def _piece_of(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks, i
     turned = np.minimum(asked, gone.turned)
 
     def at(columns: np.ndarray, turned: np.ndarray) -> tuple[np.ndarray, ...]:
-        energy, time, moment = states_at(gone, columns, turned, runs.stepping.coarse)
+        energy, time, moment = states_at(gone, columns, turned, runs.longer > 1.0)
         own = runs.variants.some(who[columns[-1]])
         inertia = runs.dynamics.inertia(own, begin[columns[-1]] + own.direction * turned)
         # For a steep motor the speed does not determine the torque; use the recorded one.
@@ -143,7 +143,7 @@ def _piece_of(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks, i
     columns = np.broadcast_to(np.arange(who.size), turned.shape)
     time, whole, omega, moment = at(columns, turned)
     # Interpolation errors must not make time decrease.
-    end = before.time + gone.states[TIME] + (gone.carried_errors[TIME] if runs.stepping.coarse else 0.0)
+    end = before.time + gone.states[TIME] + (gone.carried_errors[TIME] if runs.longer > 1.0 else 0.0)
     time = np.minimum(np.maximum.accumulate(time, axis=0), end)
 
     def within(columns: np.ndarray, nodes: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, ...]:

@@ -164,8 +164,8 @@ class Stepping(NamedTuple):
         Whether all steps over the angle have that length, with the classical method of order four.
     extremes : bool
         Whether the minimum and maximum speed are also located within steps.
-    coarse : bool
-        Whether this is a comparison run: looser tolerance and twice the maximum step; equal steps are twice as long.
+    longer : float
+        One of `WALKS`: the tolerances of a comparison run are looser, and its equal steps longer.
     """
 
     tolerance: float = TOLERANCE
@@ -173,7 +173,7 @@ class Stepping(NamedTuple):
     farthest: float = FARTHEST_STEP
     classical: bool = False
     extremes: bool = True
-    coarse: bool = False
+    longer: float = 1.0
 
 
 ADAPTIVE = Stepping()
@@ -225,7 +225,7 @@ class MachineRuns(WalkedRuns):
     ) -> None:
         self.form, self.dynamics, self.variants, self.start = form, form.dynamics, form.variants, form.start
         count, omega = self.variants.count, standing.omega
-        super().__init__(count, stepping.tolerance, stepping.coarse)
+        super().__init__(count, stepping.tolerance, stepping.longer)
         self.clock, self.ends, self.stepping, self.observers = standing.clock, ends, stepping, observers
         self.farthest_step, self.reach = stepping.farthest * self.longer, np.ones(count)
         # A target speed is above or below the initial speed.

@@ -49,7 +49,7 @@ def _held_back(runs: OneSpeedRuns, who: np.ndarray, rising: np.ndarray, share: f
     place = runs.start[who] + runs.variants.direction[who] * runs.turned[who]
     here = Standing(place, begin, runs.clock[who] + runs.time[who], np.zeros(who.size, np.uint8))
     # The same tolerances and steps as in these runs, also if they are for comparison.
-    own = runs.stepping._replace(tolerance=runs.tolerance, over_angle=runs.over_angle, coarse=False)
+    own = runs.stepping._replace(tolerance=runs.tolerance, over_angle=runs.over_angle, longer=1.0)
     stepping = own._replace(farthest=runs.farthest_step, extremes=False)
     ahead = type(runs)(runs.dynamics, runs.variants.some(who), here, ends, runs.steps, stepping)
     ahead.go_to_end()

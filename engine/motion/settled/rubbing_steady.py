@@ -26,7 +26,7 @@ STEPS = 720
 
 
 def settled_motion(
-    dynamics: Dynamics, variants: Variants, tolerance: float, doubtful: bool, asked: np.ndarray | None = None
+    dynamics: Dynamics, variants: Variants, tolerance: float, longer: float, asked: np.ndarray | None = None
 ) -> Steady:
     """Steady running, with friction in pairs if there is any.
 
@@ -34,17 +34,17 @@ def settled_motion(
     ----------
     dynamics, variants, tolerance, asked
         As for `steady_motion`.
-    doubtful : bool
-        Whether to shift the motion by its error estimates or, with friction, to use a looser tolerance.
+    longer : float
+        One of `WALKS`: for comparison, errors shift the motion or, with friction, its steps are longer.
     """
     if not dynamics.rubs:
         steady, off = steady_motion(dynamics, variants, tolerance, asked)
-        return steady.shifted(off) if doubtful else steady
+        return steady.shifted(off) if longer > 1.0 else steady
     with np.errstate(all="ignore"):
-        return _settled(dynamics, variants, doubtful, asked)
+        return _settled(dynamics, variants, longer, asked)
 
 
-def _settled(dynamics: Dynamics, variants: Variants, doubtful: bool, asked: np.ndarray | None) -> Steady:
+def _settled(dynamics: Dynamics, variants: Variants, longer: float, asked: np.ndarray | None) -> Steady:
     count, zero = variants.count, np.zeros(variants.count)
     inertia = dynamics.inertia(variants, zero)
     energy = 0.5 * inertia * dynamics.no_load_speed(variants)[0] ** 2
@@ -56,7 +56,7 @@ def _settled(dynamics: Dynamics, variants: Variants, doubtful: bool, asked: np.n
         if not pending.size:
             break
         here = energy[pending]
-        outcome = _cycle(dynamics, variants.some(pending), np.sqrt(2.0 * here / inertia[pending]), doubtful)
+        outcome = _cycle(dynamics, variants.some(pending), np.sqrt(2.0 * here / inertia[pending]), longer)
         came, before = outcome.ended, known[pending]
         gone = outcome.verdict == Verdict.OK
         slope = (came - returned[pending]) / (here - before)
@@ -80,7 +80,7 @@ def _settled(dynamics: Dynamics, variants: Variants, doubtful: bool, asked: np.n
         verdict[pending[undecided]] = Verdict.ANY_SPEED
         known[pending[gone]], returned[pending[gone]] = here[gone], came[gone]
         pending = pending[~settled & ~lost & ~undecided]
-    return _measured(dynamics, variants, energy, inertia, multiplier, verdict, doubtful, asked)
+    return _measured(dynamics, variants, energy, inertia, multiplier, verdict, longer, asked)
 
 
 def _measured(
@@ -90,7 +90,7 @@ def _measured(
     inertia: np.ndarray,
     multiplier: np.ndarray,
     verdict: np.ndarray,
-    doubtful: bool,
+    longer: float,
     asked: np.ndarray | None,
 ) -> Steady:
     """The cycle from the energies found, with all requested results."""
@@ -105,7 +105,7 @@ def _measured(
         names = ("kinetic_energy", INSTANT)
         seen = RunInstants(along, names, asked[:, good], over_time=False) if nodes else None
         omega = np.sqrt(2.0 * energy[good] / inertia[good])
-        outcome = _cycle(dynamics, part, omega, doubtful, [seen] if nodes else [])
+        outcome = _cycle(dynamics, part, omega, longer, [seen] if nodes else [])
         state = outcome.state
         residual = np.abs(outcome.ended - energy[good]) / energy[good]
         own = (energy[good], outcome.ended, residual, state.time, outcome.slowest, outcome.fastest, state.squares)
@@ -121,10 +121,10 @@ def _measured(
 
 
 def _cycle(
-    dynamics: Dynamics, variants: Variants, omega: np.ndarray, doubtful: bool, observers: Sequence[Observer] = ()
+    dynamics: Dynamics, variants: Variants, omega: np.ndarray, longer: float, observers: Sequence[Observer] = ()
 ) -> RunOutcome:
     """A cycle from a given speed at φ = 0."""
     zero = np.zeros(variants.count)
     ends = Ends.never(variants.count, turned=np.full(variants.count, dynamics.cycle))
-    begin, stepping = Standing(zero, omega, zero, zero.astype(np.uint8)), ADAPTIVE._replace(coarse=doubtful)
+    begin, stepping = Standing(zero, omega, zero, zero.astype(np.uint8)), ADAPTIVE._replace(longer=longer)
     return run_to_end(dynamics, variants, begin, ends, STEPS, stepping, observers)

@@ -25,7 +25,7 @@ BOUNDED = 1e-6
 
 
 def flywheel_for(
-    dynamics: Dynamics, variants: Variants, tolerance: float, asked: np.ndarray, doubtful: bool
+    dynamics: Dynamics, variants: Variants, tolerance: float, asked: np.ndarray, longer: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Flywheel for a required speed fluctuation in steady running.
 
@@ -38,7 +38,7 @@ def flywheel_for(
         As for `settled_motion`.
     asked : ndarray (variants,)
         Required δ.
-    doubtful : bool
+    longer : float
         As for `settled_motion`.
 
     Returns
@@ -54,7 +54,7 @@ def flywheel_for(
     def excess(inertia: np.ndarray, who: np.ndarray) -> np.ndarray:
         """Ln δ − ln δ_asked over the logarithm of the mean inertia; inf if the machine does not run."""
         part = variants.some(who)._replace(flywheel=np.exp(inertia) - np.exp(lightest[who]), kept={})
-        steady = settled_motion(dynamics, part, tolerance, doubtful)
+        steady = settled_motion(dynamics, part, tolerance, longer)
         verdict[who] = steady.verdict
         with np.errstate(all="ignore"):
             off = np.log(steady.fluctuation) - np.log(asked[who])
