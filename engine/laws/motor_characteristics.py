@@ -33,12 +33,15 @@ def bend_slope(x: float) -> float:
 @scalar
 def _kloss(
     breakdown_torque: float, breakdown_slip: float, rotor_ratio: float, synchronous_speed: float, omega: float
-) -> tuple[float, float, float]:
-    """Slip s, denominator s² + s_b² + a s_b² s, and factor M_b (2 + a s_b) of Kloss' formula."""
-    slip = (synchronous_speed - omega) / synchronous_speed
+) -> tuple[float, float, float, float]:
+    """Slip speed d = s omega_s, b = s_b omega_s, d² + b² + a s_b b d, and M_b (2 + a s_b) b of Kloss' formula.
+
+    Slip speeds in place of slips save a division.
+    """
+    slip, breakdown = synchronous_speed - omega, breakdown_slip * synchronous_speed
     damping = rotor_ratio * breakdown_slip
-    denominator = slip * slip + breakdown_slip * breakdown_slip + damping * breakdown_slip * slip
-    return slip, denominator, breakdown_torque + breakdown_torque + damping * breakdown_torque
+    denominator = slip * slip + breakdown * breakdown + damping * breakdown * slip
+    return slip, breakdown, denominator, (2.0 + damping) * breakdown_torque * breakdown
 
 
 @scalar
@@ -70,21 +73,24 @@ def induction_motor(
         Torque [N·m]. An equivalent circuit has a s_b < 2. If a fit gives a s_b >= 2, the formula has two poles above
         synchronous speed and drives a generator forwards between them, so it returns NaN there.
     """
-    slip, denominator, factor = _kloss(breakdown_torque, breakdown_slip, rotor_ratio, synchronous_speed, omega)
+    slip, breakdown, denominator, factor = _kloss(
+        breakdown_torque, breakdown_slip, rotor_ratio, synchronous_speed, omega
+    )
     # 0/0 gives NaN in the arguments' own precision and without a branch, so that motors of many variants vectorise.
     zero = slip - slip
-    between = (slip < 0.0) & (denominator <= 0.0)
-    return (zero if between else factor * breakdown_slip * slip) / (zero if between else denominator)
+    between = (slip * breakdown < 0.0) & (denominator <= 0.0)
+    return (zero if between else factor * slip) / (zero if between else denominator)
 
 
 @scalar
 def induction_motor_slope(
     breakdown_torque: float, breakdown_slip: float, rotor_ratio: float, synchronous_speed: float, omega: float
 ) -> float:
-    """Derivative of `induction_motor` by the speed, dM/domega = −(dM/ds)/omega_s [N·m·s]; parameters as there."""
-    slip, denominator, factor = _kloss(breakdown_torque, breakdown_slip, rotor_ratio, synchronous_speed, omega)
-    rise = (breakdown_slip - slip) * (breakdown_slip + slip) / denominator / denominator
-    return -factor * breakdown_slip * rise / synchronous_speed
+    """Derivative of `induction_motor` by the speed, dM/domega = −dM/dd [N·m·s]; parameters as there."""
+    slip, breakdown, denominator, factor = _kloss(
+        breakdown_torque, breakdown_slip, rotor_ratio, synchronous_speed, omega
+    )
+    return -factor * (breakdown - slip) * (breakdown + slip) / (denominator * denominator)
 
 
 @scalar
@@ -92,11 +98,12 @@ def induction_motor_curvature(
     breakdown_torque: float, breakdown_slip: float, rotor_ratio: float, synchronous_speed: float, omega: float
 ) -> float:
     """Second derivative of `induction_motor` by the speed [N·m·s²]; parameters as there."""
-    slip, denominator, factor = _kloss(breakdown_torque, breakdown_slip, rotor_ratio, synchronous_speed, omega)
-    rise = (breakdown_slip - slip) * (breakdown_slip + slip)
-    bend = slip * denominator + rise * (slip + slip + rotor_ratio * breakdown_slip * breakdown_slip)
-    per_slip = breakdown_slip / denominator / denominator / denominator
-    return -2.0 * factor * per_slip * bend / synchronous_speed / synchronous_speed
+    slip, breakdown, denominator, factor = _kloss(
+        breakdown_torque, breakdown_slip, rotor_ratio, synchronous_speed, omega
+    )
+    rise = (breakdown - slip) * (breakdown + slip)
+    bend = slip * denominator + rise * (slip + slip + rotor_ratio * breakdown_slip * breakdown)
+    return -2.0 * factor * bend / (denominator * denominator * denominator)
 
 
 def dc_motor_from_nameplate(power: ArrayLike, rated_speed: ArrayLike, no_load_speed: ArrayLike) -> np.ndarray:

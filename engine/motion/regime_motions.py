@@ -34,7 +34,7 @@ BETWEEN_LOOKS = FARTHEST_STEP / (LOOKS.size - 1)
 ROUNDING = 16.0 * EPS
 TURN = 2.0 * np.pi
 # Results that need the minimum and maximum speed.
-EXTREMES_OF_SPEED = ("speed_min", "speed_max", "motor_moment_peak")
+EXTREMES_OF_SPEED = ("speed_min", "speed_max", "speed_fluctuation", "motor_moment_peak")
 
 
 class OneRegime(NamedTuple):
@@ -388,7 +388,9 @@ class RegimeMotion:
         else:
             # Without nodes the second call is identical.
             if nodes is not None or "steady" not in variants.kept:
-                variants.kept["steady"] = steady_motion(self.dynamics, variants, self._asked.tolerance, nodes)
+                extremes = self.asks(*EXTREMES_OF_SPEED)
+                found_steady = steady_motion(self.dynamics, variants, self._asked.tolerance, nodes, extremes)
+                variants.kept["steady"] = found_steady
             steady, off = variants.kept["steady"]
 
         def results_of(steady: Steady) -> dict[str, np.ndarray]:

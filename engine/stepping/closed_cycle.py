@@ -4,7 +4,8 @@ The return map takes the kinetic energy E at the start of a cycle to the energy 
 computed along with it, ln(dP/dE) = ∮ ∂M/∂E dφ. Motions never cross, so P increases with E: a machine that stalls from
 some energy stalls from every lower one, and one that is faster after a cycle settles at a higher energy. The search
 starts at an energy at which loads should dominate, and stays within the known bounds. Step lengths are chosen in the
-first cycle and then reused as long as their errors are small enough.
+first cycle and then reused as long as their errors are small enough. A last cycle, from the energy found, has the
+results.
 """
 
 import math
@@ -64,6 +65,11 @@ class CycleSearch(NamedTuple):
     verdict : row
     laying : row
         1 if the next cycle chooses its steps.
+    carried_error : row
+        Error estimate of the energy found [J]; 0 before. The error of a cycle recurs in the next one, so it is the sum
+        of a geometric series.
+    last : row
+        1 in the cycle from the energy found.
     """
 
     energy: Row
@@ -77,10 +83,12 @@ class CycleSearch(NamedTuple):
     moved: Row
     verdict: Row
     laying: Row
+    carried_error: Row
+    last: Row
 
 
 search_of = memory(one(CycleSearch))
-OUTCOME = ("off", "verdict")
+OUTCOME = ("off", "verdict", "carried_error")
 
 
 class CycleRoom(NamedTuple):
@@ -127,6 +135,8 @@ def begin_cycle(lane: int, energy: float, edges: int, task: WalkTask, room: Cycl
     for q in range(task.width):
         begin[q, lane], carried_errors[q, lane] = 0.0, 0.0
     begin[0, lane], search.energy[lane] = energy, energy
+    carried_errors[0, lane] = search.carried_error[lane]
+    own.slowest[lane], own.fastest[lane] = math.inf, -math.inf
     own.at[lane], own.turned[lane], own.steps[lane], own.trials[lane] = 0.0, 0.0, 0.0, 0.0
     own.scale[lane] = 0.0 if search.laying[lane] > 0.0 else own.scale[lane]
     own.why[lane] = GOING
@@ -147,6 +157,9 @@ def judge_cycle(lane: int, fading: int, edges: int, task: WalkTask, room: CycleR
         search.laying[lane] = 1.0
         begin_cycle(lane, before, edges, task, room)
         return
+    if search.last[lane] > 0.0:
+        own.why[lane], search.verdict[lane] = GOAL, OK if whole else NOT_FINITE
+        return
     search.cycles[lane] += 1.0
     newton, multiplier = math.nan, math.nan
     if whole:
@@ -165,11 +178,9 @@ def judge_cycle(lane: int, fading: int, edges: int, task: WalkTask, room: CycleR
             search.verdict[lane] = ANY_SPEED
             return
         if settled and (laid or own.worst[lane] <= ALLOWED):
-            search.energy[lane], search.off[lane], search.verdict[lane] = (
-                newton,
-                left * abs(1.0 - multiplier) / newton,
-                OK,
-            )
+            search.off[lane], search.carried_error[lane] = left * abs(1.0 - multiplier) / newton, unsure + left
+            search.last[lane], search.laying[lane] = 1.0, 1.0 if own.kept[lane] <= 0.0 else 0.0
+            begin_cycle(lane, newton, edges, task, room)
             return
         if settled:
             # New steps disturb the cycle, by less than the energy itself.
@@ -245,6 +256,7 @@ def find_cycles(
             search.off[lane] = math.inf
             search.stalls[lane], search.rising[lane], search.moved[lane] = 0.0, 0.0, 0.0
             search.cycles[lane], search.laying[lane] = 0.0, 1.0
+            search.carried_error[lane], search.last[lane] = 0.0, 0.0
             search.verdict[lane] = SEARCHING if own.why[lane] == GOING else OK
             begin_cycle(lane, in_lanes(room.walk.begin)[0, lane], edges, task, room)
         while True:
@@ -270,3 +282,4 @@ def find_cycles(
         hand_out(in_lanes(room.search[0:1]), first, batch.energies.reshape(1, batch.energies.shape[0]))
         for lane in range(min(LANES, batch.energies.shape[0] - first)):
             batch.outcome[0, first + lane], batch.outcome[1, first + lane] = search.off[lane], search.verdict[lane]
+            batch.outcome[2, first + lane] = search.carried_error[lane]

@@ -129,19 +129,21 @@ class Closed(NamedTuple):
     ----------
     energy : ndarray (variants,)
         At the start [J].
-    states, carried_errors : ndarray (states and gathered, variants)
-        At the end, and their error estimates for an exact start.
+    cycle : Walks
+        From there, with the extremes of the speed at the ends of steps.
     off : ndarray (variants,)
         |P(E) − E|/E.
     verdict : ndarray (variants,)
         Numbers of `Verdict`, or `TOO_STEEP`.
+    carried_error : ndarray (variants,)
+        Error estimate of the energy [J].
     """
 
     energy: np.ndarray
-    states: np.ndarray
-    carried_errors: np.ndarray
+    cycle: Walks
     off: np.ndarray
     verdict: np.ndarray
+    carried_error: np.ndarray
 
 
 class PrintedSystem:
@@ -304,7 +306,8 @@ class PrintedSystem:
             return new_cycle_room(new_room(task, len(numbers), len(edges) // 2, 0, not task.implicit))
 
         self._go(find_cycles, energies.size, batch, task, room)
-        return Closed(batch.energies, walks.states, walks.carried_errors, *batch.outcome)
+        cycle = Walks(states, walks.carried_errors, walks.ending, *walks.found, walks.recorded, walks.numbers)
+        return Closed(batch.energies, cycle, *batch.outcome)
 
     def _batch(
         self,

@@ -180,7 +180,7 @@ def advance(task: WalkTask, room: Room) -> None:
     for lane in range(LANES):
         speed, took = watched[row, lane], own.taken[lane] > 0.0
         off = 0.5 * speed * carried_errors[0, lane] / begin[0, lane] if task.carries else math.nan
-        off += missed_top(lane, task, room)
+        off += own.top_off[lane]
         slower, faster = took and speed < own.slowest[lane], took and speed > own.fastest[lane]
         own.slowest[lane] = speed if slower else own.slowest[lane]
         own.slow_off[lane] = off if slower else own.slow_off[lane]
@@ -209,6 +209,8 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
                     continue
                 if is_crossed(g, lane, task, room) and (g < FIRST or task.ends[g - FIRST]):
                     own.ended[lane] = float(g)
+    for lane in range(LANES):
+        own.top_off[lane] = missed_top(lane, task, room)
     advance(task, room)
     for lane in range(LANES):
         if own.taken[lane] == 0.0:
@@ -342,16 +344,16 @@ def repeat_steps(slots: int, printed: Printed, task: WalkTask, room: Room) -> No
     """Repeat the stored steps in lanes that are `able`; a lane with too large an error no longer is."""
     own, lengths, limits = rows_of(room.lane), in_lanes(room.lengths), in_lanes(room.limits)
     for lane in range(LANES):
-        own.worst[lane] = 0.0
+        own.worst[lane], own.top_off[lane] = 0.0, 0.0
     for slot in range(slots):
         for lane in range(LANES):
-            goes = own.able[lane] > 0.0 and slot < own.kept[lane]
+            goes = (own.able[lane] > 0.0) & (slot < own.kept[lane])
             own.length[lane] = lengths[slot, lane] if goes else 0.0
             own.behind[lane], own.ahead[lane] = limits[2 * slot, lane], limits[2 * slot + 1, lane]
         attempt(slot, False, printed, task, room)
         fires(False, task, room)
         for lane in range(LANES):
-            sound = own.length[lane] == 0.0 or (own.missed[lane] <= ROUGHLY and own.fired[lane] == 0.0)
+            sound = (own.length[lane] == 0.0) | ((own.missed[lane] <= ROUGHLY) & (own.fired[lane] == 0.0))
             own.able[lane] = own.able[lane] if sound else 0.0
             own.taken[lane] = own.able[lane] if own.length[lane] > 0.0 else 0.0
             missed = own.missed[lane] if own.taken[lane] > 0.0 else 0.0

@@ -151,8 +151,7 @@ class Reduction:
         flywheel : ndarray (variants,)
             Inertia added to the machine's [kg·m²].
         """
-        ends, breaks = self.landmarks(numbers, direction)
-        parameters = self.tabulation.parameters(numbers, direction, ends)
+        parameters, ends, breaks = self.landmarks(numbers, direction)
         return Variants(numbers, direction, flywheel, parameters, ends, breaks, None, {})
 
     def without_inertia(self, variants: "Variants") -> np.ndarray:
@@ -271,19 +270,17 @@ class Dynamics:
         mechanics = self.reduction.mechanics
         return MachineSystem(*along_time(mechanics, self.works, self._gathered, self.rubs), mechanics)
 
-    def moving(self, system: MachineSystem, variants: Variants, brisk: float, facing: float = 1.0) -> np.ndarray:
-        """Numbers of a motion for one of the systems, (numbers, variants), without the final speeds.
+    def moving(self, system: MachineSystem, variants: Variants, facing: float = 1.0) -> np.ndarray:
+        """Numbers of a motion for one of the systems, (numbers, variants), without the limits that end a walk.
 
         Parameters
         ----------
         system : MachineSystem
         variants : Variants
-        brisk : float
-            Relative energy loss per radian at which a machine counts as near rest.
         facing : float
             +1 or −1: forwards or backwards.
         """
-        key = system.system.along, brisk, facing
+        key = system.system.along, facing
         if key not in variants.kept:
             numbers, way = variants.numbers, facing * variants.direction
             sizes = system.sizes
@@ -294,7 +291,7 @@ class Dynamics:
             }
             # Only forward motion can return to the form over the angle, if that form applies.
             by_angle = facing > 0.0 and not self.in_time
-            given |= {sizes.brisk: brisk, sizes.stay: 0.0 if by_angle else np.inf}
+            given |= {sizes.stay: 0.0 if by_angle else np.inf}
             variants.kept[key] = system.tabulation.parameters(numbers, way, variants.ends, given)
         return variants.kept[key]
 

@@ -107,9 +107,9 @@ class EquationOfMotion:
         dynamics, variants, who = self.dynamics, self.variants, self.who
         system = dynamics.by_time if in_time else dynamics.by_angle
         forward = facing > 0.0
-        ways = [way for way, faced in ((1.0, forward), (-1.0, ~forward)) if faced.any() or way > 0.0]
-        numbers = [dynamics.moving(system, variants, np.inf, way)[:, who] for way in ways]
-        numbers = np.where(forward, numbers[0], numbers[-1])
+        numbers = dynamics.moving(system, variants)[:, who]
+        if not forward.all():
+            numbers = np.where(forward, numbers, dynamics.moving(system, variants, -1.0)[:, who])
         places = self.start[who] + variants.direction[who] * turned
         speed = facing * omega
         states = (turned, speed) if in_time else (0.5 * dynamics.inertia(variants, places, who) * speed**2,)

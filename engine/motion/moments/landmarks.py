@@ -65,8 +65,8 @@ class Landmarks:
         )
         return plan.task([None] * 4)
 
-    def __call__(self, numbers: Numbers, direction: np.ndarray) -> tuple[Ends, Breaks]:
-        """Ends of strokes on which a node depends, and the breaks of all actions.
+    def __call__(self, numbers: Numbers, direction: np.ndarray) -> tuple[np.ndarray, Ends, Breaks]:
+        """Numbers of the printed functions, the ends of strokes among them, and the breaks of all actions.
 
         Parameters
         ----------
@@ -80,23 +80,19 @@ class Landmarks:
         some = np.isfinite(found).any(axis=2)
         which, angles = np.nonzero(some)[0], found[some]
         ends = {node: parameters[self.tabulation.functions.rows[node]] for node in self._found}
-        return ends, Breaks(angles, self.actions, self._acting(parameters, angles, which))
+        return parameters, ends, Breaks(angles, self.actions, self._acting(parameters, angles, which))
 
     def _find(self, parameters: np.ndarray) -> np.ndarray:
         """Positions of the crossings, (crossings, places, variants); writes the landmarks into the parameters."""
-        task, found = self._task, np.full((len(self.watches), 0, parameters.shape[1]), np.nan)
-        chosen = np.arange(parameters.shape[1])
-        for _ in range(1 + MOST_DOUBLINGS):
+        task, (found, coarse) = self._task, self._found_at(self._task, parameters)
+        chosen, doublings = np.flatnonzero(coarse > 0.0), 0
+        while chosen.size and doublings < MOST_DOUBLINGS:
+            task, doublings = task._replace(scan=2 * task.scan, most_roots=2 * task.most_roots), doublings + 1
+            found = np.concatenate([found, np.full_like(found, np.nan)], axis=1)
             some = np.ascontiguousarray(parameters[:, chosen])
-            places, coarse = self._found_at(task, some)
+            found[..., chosen], coarse = self._found_at(task, some)
             parameters[:, chosen] = some
-            room = np.full((len(found), task.most_roots - found.shape[1], found.shape[2]), np.nan)
-            found = np.concatenate([found, room], axis=1)
-            found[..., chosen] = places
             chosen = chosen[coarse > 0.0]
-            if not chosen.size:
-                break
-            task = task._replace(scan=2 * task.scan, most_roots=2 * task.most_roots)
         return found
 
     def _found_at(self, task: Task, parameters: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -121,16 +117,19 @@ class Landmarks:
         acting = np.zeros((len(self.actions), *angles.shape), bool)
         if not angles.size:
             return acting
-        beside = np.concatenate([angles + way * distance for distance in BESIDE for way in (-1.0, 1.0)])
-        still = dict.fromkeys(self.tabulation.given, np.zeros_like(beside))
-        rows = self.tabulation(parameters, beside, still).reshape(-1, 2 * len(BESIDE), *angles.shape)
-        for i, name in enumerate(self.actions):
-            owned = np.array([name in self.watches[w].actions for w in which])
-            moves = np.full(angles.shape, name in self._unjudged)
-            if name in self.moments:
-                moves |= (rows[self.moments[name]] != 0.0).any(axis=0)
-            acting[i] = owned[:, None] & moves & np.isfinite(angles)
-        return acting
+        owned = np.array([[name in self.watches[w].actions for w in which] for name in self.actions])[..., None]
+        acting |= np.array([name in self._unjudged for name in self.actions])[:, None, None]
+        for distance in BESIDE:
+            # The second distance is seldom needed.
+            if (acting | ~owned | np.isnan(angles)).all():
+                break
+            beside = np.concatenate([angles - distance, angles + distance])
+            still = dict.fromkeys(self.tabulation.given, np.zeros_like(beside))
+            rows = self.tabulation(parameters, beside, still).reshape(-1, 2, *angles.shape)
+            for i, name in enumerate(self.actions):
+                if name in self.moments:
+                    acting[i] |= (rows[self.moments[name]] != 0.0).any(axis=0)
+        return acting & owned & np.isfinite(angles)
 
 
 @driver

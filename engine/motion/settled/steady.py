@@ -16,6 +16,7 @@ from engine.motion.moments.grid import edges_of
 from engine.stepping.closed_cycle import TOO_STEEP
 from engine.stepping.methods import EIGHT, NINE
 from engine.stepping.recorded import RECORDED, states_at
+from engine.stepping.records import put, some
 from engine.stepping.system import Closed, Walks
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
@@ -76,7 +77,11 @@ class Steady(NamedTuple):
 
 
 def steady_motion(
-    dynamics: Dynamics, variants: Variants, tolerance: float, asked: np.ndarray | None = None
+    dynamics: Dynamics,
+    variants: Variants,
+    tolerance: float,
+    asked: np.ndarray | None = None,
+    extremes: bool = True,
 ) -> tuple[Steady, Steady]:
     """Find steady running, and the error estimates of its numbers.
 
@@ -89,6 +94,8 @@ def steady_motion(
         Tolerance of a step, relative to the maximum work in a step.
     asked : ndarray (nodes, variants), optional
         Angles turned at which energy, time and torque are recorded, ascending [rad].
+    extremes : bool
+        Whether the minimum and maximum speed are also located within steps.
     """
     with np.errstate(all="ignore"):
         motion = _Motion(dynamics, variants, tolerance)
@@ -96,12 +103,10 @@ def steady_motion(
         verdict = closed.verdict.copy()
         steep = verdict == TOO_STEEP
         if steep.any():
-            who = np.flatnonzero(steep)
-            for mine, found in zip(closed, motion.closed(who, True), strict=True):
-                mine[..., who] = found
+            put(closed, np.flatnonzero(steep), motion.closed(np.flatnonzero(steep), True))
             verdict = np.where(closed.verdict == TOO_STEEP, Verdict.NOT_FINITE, closed.verdict)
         asked = np.empty((0, variants.count)) if asked is None else asked
-        return motion.gone_through(closed, steep, verdict.astype(np.uint8), asked)
+        return motion.gone_through(closed, steep, verdict.astype(np.uint8), asked, extremes)
 
 
 class _Motion:
@@ -111,8 +116,8 @@ class _Motion:
         self.dynamics, self.variants, self.tolerance, self.system = dynamics, variants, tolerance, dynamics.by_angle
         sizes = self.system.sizes
         # No guard ends the cycle while there is any energy. No load depends on time.
-        limits = {sizes.above: np.inf, sizes.below: -np.inf, self.system.system.clock: 0.0}
-        self.numbers = self.system.limited(dynamics.moving(self.system, variants, np.inf), limits)
+        limits = {sizes.above: np.inf, sizes.below: -np.inf, sizes.brisk: np.inf, self.system.system.clock: 0.0}
+        self.numbers = self.system.limited(dynamics.moving(self.system, variants), limits)
         self.edges = np.concatenate(edges_of(variants.direction, variants.breaks, dynamics.cycle))
 
     def _lanes(self, who: np.ndarray, farthest: float) -> dict[str, np.ndarray | float]:
@@ -128,24 +133,25 @@ class _Motion:
         return self.system.close(task, self.numbers[:, who], self.edges[:, who], self._lanes(who, FARTHEST), top)
 
     def gone_through(
-        self, closed: Closed, steep: np.ndarray, verdict: np.ndarray, asked: np.ndarray
+        self, closed: Closed, steep: np.ndarray, verdict: np.ndarray, asked: np.ndarray, extremes: bool
     ) -> tuple[Steady, Steady]:
         """The cycles found, computed with all requested results, and their error estimates."""
         count, channels = self.variants.count, len(self.dynamics.channels)
         shapes = [(count,)] * 9 + [(channels + 1, count), (3, *asked.shape)]
         found, off = ([np.full(shape, np.nan) for shape in shapes] for _ in range(2))
-        # The error of a cycle recurs in the next one, so the total error is a geometric series.
-        multiplier = np.exp(np.minimum(closed.states[self.system.names["fading"]], 700.0))
-        carried_error = (closed.carried_errors[ENERGY] + closed.off * closed.energy) / np.abs(1.0 - multiplier)
         for implicit in (False, True):
             who = np.flatnonzero((verdict == Verdict.OK) & (steep == implicit))
             if not who.size:
                 continue
-            gone, record, record_off = self._cycle(who, implicit, closed.energy[who], carried_error[who], asked[:, who])
+            begin = closed.energy[who], closed.carried_error[who]
+            if extremes or len(asked):
+                gone, record, record_off = self._cycle(who, implicit, *begin, asked[:, who])
+            else:
+                gone, record, record_off = some(closed.cycle, who), *np.full((2, 3, 0, who.size), np.nan)
             # A cycle with shorter steps may reveal that a motor is steep.
             steep[who] |= gone.why == Why.STEEP
             verdict[who[(gone.why != Why.GOAL) & (implicit | (gone.why != Why.STEEP))]] = Verdict.NOT_FINITE
-            own, other = self._told(closed.energy[who], carried_error[who], closed.off[who], gone)
+            own, other = self._told(*begin, closed.off[who], gone)
             for mine, new in zip((*found, *off), (*own, record, *other, record_off), strict=True):
                 mine[..., who] = np.where(gone.why == Why.GOAL, new, np.nan)
         return Steady(verdict, *found, steep.astype(float)), Steady(verdict, *off, np.zeros(count))

@@ -96,16 +96,16 @@ def solve_rates(stage: int, printed: Printed, task: WalkTask, room: Room) -> Non
 def fill_rates(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
     """Rates of a stage from its state."""
     width = task.width
-    filled_rows = room.rates[stage * width : (stage + 1) * width].reshape(width, 1, LANES)
-    printed.rates(room.numbers, printed.memory, room.position[0:1], room.position[1:2], room.position[2:3], filled_rows)
+    tile = room.rates[stage * width : (stage + 1) * width]
+    printed.rates(room.numbers, printed.memory, room.position[0:1], room.position[1:2], room.position[2:3], tile)
 
 
 @inlined
 def look(end: int, printed: Printed, task: WalkTask, room: Room) -> None:
     """Evaluate `watch` at the start of a step, 0, or at its end, 1."""
     count = task.watched
-    filled_rows = room.watched[end * count : (end + 1) * count].reshape(count, 1, LANES)
-    printed.watch(room.numbers, printed.memory, room.position[0:1], room.position[1:2], room.position[2:3], filled_rows)
+    tile = room.watched[end * count : (end + 1) * count]
+    printed.watch(room.numbers, printed.memory, room.position[0:1], room.position[1:2], room.position[2:3], tile)
 
 
 @inlined

@@ -97,8 +97,13 @@ def guard(g: int, lane: int, end: int, task: WalkTask, room: Room) -> float:
 @inlined
 def is_crossed(g: int, lane: int, task: WalkTask, room: Room) -> bool:
     """Whether a guard vanishes within a step; where guards change held numbers, a step may start at a guard's zero."""
-    near, far = guard(g, lane, 0, task, room), guard(g, lane, 1, task, room)
-    return (near > 0.0 and not far > 0.0) or (near == 0.0 and far < 0.0 and task.held.shape[0] > 0)
+    return passes_zero(guard(g, lane, 0, task, room), guard(g, lane, 1, task, room), task)
+
+
+@inlined
+def passes_zero(near: float, far: float, task: WalkTask) -> bool:
+    """Whether a guard with these values at the ends of a step vanishes within it."""
+    return ((near > 0.0) & (not far > 0.0)) | ((near == 0.0) & (far < 0.0) & (task.held.shape[0] > 0))
 
 
 @routine
@@ -107,16 +112,18 @@ def fires(rises: bool, task: WalkTask, room: Room) -> None:
 
     If `rises`, extremes of the speed count too.
     """
-    own = rows_of(room.lane)
+    own, watched = rows_of(room.lane), in_lanes(room.watched)
     for lane in range(LANES):
-        own.fired[lane] = 0.0
-    for g in range(FIRST + task.guards):
-        if (g != EDGE or task.along_time) and (g != RISE or rises):
-            for lane in range(LANES):
-                crossed = is_crossed(g, lane, task, room) and (
-                    g != RISE or own.trials[lane] > 0.0 or may_exceed(lane, task, room)
-                )
-                own.fired[lane] = 1.0 if crossed else own.fired[lane]
+        crossed = is_crossed(OTHER, lane, task, room)
+        own.fired[lane] = 1.0 if crossed or (task.along_time and is_crossed(EDGE, lane, task, room)) else 0.0
+    # Rows without a choice between guards vectorise.
+    for row in range(task.watched - task.guards, task.watched):
+        for lane in range(LANES):
+            crossed = passes_zero(watched[row, lane], watched[task.watched + row, lane], task)
+            own.fired[lane] = 1.0 if crossed else own.fired[lane]
+    for lane in range(LANES if rises else 0):
+        if is_crossed(RISE, lane, task, room) and (own.trials[lane] > 0.0 or may_exceed(lane, task, room)):
+            own.fired[lane] = 1.0
 
 
 @inlined

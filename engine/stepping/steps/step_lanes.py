@@ -82,6 +82,8 @@ class Lane(NamedTuple):
         Error estimate of the first state at the start of the step.
     ended : row
         Number of the guard that ends the step; −1: none.
+    top_off : row
+        Speed by which a step that ends at an extreme of the speed misses it.
     refused : row
         Error estimate, relative to the tolerance, of the last rejected step; infinite if none since an accepted step.
     """
@@ -134,6 +136,7 @@ class Lane(NamedTuple):
     worst: Row
     carried_error: Row
     ended: Row
+    top_off: Row
     refused: Row
 
 
@@ -173,8 +176,9 @@ def new_room(task: WalkTask, numbers: int, edges: int, instants: int, repeats: b
         rows(len(Lane._fields)),
         rows(2 * edges),
         rows(max(instants, 1)),
-        rows(task.width * max(len(task.nodes), task.stages + 1), aside=ASIDE),
-        rows(2 * task.watched),
+        # Tiles of one position.
+        rows(task.width * max(len(task.nodes), task.stages + 1), 1, aside=ASIDE),
+        rows(2 * task.watched, 1),
         rows(task.width),
         rows(task.width, aside=ASIDE),
         rows(task.width),
