@@ -1,7 +1,7 @@
 """One machine over its cycle, and its velocities and accelerations at a position, at constant input speed."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import NamedTuple, TypeVar
 
@@ -186,12 +186,13 @@ class Pose:
         """Number of a link."""
         return self.cycle.link_numbers[link]
 
-    def _now(self, *rows: np.ndarray) -> Iterator[complex]:
-        return (complex(row[self.k]) for row in rows)
-
     def _movement(self, point: MovingPoint) -> Movement:
-        place, v, a = self._now(*point)
+        place, v, a = (complex(row[self.k]) for row in point)
         return Movement(place, v * self.cycle.omega, a * self.cycle.omega**2)
+
+    def place(self, name: str) -> complex:
+        """Position of a point of the scene [m]."""
+        return complex(self.motion.points[name][self.k])
 
     def point(self, name: str) -> Movement:
         """Motion of a point of the scene."""
