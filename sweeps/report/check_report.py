@@ -176,13 +176,6 @@ def _asked_rows(machine: Machine | ElementsAlone, outcome: Outcome, names: Seque
     return rows
 
 
-def plan_text(machine: Machine) -> tuple[str, str]:
-    """What is computed per position, and what is skipped."""
-    computed = [f"{subject}: {', '.join(levels)}" for subject, levels in machine.computed.items()]
-    left = [f"{subject}: {', '.join(levels)}" for subject, levels in machine.left_out.items()]
-    return "\n".join(computed) or "nothing", "\n".join(left) or "nothing"
-
-
 def check_text(
     study: Study,
     out: Path,
@@ -244,10 +237,11 @@ def _asked_text(study: Study, machine: Machine | ElementsAlone, every: bool) -> 
 def _plan_sections(machine: Machine | ElementsAlone) -> list[tuple[str, str]]:
     if isinstance(machine, ElementsAlone):
         return [("Computed once for each variant", ", ".join(machine.elements))]
-    computed, left = plan_text(machine)
+    plan = {f"Computed at {_positions_text(machine)}": machine.computed}
+    plan["Skipped (not needed for the outputs)"] = machine.left_out
     return [
-        (f"Computed at {_positions_text(machine)}", computed),
-        ("Skipped (not needed for the outputs)", left),
+        (head, "\n".join(f"{subject}: {', '.join(levels)}" for subject, levels in found.items()) or "nothing")
+        for head, found in plan.items()
     ]
 
 

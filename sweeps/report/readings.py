@@ -5,15 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import (
-    CrankInput,
-    InputUnits,
-    MovingMachine,
-    Scene,
-    Verdict,
-    has_cycle,
-    quantity_text,
-)
+from engine import CrankInput, InputUnits, MovingMachine, Scene, Verdict, has_cycle, quantity_text
 from sweeps.text.input_files import InputError
 from sweeps.text.tables import table
 

@@ -4,16 +4,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
 
-from engine import (
-    Brake,
-    InputUnits,
-    Scene,
-    Verdict,
-    display_unit,
-    figure_text,
-    has_cycle,
-    quantity_text,
-)
+from engine import Brake, InputUnits, Scene, Verdict, display_unit, figure_text, has_cycle, quantity_text
 from sweeps.report import accuracy_words
 from sweeps.report.answers.shown_results import hidden_text, shown_parameters, shown_summaries
 from sweeps.report.answers.unmet_conditions import drop_lines, no_answer_text, undecided_text

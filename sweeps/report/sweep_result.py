@@ -25,7 +25,7 @@ from sweeps.store import Description, FieldAxis, MappedResult, describe_result, 
 from sweeps.study.study import Requirements, Study
 from sweeps.study.study_content import number_units
 from sweeps.study.study_text import Best
-from sweeps.text.conditions import Condition, Judgement, Where, all_of
+from sweeps.text.conditions import Condition, Judgement, Values, Where, all_of
 from sweeps.text.input_files import InputError, check_file
 
 # Variants per part in sequential passes.
@@ -141,13 +141,10 @@ class SweepResult:
 
     def along(self, field: str) -> FieldAxis:
         """Axis of a field: input positions, or times of a run."""
-        d = self.description
-        last = next(c.dims[-1] for c in d.columns if c.name == field)
-        if last == "position":
-            name, words, units = d.position_name, "input position", d.position_units
-        else:
-            name, words, units = last, d.axes[last]["long_name"], d.axes[last]["units"]
-        return FieldAxis(name, words, units, read_columns(self.path, [name])[name])
+        last = next(c.dims[-1] for c in self.description.columns if c.name == field)
+        axis = self.description.axes[last]
+        words = "input position" if last == "position" else axis["long_name"]
+        return FieldAxis(axis["name"], words, axis["units"], read_columns(self.path, [axis["name"]])[axis["name"]])
 
     @property
     def accuracy(self) -> float | None:
@@ -332,14 +329,7 @@ class SweepResult:
         except ExpressionError as error:
             raise InputError.of(str(self.path), str(error), key="where") from None
 
-        required = self.requirements
-        names = required.behind(condition.names)
-
-        def judged(part: slice | np.ndarray) -> Judgement:
-            known = required.known(self.rows(part, names))
-            return condition.judged(*known, self.columns["status"][part].size)
-
-        return judged
+        return lambda part: condition.judged(*self.known(part, condition.names), self.columns["status"][part].size)
 
     def chosen_parts(self, met: Callable[[slice | np.ndarray], np.ndarray] | None, most: int) -> Iterator[np.ndarray]:
         """Indices of the variants that meet a condition, in parts.
@@ -395,6 +385,10 @@ class SweepResult:
         """Some columns of some variants, and their error estimates where they have any."""
         pairs = (name for wish in names for name in (wish, f"{wish}_error"))
         return {name: self.columns[name][part] for name in pairs if name in self.columns}
+
+    def known(self, part: slice | np.ndarray, names: Iterable[str]) -> tuple[Values, Values]:
+        """Values and error estimates of some variants for conditions on some names, as from `Requirements.known`."""
+        return self.requirements.known(self.rows(part, self.requirements.behind(names)))
 
     def candidates(self, chosen: np.ndarray | slice = slice(None)) -> np.ndarray:
         """Which variants were computed and meet the condition for the best."""

@@ -34,25 +34,13 @@ from engine import (
     unit_of_dimension,
     unknown_name_message,
 )
+from sweeps.study import study_text
 from sweeps.study.default_summaries import default_summaries
 from sweeps.study.sampling import Axis, Columns, Design, Linear, Listed, Logarithmic, Sampled, SamplingError
 from sweeps.study.search_task import task_of
 from sweeps.study.sensitivity import refusals
 from sweeps.study.study import KnownNames, Study
 from sweeps.study.study_content import AskedDerivative
-from sweeps.study.study_text import (
-    AXIS_KEYS,
-    TOLERANCE_KEYS,
-    Between,
-    Listing,
-    Range,
-    Sampling,
-    SizeList,
-    Sizes,
-    StudyText,
-    flatten,
-    is_scene,
-)
 from sweeps.study.variant_tables import read_variant_table
 from sweeps.text.conditions import Condition, UnknownNameError
 from sweeps.text.csv_text import TableColumn
@@ -60,6 +48,8 @@ from sweeps.text.input_files import InputError, read_text
 from sweeps.text.scene_text import scene_from, with_numbers
 from sweeps.text.toml_text import line_of, line_of_entry, parse_toml, problems_in, validate
 
+# Keys that are attributes of a study.
+_AS_GIVEN = ("positions", "field_precision", "accuracy", "question", "best", "optimise", "tolerances")
 # Larger results fit on no disk.
 MOST_VARIANTS = 10**12
 
@@ -83,14 +73,18 @@ class StudyReader:
 
     def __init__(self, path: Path, text: str, data: dict[str, Any]) -> None:
         self.path, self.text, self.folder = path, text, path.parent
-        for key, leaves in (("vary", AXIS_KEYS), ("derive", None), ("tolerances", TOLERANCE_KEYS)):
+        for key, leaves in (
+            ("vary", study_text.AXIS_KEYS),
+            ("derive", None),
+            ("tolerances", study_text.TOLERANCE_KEYS),
+        ):
             if isinstance(data.get(key), dict):
-                data[key] = flatten(data[key], leaves)
+                data[key] = study_text.flatten(data[key], leaves)
         if isinstance(data.get("optimise"), dict) and isinstance(data["optimise"].get("start"), dict):
-            data["optimise"]["start"] = flatten(data["optimise"]["start"], None)
-        self.raw = validate(StudyText, data, text, path.name)
+            data["optimise"]["start"] = study_text.flatten(data["optimise"]["start"], None)
+        self.raw = validate(study_text.StudyText, data, text, path.name)
         self.scene = self._scene()
-        self.raw = validate(StudyText, self._with_full_names(data), text, path.name)
+        self.raw = validate(study_text.StudyText, self._with_full_names(data), text, path.name)
         self.numbers = scene_numbers(self.scene)
         self.problems: list[tuple[int | None, str, str]] = []
         self.dimensions = {
@@ -146,7 +140,7 @@ class StudyReader:
         if self.raw.accuracy is not None:
             summaries = tuple(dict.fromkeys((*summaries, *ACCURACY_SUMMARIES)))
         free = (name for name in (*names, *derived) if name not in self.numbers)
-        return {
+        return {key: getattr(self.raw, key) for key in _AS_GIVEN} | {
             "scene": self.scene,
             "design": design,
             "derived": derived,
@@ -154,17 +148,10 @@ class StudyReader:
             "summaries": summaries,
             "fields": tuple(dict.fromkeys(outputs.fields)),
             "derivatives": derivatives,
-            "positions": self.raw.positions,
-            "field_precision": self.raw.field_precision,
-            "accuracy": self.raw.accuracy,
             "name": self.path.stem,
             "title": self.raw.title or self.scene.title,
-            "question": self.raw.question,
             "text": self.text,
             "scene_text": self.scene_text,
-            "best": self.raw.best,
-            "optimise": self.raw.optimise,
-            "tolerances": self.raw.tolerances,
             "free_units": {name: unit_of_dimension(self.dimensions[name]) for name in free},
         }
 
@@ -187,12 +174,12 @@ class StudyReader:
 
     def _design(self) -> Design | None:
         axes: list[Axis] = []
-        sampled: dict[str, Between | Sizes] = {}
-        samples = self.raw.sampling or any(isinstance(axis, Between) for axis in self.raw.vary.values())
+        sampled: dict[str, study_text.Between | study_text.Sizes] = {}
+        samples = self.raw.sampling or any(isinstance(axis, study_text.Between) for axis in self.raw.vary.values())
         for path, axis in self.raw.vary.items():
             if not self._is_variable(path, ["vary", path]):
                 continue
-            if isinstance(axis, Between) or (samples and isinstance(axis, Sizes)):
+            if isinstance(axis, study_text.Between) or (samples and isinstance(axis, study_text.Sizes)):
                 sampled[path] = axis
             else:
                 self._add(axes, path, axis)
@@ -276,9 +263,9 @@ class StudyReader:
         self.dimensions[path] = dimension_of_unit(described_dimension(next(iter(kinds))).unit)
         return [number for number, _ in found]
 
-    def _sizes(self, path: str, axis: Sizes, keys: list[str]) -> list[float] | None:
+    def _sizes(self, path: str, axis: study_text.Sizes, keys: list[str]) -> list[float] | None:
         """Sizes in SI units, ascending; None if there are none."""
-        if isinstance(axis, SizeList):
+        if isinstance(axis, study_text.SizeList):
             listed = self._quantities(path, axis.choose, keys)
             return None if listed is None else sorted(set(listed))
         series = STANDARD_SIZES[axis.choose]
@@ -302,17 +289,17 @@ class StudyReader:
             self._problem(keys, f"no size of {axis.choose!r} lies from {axis.low!r} to {axis.high!r}; nearest: {near}")
         return sizes or None
 
-    def _add(self, axes: list[Axis], path: str, axis: Range | Listing | Sizes) -> None:
+    def _add(self, axes: list[Axis], path: str, axis: study_text.Range | study_text.Listing | study_text.Sizes) -> None:
         keys = ["vary", path]
-        if isinstance(axis, Sizes):
+        if isinstance(axis, study_text.Sizes):
             numbers = self._sizes(path, axis, keys)
         else:
-            ends = axis.values if isinstance(axis, Listing) else (axis.start, axis.stop)
+            ends = axis.values if isinstance(axis, study_text.Listing) else (axis.start, axis.stop)
             numbers = self._quantities(path, ends, keys)
         if numbers is None:
             return
         try:
-            if isinstance(axis, Listing | Sizes):
+            if isinstance(axis, study_text.Listing | study_text.Sizes):
                 axes.append(Listed(path, tuple(numbers)))
             else:
                 kind = Linear if axis.spacing == "linear" else Logarithmic
@@ -344,16 +331,20 @@ class StudyReader:
             self._problem(["variants"], str(error))
             return None
 
-    def _add_sampled(self, axes: list[Axis], sampled: dict[str, Between | Sizes]) -> None:
+    def _add_sampled(self, axes: list[Axis], sampled: dict[str, study_text.Between | study_text.Sizes]) -> None:
         sampling = self.raw.sampling
         if sampling is None and self.raw.optimise is not None:
             # Optional for a search; a sweep then uses the population size.
-            sampling = Sampling(method="latin", count=self.raw.optimise.population, seed=self.raw.optimise.seed)
+            sampling = study_text.Sampling(
+                method="latin", count=self.raw.optimise.population, seed=self.raw.optimise.seed
+            )
         if sampling is None:
             self._problem(["vary", next(iter(sampled))], "low and high need a [sampling] table with method and count")
             return
-        chosen = {p: self._sizes(p, a, ["vary", p]) for p, a in sampled.items() if not isinstance(a, Between)}
-        ranges = {p: a for p, a in sampled.items() if isinstance(a, Between)}
+        chosen = {
+            p: self._sizes(p, a, ["vary", p]) for p, a in sampled.items() if not isinstance(a, study_text.Between)
+        }
+        ranges = {p: a for p, a in sampled.items() if isinstance(a, study_text.Between)}
         ends = {p: self._quantities(p, (a.low, a.high), ["vary", p]) for p, a in ranges.items()}
         if self.problems:
             return
@@ -446,10 +437,10 @@ def read_study(path: Path | str) -> Study:
     data = parse_toml(text, path.name)
     if not data:
         raise InputError.of(str(path), "is empty; `sweeps new slider_crank` writes a scene to start from")
-    if not data.keys() & {*StudyText.model_fields, *Scene.model_fields}:
+    if not data.keys() & {*study_text.StudyText.model_fields, *Scene.model_fields}:
         message = "is neither a study (it has no key 'scene') nor a scene (it has no table 'input')"
         raise InputError.of(str(path), message)
-    if is_scene(data):
+    if study_text.is_scene(data):
         scene = scene_from(data, text, path.name, path.parent)
         study = Study(
             scene,

@@ -7,28 +7,14 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from engine import (
-    CrankInput,
-    Curve,
-    Mark,
-    MovingMachine,
-    Panel,
-    PanelAxis,
-    Quantity,
-    Scene,
-    Verdict,
-    has_cycle,
-    quantity_text,
-)
+from engine import CrankInput, Curve, Mark, MovingMachine, Panel, PanelAxis, Quantity, Scene, has_cycle, quantity_text
 from sweeps.pictures.elements.panels import draw_panel, panel_sheet
+from sweeps.pictures.machine.diagrams import need_motion
 from sweeps.pictures.picture_error import PictureError, need_mechanism
 from sweeps.pictures.style import BLUE, sheet
 
 # Fields of a part, by the first of them.
-_DERIVATIVES = {
-    "slide": ("velocity", "acceleration"),
-    "angle": ("angular_velocity", "angular_acceleration"),
-}
+_DERIVATIVES = {"slide": ("velocity", "acceleration"), "angle": ("angular_velocity", "angular_acceleration")}
 # Cylinders that fit on a sheet, and the height of each [mm].
 MOST_CYLINDERS, HEIGHT = 4, 75
 # Fields that fit on a sheet, and positions of each.
@@ -63,7 +49,7 @@ def indicator_diagrams(moving: MovingMachine, target: Path | str | Figure) -> Fi
 
 def _of_cylinder(moving: MovingMachine, name: str) -> tuple[Panel, Panel]:
     asked = f"{name}.pressure", f"{name}.volume"
-    _need_motion(moving, asked)
+    need_motion(moving, asked)
     places, rows = _over_cycle(moving, asked)
     pressure, volume = rows.values()
     title, dead_centres = name, []
@@ -103,7 +89,7 @@ def motion_of_part(moving: MovingMachine, part: str, target: Path | str | Figure
         parts = [name.rpartition(".")[0] for name in known if name.rpartition(".")[2] in _DERIVATIVES]
         raise PictureError(f"{part!r} is not a slider or link of this machine; choose from: {', '.join(parts)}")
     names = [f"{part}.{what}" for what in (kind, *_DERIVATIVES[kind])]
-    _need_motion(moving, names)
+    need_motion(moving, names)
     places, fields = _over_cycle(moving, names)
     jerk = moving.rate(names[-1])
     rows = [*fields.values(), np.append(jerk, jerk[:1]) if has_cycle(moving.scene) else jerk]
@@ -160,13 +146,6 @@ def field_curves(
             panel = Panel(along, up, places, [Curve("", rows[name])], title=known[name].long_name)
             draw_panel(ax, panel, ax is axes[-1])
     return figure
-
-
-def _need_motion(moving: MovingMachine, names: Sequence[str]) -> None:
-    """Raise a `PictureError` if fields of a machine can't be computed."""
-    verdict = moving.verdict(names)
-    if verdict not in (Verdict.OK, Verdict.NOT_FINITE):
-        raise PictureError(f"no diagrams of this machine: {verdict.sentence}")
 
 
 def _over_cycle(moving: MovingMachine, names: Sequence[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:

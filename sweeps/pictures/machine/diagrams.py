@@ -1,6 +1,7 @@
 """Diagrams of one machine over its cycle: reduced inertia and torque, work, energy loop, speed."""
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -80,6 +81,13 @@ def _has_flywheel(scene: Scene) -> bool:
     return wheel is not None and (wheel.inertia is not None or wheel.speed_fluctuation is not None)
 
 
+def need_motion(moving: MovingMachine, names: Sequence[str]) -> None:
+    """Raise a `PictureError` if fields of a machine can't be computed."""
+    verdict = moving.verdict(names)
+    if verdict not in (Verdict.OK, Verdict.NOT_FINITE):
+        raise PictureError(f"no diagrams of this machine: {verdict.sentence}")
+
+
 def cycle_curves(moving: MovingMachine) -> CycleCurves:
     """Compute the fields of one machine.
 
@@ -98,9 +106,7 @@ def cycle_curves(moving: MovingMachine) -> CycleCurves:
     main = main_slider(scene)
     ends = [f"{main}.stroke_{end}_at" for end in ("low", "high")] if main and has_cycle(scene) else []
     known = [name for name in names if name in moving.register.available_fields]
-    verdict = moving.verdict(known)
-    if verdict not in (Verdict.OK, Verdict.NOT_FINITE):
-        raise PictureError(f"no diagrams of this machine: {verdict.sentence}")
+    need_motion(moving, known)
     rows, quantities = moving.fields(known), {name: moving.register.fields[name].quantity for name in known}
     inertia, slope = rows["reduced_inertia"], rows["reduced_inertia_phi"]
     # Of an inertia that is constant, rounding leaves a slope.
