@@ -17,10 +17,10 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import AskError, Machine, Verdict, made_ready, quantity_text, scene_numbers
-from sweeps.report.files.exports import scene_toml
 from sweeps.study.bundled import bundled_studies
 from sweeps.study.study import Study
 from sweeps.study.study_reader import read_study
+from sweeps.text.edited_text import edited_scene
 from sweeps.text.templates import bundled_templates
 
 # Variants that are computed together, those of them that are written, and by how much a template's numbers vary.
@@ -83,7 +83,8 @@ def written_again(study: Study, values: Mapping[str, np.ndarray], folder: Path) 
     together, quantities = machine.evaluate(values), machine.available_summaries
     for i in np.flatnonzero(together.status == Verdict.OK)[:WRITTEN]:
         to = folder / f"{study.name}_{i}.toml"
-        scene_toml(study.scene, {path: float(row[i]) for path, row in values.items()}, to, study.scene_text)
+        own_values = {path: float(row[i]) for path, row in values.items()}
+        to.write_text(edited_scene(study.scene, own_values, study.scene_text, folder), "utf8")
         asked = {"summaries": study.summaries, "fields": study.fields, "positions": study.positions}
         alone = replace(read_study(to), **asked, accuracy=study.accuracy).machine().evaluate({})
         assert alone.status[0] == Verdict.OK

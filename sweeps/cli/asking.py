@@ -5,13 +5,12 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import DIFFERENT, ERRORS, errors_as_messages, tell
+from sweeps.cli.shared import DIFFERENT, ERRORS, tell
 
 
 @click.command()
 @click.argument("file")
 @click.argument("words", nargs=-1)
-@errors_as_messages
 def quantities(file: str, words: tuple[str, ...]) -> None:
     """List the quantities of a scene, study or result: name, symbol, unit, meaning. WORDS filter the list."""
     from sweeps.cli.named_machine import machine_of
@@ -22,7 +21,6 @@ def quantities(file: str, words: tuple[str, ...]) -> None:
 
 @click.command("help")
 @click.argument("words", nargs=-1)
-@errors_as_messages
 def help_command(words: tuple[str, ...]) -> None:
     """Explain a key of scenes and studies, input.length, a table, or a type such as compressor; or search for words."""
     from sweeps.report.help.key_help import key_text, tables_text
@@ -34,7 +32,6 @@ def help_command(words: tuple[str, ...]) -> None:
 @click.argument("one", type=click.Path(path_type=Path))
 @click.argument("other", type=click.Path(path_type=Path))
 @ERRORS
-@errors_as_messages
 def compare_command(one: Path, other: Path) -> None:
     """Compare two result files: best against best, differences in scene and study, values within error estimates.
 

@@ -4,21 +4,7 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import (
-    POSITIONS,
-    SET,
-    WHERE,
-    Options,
-    WholeNumber,
-    errors_as_messages,
-    in_options,
-    joints_by_letter,
-    make_folder,
-    names_in,
-    tell,
-    tell_altered,
-    variants_only,
-)
+from sweeps.cli import shared
 from sweeps.cli.waiting import doing
 
 TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
@@ -32,11 +18,11 @@ TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
     required=True,
     help="File to write: .csv, .json, .parquet, .mat, .svg, .dxf or .toml.",
 )
-@click.option("--variant", type=WholeNumber(0), help="One variant of a result file.")
+@click.option("--variant", type=shared.WholeNumber(0), help="One variant of a result file.")
 @click.option(
     "--at", default="", help="Crank angles [deg], displacements such as '20 mm', or instants such as '0.2 s'."
 )
-@WHERE
+@shared.WHERE
 @click.option("--history", is_flag=True, help="Time history through the regimes (tables).")
 @click.option("--element", help="A cam element: its motion curves (CSV) or outlines (SVG, DXF).")
 @click.option(
@@ -45,12 +31,11 @@ TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
     help="Comma-separated: columns or fields of a result, fields of a machine, loads for --history.",
 )
 @click.option("--overwrite", is_flag=True, help="Overwrite an existing scene.")
-@POSITIONS
-@SET
-@errors_as_messages
-@joints_by_letter
-@in_options
-def export(asked: Options) -> None:
+@shared.POSITIONS
+@shared.SET
+@shared.joints_by_letter
+@shared.in_options
+def export(asked: shared.Options) -> None:
     """Write results, positions or a history as a table, a drawing as SVG or DXF, or one variant as a scene (TOML).
 
     Tables are in the scene's units. The drawing shows the mechanism, or the cam of a scene that has only a cam. A scene
@@ -63,6 +48,7 @@ def export(asked: Options) -> None:
     from sweeps.report.files import exports
     from sweeps.report.files.data_files import write_table
     from sweeps.report.readings import readings_at
+    from sweeps.text.edited_text import edited_scene
     from sweeps.text.input_files import InputError
     from sweeps.text.scene_text import with_values
 
@@ -74,37 +60,37 @@ def export(asked: Options) -> None:
         raise InputError.of(str(asked.to), message, key="--history")
 
     if named_machine.is_result(asked.file):
-        tell_altered(asked.file)
+        shared.tell_altered(asked.file)
 
     of_one = asked.variant is not None or asked.at or asked.history or asked.settings or asked.element
     is_sweep = asked.to.suffix in TABLES and named_machine.is_result(asked.file) and not of_one
-    variants_only(asked.where, is_sweep)
+    shared.variants_only(asked.where, is_sweep)
     if is_sweep:
-        make_folder(asked.to)
-        columns, source, where = names_in(asked.columns), Path(asked.file), asked.where
+        shared.make_folder(asked.to)
+        columns, source, where = shared.names_in(asked.columns), Path(asked.file), asked.where
         with doing("Writing the table"):
-            table = exports.result_columns(source, columns, where) if columns else exports.result_table(source, where)
-            write_table(asked.to, table)
-        tell(f"Wrote {asked.to}")
+            write_table(asked.to, exports.result_table(source, columns, where))
+        shared.tell(f"Wrote {asked.to}")
         return
     scene, values, name = named_machine.machine_of(asked.file, asked.variant, asked.settings)
-    machine, columns = with_values(scene, values), names_in(asked.columns)
-    make_folder(asked.to)
+    machine, columns = with_values(scene, values), shared.names_in(asked.columns)
+    shared.make_folder(asked.to)
     if asked.to.suffix == ".toml":
         given, replaced = named_machine.numbers_replaced(asked.file, values, asked.settings)
-        exports.scene_toml(given, replaced, asked.to, named_machine.scene_text_of(asked.file), asked.overwrite)
+        text = edited_scene(given, replaced, named_machine.scene_text_of(asked.file), asked.to.parent)
+        shared.write_text(asked.to, text, asked.overwrite, "name another file, or give --overwrite")
     elif (cam := named_machine.element_named(machine, ["cam"], asked.element)) is not None:
         export_cam(cam, asked.to)
     elif asked.to.suffix in DRAWINGS:
         places = named_machine.positions_of(scene, asked.at)
         picture_files.drawing_file(scene, values, asked.to, next(iter(places), None))
     elif asked.history:
-        table, ended = exports.history_table(machine, {}, columns)
+        table, ended = exports.history_table(machine, columns)
         write_table(asked.to, table)
         if ended:
-            tell(f"The history ends early: {ended}", err=True)
+            shared.tell(f"The history ends early: {ended}", err=True)
     else:
         at, positions = asked.at, asked.positions or 360
         readings = named_machine.read_at(machine, at, columns) if at else readings_at(machine, positions, columns)
         write_table(asked.to, exports.reading_table(readings, scene.title))
-    tell(f"Wrote {asked.to} of {name}")
+    shared.tell(f"Wrote {asked.to} of {name}")

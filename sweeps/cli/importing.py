@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import errors_as_messages, tell, write_text
+from sweeps.cli.shared import tell, write_text
 
 
 @click.command("import")
@@ -12,7 +12,6 @@ from sweeps.cli.shared import errors_as_messages, tell, write_text
 @click.option("--unit", help="Length unit of FILE (default: 1 mm, or the unit in a PMKS+ address).")
 @click.option("--speed", help="Crank speed (default: 60 rpm, or the speed in a PMKS+ address).")
 @click.option("--out", type=click.Path(path_type=Path), help="Scene to write; default: FILE with .toml.")
-@errors_as_messages
 def import_command(file: Path, unit: str | None, speed: str | None, out: Path | None) -> None:
     """Convert a linkage from pylinkage (JSON), PMKS (rows of joints, or an address with mech=) or PMKS+ to a scene.
 

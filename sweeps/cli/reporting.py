@@ -6,7 +6,7 @@ from threading import Thread
 
 import click
 
-from sweeps.cli.shared import ERRORS, errors_as_messages, foreseen_errors, make_folder, tell, tell_altered
+from sweeps.cli.shared import ERRORS, foreseen_errors, make_folder, tell, tell_altered
 from sweeps.cli.waiting import doing
 from sweeps.text.interruption import keeping
 
@@ -18,7 +18,6 @@ LOOK = 0.05
 @click.argument("file")
 @click.option("--out", type=click.Path(path_type=Path), help="Page to write; default: FILE with .html.")
 @ERRORS
-@errors_as_messages
 def report(file: str, out: Path | None) -> None:
     """Write a report on a result file or scene: one HTML page with the machine in motion, and variants to pick.
 
@@ -51,7 +50,6 @@ def report(file: str, out: Path | None) -> None:
 
 @click.command()
 @click.argument("file")
-@errors_as_messages
 def watch(file: str) -> None:
     """Show the machine of a scene or study in a browser, and again whenever the file is saved.
 

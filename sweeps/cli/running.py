@@ -6,30 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sweeps.cli.shared import (
-    ALL,
-    CLUSTER,
-    ERRORS,
-    JSON,
-    Options,
-    cluster_client,
-    errors_as_messages,
-    in_options,
-    make_folder,
-    plots_of,
-    run_options,
-    stop_without_answer,
-    study_options,
-    tell,
-    tell_aside,
-    tell_data,
-    tell_files,
-    tell_outdated,
-    tell_warnings,
-    use_threads,
-    warnings_of,
-    workers_text,
-)
+from sweeps.cli import shared
 from sweeps.text.interruption import keeping
 
 if TYPE_CHECKING:
@@ -40,13 +17,12 @@ if TYPE_CHECKING:
 @click.argument("study")
 @click.option("--out", type=click.Path(path_type=Path), default=Path("results"), help="Result file to plan for.")
 @click.option("--source", is_flag=True, help="Print the generated kernel instead.")
-@CLUSTER
-@study_options
-@ALL
-@ERRORS
-@errors_as_messages
-@in_options
-def check(asked: Options) -> None:
+@shared.CLUSTER
+@shared.study_options
+@shared.ALL
+@shared.ERRORS
+@shared.in_options
+def check(asked: shared.Options) -> None:
     """Show what a study or scene will compute, what is skipped and why, and the time, memory and file size."""
     from sweeps.report.check_report import check_text
     from sweeps.study.bundled import find_study
@@ -55,41 +31,40 @@ def check(asked: Options) -> None:
 
     found = changed_study(read_study(find_study(asked.study)), asked.settings, asked.positions, asked.accuracy)
     if asked.source:
-        tell(found.machine().source())
+        shared.tell(found.machine().source())
     else:
-        with cluster_client(asked.cluster) as client:
-            tell(check_text(found, asked.out, client, tell_aside, asked.every))
+        with shared.cluster_client(asked.cluster) as client:
+            shared.tell(check_text(found, asked.out, client, shared.tell_aside, asked.every))
 
 
-def _made(asked: Options, result: "SweepResult", study: Path) -> list[Path]:
+def _made(asked: shared.Options, result: "SweepResult", study: Path) -> list[Path]:
     """The result with its plots."""
-    return [result.path, *([] if asked.no_plots else plots_of(result, study))]
+    return [result.path, *([] if asked.no_plots else shared.plots_of(result, study))]
 
 
 def _tell_answer(result: "SweepResult", *sentences: str) -> None:
     """Print sentences on a result, and its warnings."""
     for sentence in sentences:
-        tell(sentence)
-    tell_warnings(result)
+        shared.tell(sentence)
+    shared.tell_warnings(result)
 
 
-def _tell_made(asked: Options, result: "SweepResult", study: Path, begun: float) -> None:
+def _tell_made(asked: shared.Options, result: "SweepResult", study: Path, begun: float) -> None:
     """Print the files made by a computation that began at `begun`."""
     made = _made(asked, result, study)
-    tell_files(made, begun)
-    tell_outdated(result.path, made)
+    shared.tell_files(made, begun)
+    shared.tell_outdated(result.path, made)
 
 
 @click.command()
 @click.argument("study")
-@run_options("results/NAME.h5")
-@study_options
-@ALL
-@JSON
-@ERRORS
-@errors_as_messages
-@in_options
-def run(asked: Options) -> None:
+@shared.run_options("results/NAME.h5")
+@shared.study_options
+@shared.ALL
+@shared.JSON
+@shared.ERRORS
+@shared.in_options
+def run(asked: shared.Options) -> None:
     """Run a study (a file, or the name of a bundled one) into an HDF5 file, resuming an interrupted run.
 
     Existing results are reused, so variants, summaries and fields can be added. A file with other or further results is
@@ -111,41 +86,40 @@ def run(asked: Options) -> None:
     begun, file = time.perf_counter(), find_study(asked.study)
     found = changed_study(read_study(file), asked.settings, asked.positions, asked.accuracy)
     out = asked.out or Path("results") / f"{found.name}.h5"
-    make_folder(out)
-    use_threads(asked.jobs)
+    shared.make_folder(out)
+    shared.use_threads(asked.jobs)
     count = found.design.size
     bar = ProgressBar(count, asked.quiet, kept=0 if asked.restart else variants_kept(out))
     with keeping(bar.kept_text):
-        with cluster_client(asked.cluster, asked.jobs) as client:
+        with shared.cluster_client(asked.cluster, asked.jobs) as client:
 
             def update(done: int, before: int) -> None:
-                bar.update(done, before, workers_text(client))
+                bar.update(done, before, shared.workers_text(client))
 
-            run_study(found, out, asked.restart, update, asked.replace, tell_aside, client)
+            run_study(found, out, asked.restart, update, asked.replace, shared.tell_aside, client)
         bar.close()
         result = SweepResult(out, found)
         if asked.as_json:
             best = result.best()
             told = [best] if best is not None else range(min(count, 1))
             files = [str(path) for path in _made(asked, result, file)]
-            tell_data(result_data(result, told) | {"warnings": warnings_of(result), "files": files})
+            shared.tell_data(result_data(result, told) | {"warnings": shared.warnings_of(result), "files": files})
         else:
             head = f"{found.title or found.name}: {count} variant{'' if count == 1 else 's'}"
             _tell_answer(result, head, counts_text(result), answer_text(result, asked.every))
             if remark := between_positions_text(found):
-                tell(remark)
+                shared.tell(remark)
             _tell_made(asked, result, file, begun)
-    stop_without_answer(result)
+    shared.stop_without_answer(result)
 
 
 @click.command()
 @click.argument("study")
-@run_options("results/NAME_optimised.h5")
-@ALL
-@ERRORS
-@errors_as_messages
-@in_options
-def optimise(asked: Options) -> None:
+@shared.run_options("results/NAME_optimised.h5")
+@shared.ALL
+@shared.ERRORS
+@shared.in_options
+def optimise(asked: shared.Options) -> None:
     """Optimise a study over its variables by its [optimise] or [best], resuming an interrupted search.
 
     The exit code is 1 if no candidate meets the conditions.
@@ -162,19 +136,19 @@ def optimise(asked: Options) -> None:
     begun, file = time.perf_counter(), find_study(asked.study)
     found = read_study(file)
     out = asked.out or Path("results") / f"{found.name}_optimised.h5"
-    make_folder(out)
-    use_threads(asked.jobs)
+    shared.make_folder(out)
+    shared.use_threads(asked.jobs)
     bar = ProgressBar(task_of(found).generations, asked.quiet, "generations")
     with keeping(bar.kept_text):
-        with cluster_client(asked.cluster, asked.jobs) as client:
+        with shared.cluster_client(asked.cluster, asked.jobs) as client:
 
             def update(done: int, before: int, words: str) -> None:
-                bar.update(done, before, ", ".join(filter(None, (words, workers_text(client)))))
+                bar.update(done, before, ", ".join(filter(None, (words, shared.workers_text(client)))))
 
-            optimise_study(found, out, asked.restart, update, asked.replace, tell_aside, client)
+            optimise_study(found, out, asked.restart, update, asked.replace, shared.tell_aside, client)
         bar.close()
         result = SweepResult(out)
         head = f"{found.title or found.name}: {result.description.variants} candidates"
         _tell_answer(result, head, counts_text(result), optimum_text(result, asked.every))
         _tell_made(asked, result, file, begun)
-    stop_without_answer(result)
+    shared.stop_without_answer(result)

@@ -54,20 +54,18 @@ def fail(message: str, code: int = WRONG_INPUT) -> None:
     sys.exit(code)
 
 
-def errors_as_messages(command: Callable) -> Callable:
-    """Turn user errors into messages."""
+class Commands(click.Group):
+    """A group of commands that turns user errors into messages."""
 
-    @wraps(command)
-    def guarded(*args: object, **kwargs: object) -> None:
+    def invoke(self, ctx: click.Context) -> object:
+        """Run the command of a command line."""
         try:
             with waiting_told():
-                command(*args, **kwargs)
+                return super().invoke(ctx)
         except Exception as error:
             if not isinstance(error, foreseen_errors()):
                 raise
             fail(str(error), _code_of(error))
-
-    return guarded
 
 
 def joints_by_letter(command: Command) -> Command:
@@ -151,9 +149,14 @@ class WholeNumber(click.ParamType):
         return number
 
 
+def with_options(*options: Callable) -> Callable:
+    """Several options as one decorator."""
+    return lambda command: reduce(lambda made, option: option(made), reversed(options), command)
+
+
 def run_options(out: str) -> Callable:
     """Options of commands that make a result file."""
-    options = (
+    return with_options(
         click.option("--out", type=click.Path(path_type=Path), help=f"Result file (default: {out})."),
         click.option("--restart", is_flag=True, help="Discard earlier results and compute everything."),
         click.option("--replace", is_flag=True, help="Replace the former result of an edited study."),
@@ -162,7 +165,6 @@ def run_options(out: str) -> Callable:
         click.option("--no-plots", is_flag=True, help="Skip the plots."),
         click.option("--quiet", is_flag=True, help="Hide progress."),
     )
-    return lambda command: reduce(lambda made, option: option(made), reversed(options), command)
 
 
 SET = click.option(
@@ -181,6 +183,8 @@ WHERE = click.option(
 )
 POSITIONS = click.option("--positions", type=WholeNumber(0), help="Number of field positions per cycle, even.")
 ACCURACY = click.option("--accuracy", help="Tolerance of every summary, such as '0.1 %'.")
+# Of commands that read a study.
+study_options = with_options(SET, POSITIONS, ACCURACY)
 
 
 def _show_errors(_: click.Context, __: click.Parameter, every: bool) -> None:
@@ -201,11 +205,6 @@ ALL = click.option(
     "--all", "every", is_flag=True, help="Show all results: also further ones, checks, and derived helper numbers."
 )
 JSON = click.option("--json", "as_json", is_flag=True, help="JSON output in SI units.")
-
-
-def study_options(command: Command) -> Command:
-    """Options of commands that read a study: scene numbers, positions, accuracy."""
-    return SET(POSITIONS(ACCURACY(command)))
 
 
 def variants_only(where: tuple[str, ...], is_sweep: bool) -> None:
@@ -384,7 +383,7 @@ def make_folder(path: Path) -> None:
         raise InputError.of(str(path.parent), f"can't be made: {error.strerror}") from None
 
 
-def write_text(path: Path, text: str, replace: bool = False) -> None:
+def write_text(path: Path, text: str, replace: bool = False, mend: str = "name another file with --out") -> None:
     """Write a text file.
 
     Parameters
@@ -393,6 +392,8 @@ def write_text(path: Path, text: str, replace: bool = False) -> None:
     text : str
     replace : bool
         Whether an existing file is overwritten; a person may have written it.
+    mend : str
+        What to do where it isn't.
 
     Raises
     ------
@@ -403,6 +404,6 @@ def write_text(path: Path, text: str, replace: bool = False) -> None:
     from sweeps.text.whole_files import write_whole_text
 
     if path.exists() and not replace:
-        raise InputError.of(str(path), "exists already; name another file with --out")
+        raise InputError.of(str(path), f"exists already; {mend}")
     make_folder(path)
     write_whole_text(path, text)

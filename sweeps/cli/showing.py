@@ -5,50 +5,29 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import (
-    ALL,
-    ERRORS,
-    JSON,
-    POSITIONS,
-    SET,
-    WHERE,
-    Options,
-    WholeNumber,
-    errors_as_messages,
-    in_options,
-    joints_by_letter,
-    make_folder,
-    names_in,
-    stop_without_answer,
-    tell,
-    tell_altered,
-    tell_data,
-    tell_warnings,
-    variants_only,
-    warnings_of,
-)
+from sweeps.cli import shared
+from sweeps.cli.shared import POSITIONS
 from sweeps.cli.waiting import doing
 
 
 @click.command()
 @click.argument("file", type=click.Path(path_type=Path))
-@WHERE
+@shared.WHERE
 @click.option("--sort", help="Column to sort by.")
 @click.option("--descending", is_flag=True, help="Descending order.")
-@click.option("--limit", type=WholeNumber(1), default=10, show_default=True, help="Number of variants to list.")
+@click.option("--limit", type=shared.WholeNumber(1), default=10, show_default=True, help="Number of variants to list.")
 @click.option("--columns", help="Summaries to show, or fields with --at, comma-separated (default: the answers).")
 @click.option(
     "--at", help="Fields of one machine at crank angles ('37 deg') or displacements, or its motion at '0.2 s'."
 )
-@click.option("--variant", type=WholeNumber(0), help="With --at: one variant of a result file.")
-@SET
-@ALL
-@JSON
-@ERRORS
-@errors_as_messages
-@joints_by_letter
-@in_options
-def show(asked: Options) -> None:
+@click.option("--variant", type=shared.WholeNumber(0), help="With --at: one variant of a result file.")
+@shared.SET
+@shared.ALL
+@shared.JSON
+@shared.ERRORS
+@shared.joints_by_letter
+@shared.in_options
+def show(asked: shared.Options) -> None:
     """Show a result file: contents, verdicts, best variants. With --at, show one machine at given positions.
 
     With --at, FILE can also be a scene or study. The exit code is 1 if the question of the study has no answer.
@@ -75,8 +54,8 @@ def show(asked: Options) -> None:
         raise InputError.of(str(asked.file), "--set and --variant require --at, which shows one machine")
     result = SweepResult(asked.file)
     result.show_own_units()
-    tell_altered(asked.file)
-    names = names_in(asked.columns or "")
+    shared.tell_altered(asked.file)
+    names = shared.names_in(asked.columns or "")
     unknown = [n for n in names if n not in result.columns]
     if unknown:
         message = f"{unknown[0]!r} is not in the result; {did_you_mean(unknown[0], result.columns)}"
@@ -88,44 +67,44 @@ def show(asked: Options) -> None:
     condition = asked.where or (goal.where if goal else usual)
     chosen = result.select(condition, sort, descending, most=asked.limit)
     if asked.as_json:
-        tell_data(result_data(result, chosen, names) | {"warnings": warnings_of(result)})
-        stop_without_answer(result)
+        shared.tell_data(result_data(result, chosen, names) | {"warnings": shared.warnings_of(result)})
+        shared.stop_without_answer(result)
         return
     d = result.description
-    tell(f"{d.title}: {variants_done_text(result)}")
-    tell(f"varied: {varied_text(result)}")
+    shared.tell(f"{d.title}: {variants_done_text(result)}")
+    shared.tell(f"varied: {varied_text(result)}")
     for line in fields_text(result):
-        tell(line)
-    tell(counts_text(result))
-    tell(f"{meeting_text(result, condition)}; the first {chosen.size}:")
-    tell(variants_text(result, chosen, names, asked.every))
+        shared.tell(line)
+    shared.tell(counts_text(result))
+    shared.tell(f"{meeting_text(result, condition)}; the first {chosen.size}:")
+    shared.tell(variants_text(result, chosen, names, asked.every))
     if not asked.where:
-        tell((optimum_text if is_search(result) else answer_text)(result, asked.every))
-        tell_warnings(result)
-        stop_without_answer(result)
+        shared.tell((optimum_text if is_search(result) else answer_text)(result, asked.every))
+        shared.tell_warnings(result)
+        shared.stop_without_answer(result)
 
 
-def _show_at(asked: Options) -> None:
+def _show_at(asked: shared.Options) -> None:
     """Show fields of one machine at given positions or times."""
     from sweeps.cli.named_machine import machine_of, read_at
     from sweeps.report.readings import readings_text
     from sweeps.text.scene_text import with_values
 
     scene, values, _ = machine_of(str(asked.file), asked.variant, asked.settings)
-    readings = read_at(with_values(scene, values), asked.at, names_in(asked.columns or ""))
+    readings = read_at(with_values(scene, values), asked.at, shared.names_in(asked.columns or ""))
     if asked.as_json:
         from sweeps.report.files.data_files import table_data
         from sweeps.report.files.exports import reading_table
 
-        tell_data(table_data(reading_table(readings, scene.title)))
+        shared.tell_data(table_data(reading_table(readings, scene.title)))
         return
-    tell(readings_text(readings))
+    shared.tell(readings_text(readings))
 
 
 @click.command()
 @click.argument("file")
 @click.option("--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf); default: next to FILE.")
-@click.option("--variant", type=WholeNumber(0), help="Variant of a result file to use.")
+@click.option("--variant", type=shared.WholeNumber(0), help="Variant of a result file to use.")
 @click.option(
     "--at", default="", help="Crank angles of the drawing [deg], or displacements such as '20 mm', comma-separated."
 )
@@ -152,14 +131,13 @@ def _show_at(asked: Options) -> None:
 @click.option("-x", help="x axis: a column (results), or a field instead of the crank angle.")
 @click.option("-y", help="y axis: a column (results), or fields of one machine such as B.vx, comma-separated.")
 @click.option("--colour", help="Column shown as colour (results).")
-@WHERE
+@shared.WHERE
 @POSITIONS
-@SET
-@errors_as_messages
-@joints_by_letter
+@shared.SET
+@shared.joints_by_letter
 @doing("Drawing the pictures")
-@in_options
-def plot(asked: Options) -> None:
+@shared.in_options
+def plot(asked: shared.Options) -> None:
     """Plot a scene (machine and diagrams), a sweep, or the machine of one variant.
 
     Mechanisms: drawing and diagrams over the cycle, indicator diagrams of cylinders. Rotors and engines: unbalance
@@ -174,10 +152,10 @@ def plot(asked: Options) -> None:
     gc.freeze()
     tables = ""
     if is_result(asked.file):
-        tell_altered(asked.file)
+        shared.tell_altered(asked.file)
     of_machine = asked.plans or asked.bearings or asked.motion or asked.hodograph or asked.beside or asked.settings
     is_sweep = is_result(asked.file) and asked.variant is None and not of_machine
-    variants_only(asked.where, is_sweep)
+    shared.variants_only(asked.where, is_sweep)
     if is_sweep:
         from sweeps.pictures.sweep.result_pictures import result_pictures
         from sweeps.report.sweep_result import SweepResult
@@ -188,20 +166,20 @@ def plot(asked: Options) -> None:
         from sweeps.pictures.machine.cycle_sheets import POSITIONS, field_curves
 
         scene, values, name = machine_of(asked.file, asked.variant, asked.settings)
-        fields = names_in(asked.y or "")
+        fields = shared.names_in(asked.y or "")
         target = asked.out or Path(f"{name}_{'_'.join(fields).replace('.', '_') or 'fields'}.png")
         field_curves(with_values(scene, values), target, fields, asked.x, asked.positions or POSITIONS)
         made = [target]
     else:
         scene, values, name = machine_of(asked.file, asked.variant, asked.settings)
         stem, places = asked.out or Path(f"{name}.png"), positions_of(scene, asked.at)
-        shown = places, names_in(asked.paths), names_in(asked.shown)
-        made = picture_files.machine_pictures(scene, values, stem, *shown, parts=names_in(asked.motion))
+        shown = places, shared.names_in(asked.paths), shared.names_in(asked.shown)
+        made = picture_files.machine_pictures(scene, values, stem, *shown, parts=shared.names_in(asked.motion))
         if asked.plans or asked.bearings:
             from sweeps.pictures.plans.files import bearing_pictures, plan_pictures
 
             made += plan_pictures(scene, stem, next(iter(places), None), values) if asked.plans else []
-            made += bearing_pictures(scene, stem, names_in(asked.bearings), values)
+            made += bearing_pictures(scene, stem, shared.names_in(asked.bearings), values)
         if asked.hodograph or asked.beside:
             other = machine_of(asked.beside, None) if asked.beside else None
             made.append(picture_files.hodograph_picture((scene, values, name), other, stem))
@@ -210,15 +188,14 @@ def plot(asked: Options) -> None:
 
             tables = element_tables(with_values(scene, values))
     if tables:
-        tell(tables)
-    tell("\n".join(f"Wrote {path}" for path in dict.fromkeys(made)))
+        shared.tell(tables)
+    shared.tell("\n".join(f"Wrote {path}" for path in dict.fromkeys(made)))
 
 
 @click.command()
 @click.argument("file", required=False)
 @click.option("--out", type=click.Path(path_type=Path), help="Also draw the orders to this file (.png, .svg, .pdf).")
-@click.option("--variant", type=WholeNumber(0), help="Variant of a result file to use.")
-@errors_as_messages
+@click.option("--variant", type=shared.WholeNumber(0), help="Variant of a result file to use.")
 def orders(file: str | None, out: Path | None, variant: int | None) -> None:
     """Show the unbalanced orders of force, couple and torque of common engines, or of those in a scene or result."""
     from sweeps.cli.named_machine import machine_of
@@ -233,24 +210,23 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
         rows = engine_rows(with_values(scene, values))
         if not rows:
             raise InputError.of(file, 'has no engine; add [elements.NAME] with type = "engine"', key="elements")
-    tell(order_table(rows))
+    shared.tell(order_table(rows))
     if out is not None:
         order_picture(out, rows)
-        tell(f"Wrote {out}")
+        shared.tell(f"Wrote {out}")
 
 
 @click.command()
 @click.argument("file")
 @click.option("--out", type=click.Path(path_type=Path), help="GIF file; default: NAME.gif.")
-@click.option("--variant", type=WholeNumber(0), help="Variant of a result file to use.")
+@click.option("--variant", type=shared.WholeNumber(0), help="Variant of a result file to use.")
 @click.option("--element", help="A cam or gear train among the scene's elements, instead of the mechanism.")
 @click.option("--paths", default="", help="Points whose paths are drawn, comma-separated.")
-@click.option("--frames", type=WholeNumber(4, 1000), default=60, show_default=True)
-@SET
-@errors_as_messages
+@click.option("--frames", type=shared.WholeNumber(4, 1000), default=60, show_default=True)
+@shared.SET
 @doing("Drawing the frames")
-@in_options
-def animate(asked: Options) -> None:
+@shared.in_options
+def animate(asked: shared.Options) -> None:
     """Write an animated GIF of a scene, study or variant."""
     from sweeps.cli.named_machine import element_named, machine_of
     from sweeps.pictures.elements.element_motion import element_frames
@@ -259,10 +235,12 @@ def animate(asked: Options) -> None:
 
     scene, values, name = machine_of(asked.file, asked.variant, asked.settings)
     out = asked.out or Path(f"{name}.gif")
-    make_folder(out)
+    shared.make_folder(out)
     moving = element_named(with_numbers(scene, values), ["cam", "gear_train"], asked.element)
     if moving is not None:
         save_animation(lambda count: element_frames(moving, count), out, asked.frames)
     else:
-        save_animation(lambda count: machine_frames(scene, count, names_in(asked.paths), values), out, asked.frames)
-    tell(f"Wrote {out}")
+        save_animation(
+            lambda count: machine_frames(scene, count, shared.names_in(asked.paths), values), out, asked.frames
+        )
+    shared.tell(f"Wrote {out}")

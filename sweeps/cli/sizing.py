@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import ERRORS, Options, WholeNumber, errors_as_messages, in_options, names_in, tell, write_text
+from sweeps.cli.shared import ERRORS, Options, WholeNumber, in_options, names_in, tell, write_text
 
 
 @click.command()
@@ -18,7 +18,6 @@ from sweeps.cli.shared import ERRORS, Options, WholeNumber, errors_as_messages, 
 @click.option("--interpolation", type=click.Choice(["linear", "pchip", "spline"]), default="linear", show_default=True)
 @click.option("--inertia", default="0", help="Existing inertia of the machine, such as '0.4 kg m2'.")
 @click.option("--area-energy", help="Energy per unit of area, '4.5 J'; TABLE then lists areas.")
-@errors_as_messages
 def flywheel(
     table: Path, speed: str, fluctuation: str, interpolation: str, inertia: str, area_energy: str | None
 ) -> None:
@@ -48,7 +47,6 @@ def flywheel(
 )
 @click.option("--planes", help="Planes of an engine's balance shafts, '-80 mm, 80 mm'.")
 @ERRORS
-@errors_as_messages
 @in_options
 def balance_command(asked: Options) -> None:
     """Find the counterweights of a mechanism, the balance shafts of an engine, or the correction weights of a rotor.

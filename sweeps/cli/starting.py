@@ -5,12 +5,11 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import errors_as_messages, tell, write_text
+from sweeps.cli.shared import tell, write_text
 from sweeps.cli.waiting import doing
 
 
 @click.command("list")
-@errors_as_messages
 def list_command() -> None:
     """List the bundled studies and the templates for scenes."""
     from sweeps.study.bundled import bundled_studies, questions
@@ -28,7 +27,6 @@ def list_command() -> None:
 @click.command()
 @click.argument("template")
 @click.option("--out", type=click.Path(path_type=Path), help="File to write; default: TEMPLATE.toml.")
-@errors_as_messages
 def new(template: str, out: Path | None) -> None:
     """Write a commented scene to start from."""
     from sweeps.text.templates import template_text
@@ -42,7 +40,6 @@ def new(template: str, out: Path | None) -> None:
 
 @click.command()
 @click.option("--out", type=click.Path(path_type=Path), default=Path("."), help="Folder of the scenes; default: this.")
-@errors_as_messages
 def schema(out: Path) -> None:
     """Write JSON Schemas of scenes and studies, by which editors complete keys and mark mistakes while you type.
 
@@ -62,7 +59,6 @@ def schema(out: Path) -> None:
     "--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf); default: SCENE_modes.png."
 )
 @click.option("--no-plots", is_flag=True, help="Only list them.")
-@errors_as_messages
 def modes(scene: str, out: Path | None, no_plots: bool) -> None:
     """List the real assembly modes of free links at the first position, with a picture of each.
 
@@ -88,16 +84,20 @@ def modes(scene: str, out: Path | None, no_plots: bool) -> None:
 @click.option(
     "--out", type=click.Path(path_type=Path), help="Folder of the site; default: guide, opened in the browser."
 )
-@errors_as_messages
 def guide_command(chapter: str | None, web: bool, out: Path | None) -> None:
     """Show a chapter or a reference page of the guide, or list them all.
 
     The site of --web needs no network; building it requires pip install 'machine-sweeps[guide]'.
     """
     from sweeps.guide.chapters import GENERATED, chapter_text, chapters_text
+    from sweeps.guide.website import build_site
 
     if web or out is not None:
-        open_site(out)
+        with doing("Building the site"):
+            first = build_site(reference_pages(), out or Path("guide"))
+        tell(f"Wrote {first}")
+        if out is None:
+            click.launch(str(first))
     elif chapter in GENERATED:
         tell(reference_pages()[chapter]())
     else:
@@ -109,17 +109,6 @@ def reference_pages() -> Mapping[str, Callable[[], str]]:
     from sweeps.report.help.reference_pages import PAGES
 
     return {"commands": commands_page, **PAGES}
-
-
-def open_site(out: Path | None) -> None:
-    """Build the guide's site, and open it unless it is built into a folder."""
-    from sweeps.guide.website import build_site
-
-    with doing("Building the site"):
-        first = build_site(reference_pages(), out or Path("guide"))
-    tell(f"Wrote {first}")
-    if out is None:
-        click.launch(str(first))
 
 
 def commands_page() -> str:

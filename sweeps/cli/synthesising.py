@@ -1,12 +1,11 @@
 """The synthesise command: mechanisms from their requirements."""
 
 from collections.abc import Callable
-from functools import reduce
 from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import Command, errors_as_messages, tell, write_text
+from sweeps.cli.shared import tell, with_options, write_text
 from sweeps.cli.waiting import doing
 
 _RATIO = click.option(
@@ -15,15 +14,10 @@ _RATIO = click.option(
     type=float,
     help="Quick-return ratio K: time of the slow stroke over that of the fast one.",
 )
-
-
-def _common(command: Command) -> Command:
-    """Options of all mechanism types."""
-    options = (
-        click.option("--speed", default="60 rpm", show_default=True, help="Crank speed."),
-        click.option("--out", type=click.Path(path_type=Path), help="Scene to write; default: KIND.toml."),
-    )
-    return reduce(lambda made, option: option(made), reversed(options), command)
+_common = with_options(
+    click.option("--speed", default="60 rpm", show_default=True, help="Crank speed."),
+    click.option("--out", type=click.Path(path_type=Path), help="Scene to write; default: KIND.toml."),
+)
 
 
 @click.group()
@@ -36,7 +30,6 @@ def synthesise() -> None:
 @_RATIO
 @click.option("--rod", help="Rod length, '400 mm' (default: for the best transmission angle).")
 @_common
-@errors_as_messages
 def slider_crank_command(stroke: str, ratio: float, rod: str | None, speed: str, out: Path | None) -> None:
     """Offset slider-crank with a given stroke and quick-return ratio."""
     from sweeps.synthesis.quick_return import quick_slider_crank
@@ -53,7 +46,6 @@ def slider_crank_command(stroke: str, ratio: float, rod: str | None, speed: str,
 @_RATIO
 @click.option("--coupler", help="Coupler length, '200 mm' (default: for the best transmission angle).")
 @_common
-@errors_as_messages
 def crank_rocker_command(
     swing: str, rocker: str, ratio: float, coupler: str | None, speed: str, out: Path | None
 ) -> None:
@@ -71,7 +63,6 @@ def crank_rocker_command(
 @_RATIO
 @click.option("--frame", required=True, help="Distance between the crank and lever bearings, '240 mm'.")
 @_common
-@errors_as_messages
 def shaper_command(stroke: str, ratio: float, frame: str, speed: str, out: Path | None) -> None:
     """Crank-shaper (slotted lever and ram) with a given stroke and quick-return ratio."""
     from sweeps.synthesis.quick_return import quick_lever
@@ -94,7 +85,6 @@ def shaper_command(stroke: str, ratio: float, frame: str, speed: str, out: Path 
     "--turn", "turns", multiple=True, metavar="'ANGLE, 1'", help="Rotation of a link to the second of four positions."
 )
 @_common
-@errors_as_messages
 def positions_command(
     places: tuple[str, ...],
     pivots: tuple[str, ...],
@@ -130,7 +120,6 @@ def positions_command(
     "--seed", default=0, show_default=True, help="Random seed of the search; other seeds may find other linkages."
 )
 @_common
-@errors_as_messages
 def path_command(table: Path, seed: int, speed: str, out: Path | None) -> None:
     """Crank-rocker whose coupler point follows a closed path as closely as possible.
 

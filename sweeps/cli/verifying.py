@@ -5,14 +5,13 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import errors_as_messages, tell, tell_aside
+from sweeps.cli.shared import tell, tell_aside
 
 DAMAGED = 1
 
 
 @click.command()
 @click.argument("file", type=click.Path(path_type=Path))
-@errors_as_messages
 def verify(file: Path) -> None:
     """Check a result file against its checksums; exit code 1 if it was modified."""
     from sweeps.store import MappedResult, damage_text

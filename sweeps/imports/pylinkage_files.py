@@ -104,10 +104,7 @@ class _Joints:
             )
             self.cranks.append((self._link(name, parents[0]), parents[0], float(joint.get("angle") or 0.0)))
         elif kind == "Fixed":
-            first, second = (self.places[p] for p in parents)
-            turned = cmath.phase(second - first) + float(joint["angle"])
-            self.places[name] = first + cmath.rect(self._length(joint, "distance"), turned)
-            self._onto(name, parents)
+            self._fix_to(name, parents, self._length(joint, "distance"), float(joint["angle"]))
         elif kind in ("Revolute", "Pivot"):
             radii = [self._length(joint, key) for key in ("distance0", "distance1")]
             self.places[name] = self._meeting(name, *(self.places[p] for p in parents), *radii, self._at(joint))
@@ -163,6 +160,12 @@ class _Joints:
         bearers = [self.frame, *self.links.values()]
         return next((members for members in bearers if all(p in members for p in parents)), None)
 
+    def _fix_to(self, name: str, parents: list[str], distance: float, angle: float) -> None:
+        """Place a joint on the link of two others, by polar coordinates from the first one."""
+        first, second = (self.places[p] for p in parents)
+        self.places[name] = first + cmath.rect(distance, cmath.phase(second - first) + angle)
+        self._onto(name, parents)
+
     def _onto(self, name: str, parents: list[str]) -> None:
         members = self._common(parents)
         if members is None:
@@ -197,8 +200,5 @@ class _Links(_Joints):
                 self.cranks.append((link["id"], pivot, float(link.get("angular_velocity", 1.0))))
         for joint in followed:
             refs = [joint["ref_joint1_id"], joint["ref_joint2_id"]]
-            first, second = (self.places[p] for p in refs)
-            turned = cmath.phase(second - first) + float(joint["angle"])
-            self.places[joint["id"]] = first + cmath.rect(self.unit * float(joint["distance"]), turned)
-            self._onto(joint["id"], refs)
+            self._fix_to(joint["id"], refs, self.unit * float(joint["distance"]), float(joint["angle"]))
         return super().chain({"name": data.get("name"), "joints": []}, speed)

@@ -94,11 +94,10 @@ def optimise_study(
     path, task, tell = Path(path), task_of(study), tell or (lambda sentence: None)
     layout = layout_of(task.study, task.study.machine())
     with crew_of(client, task.study, layout, tell) as crew:
-        return _search(task, Trials(task, crew), path, restart, progress, replace_former, tell)
+        return _search(Trials(task, crew), path, restart, progress, replace_former, tell)
 
 
 def _search(
-    task: SearchTask,
     trials: Trials,
     path: Path,
     restart: bool,
@@ -106,19 +105,19 @@ def _search(
     replace_former: bool,
     tell: Callable[[str], None],
 ) -> Path:
-    work = _work_path(path)
-    if path.exists() and not restart and _is_finished(path, task, trials, tell):
+    task, work = trials.task, _work_path(path)
+    if path.exists() and not restart and _is_finished(path, trials, tell):
         remove_unlocked(part_path(work))
         return path
     path.parent.mkdir(parents=True, exist_ok=True)
     keep = not restart and not replace_former
     if task.method == LOCAL:
-        _finish(task, trials, path, _downhill(task, trials), "local search", keep, tell)
+        _finish(trials, path, _downhill(trials), "local search", keep, tell)
         return path
     search = way_of(task)
-    with Store.open(work, _layout(task, trials, task.population * task.generations, task.population), restart) as store:
+    with Store.open(work, _layout(trials, task.population * task.generations, task.population), restart) as store:
         tell_all(store, tell)
-        search(_History(task, trials, store, progress).evaluate)
+        search(_History(trials, store, progress).evaluate)
     found = read_columns(part_path(work))
     found = {name: values[found["status"] != Verdict.NOT_COMPUTED] for name, values in found.items()}
     batch = trials.judged(found)
@@ -129,31 +128,32 @@ def _search(
         better = refine(task, trials, start, batch.costs[best, 0])
         found = joined([found, *(_numbered(one, last) for one in better)])
         words += ", then local search"
-    _finish(task, trials, path, found, words, keep, tell)
+    _finish(trials, path, found, words, keep, tell)
     remove_unlocked(part_path(work))
     return path
 
 
-def _is_finished(path: Path, task: SearchTask, trials: Trials, tell: Callable[[str], None]) -> bool:
+def _is_finished(path: Path, trials: Trials, tell: Callable[[str], None]) -> bool:
     """Whether a file is this search's undamaged result; updates its texts."""
     try:
         described, mapped = describe_result(path), MappedResult(path)
     except DamagedError as error:
         tell(f"{error} The search is run again.")
         return False
-    if described.attributes.get("study_hash") != task.digest:
+    if described.attributes.get("study_hash") != trials.task.digest:
         return False
     if mapped.edited or mapped.damaged():
         tell(f"{path} is damaged: the search is run again.")
         return False
-    layout = _final_layout(task, trials, described.variants)
+    layout = _final_layout(trials, described.variants)
     reword(path, {name: layout.attributes[name] for name in WORDS})
     tell(complete_text(path))
     return True
 
 
-def _downhill(task: SearchTask, trials: Trials) -> dict[str, np.ndarray]:
+def _downhill(trials: Trials) -> dict[str, np.ndarray]:
     """Columns of the feasible candidates of a local search from the start, or of the start if there are none."""
+    task = trials.task
     passed = descend(task, trials, task.start, task.generations)
     if not passed:
         passed = [trials.columns(task.variables.values(task.start[None]), 1, drop=True)]
@@ -169,15 +169,14 @@ class _History:
 
     Parameters
     ----------
-    task : SearchTask
     trials : Trials
     store : Store
         One block for each generation.
     progress : callable or None
     """
 
-    def __init__(self, task: SearchTask, trials: Trials, store: Store, progress: OnGeneration | None) -> None:
-        self.task, self.trials, self.store, self.progress = task, trials, store, progress
+    def __init__(self, trials: Trials, store: Store, progress: OnGeneration | None) -> None:
+        self.task, self.trials, self.store, self.progress = trials.task, trials, store, progress
         self.pending = set(store.pending)
         self.before = store.layout.blocks - len(self.pending)
         self.done, self.best = 0, None
@@ -249,19 +248,13 @@ def _places(batch: Batch) -> np.ndarray:
 
 
 def _finish(
-    task: SearchTask,
-    trials: Trials,
-    path: Path,
-    found: dict[str, np.ndarray],
-    way: str,
-    keep: bool,
-    tell: Callable[[str], None],
+    trials: Trials, path: Path, found: dict[str, np.ndarray], way: str, keep: bool, tell: Callable[[str], None]
 ) -> None:
     """Write the result: all candidates, their positions on the front, and the spread from tolerances on it."""
     places = _places(trials.judged(found))
-    found = found | {"front": places} | spreads(task, found, np.flatnonzero(places))
+    found = found | {"front": places} | spreads(trials.task, found, np.flatnonzero(places))
     count = places.size
-    with Store.open(path, _final_layout(task, trials, count), restart=not keep) as store:
+    with Store.open(path, _final_layout(trials, count), restart=not keep) as store:
         for i in range(store.layout.blocks):
             store.write(i, {name: values[store.slice(i)] for name, values in found.items()})
         by = "" if trials.crew is None else f"; computed by {trials.crew.words}"
@@ -272,15 +265,15 @@ def _finish(
 # The file
 
 
-def _final_layout(task: SearchTask, trials: Trials, count: int) -> FileLayout:
-    layout = _layout(task, trials, count, min(count, LARGEST_BLOCK))
+def _final_layout(trials: Trials, count: int) -> FileLayout:
+    layout = _layout(trials, count, min(count, LARGEST_BLOCK))
     front = Column("front", "position on the Pareto front, 0 off it", "1", dtype=np.int32)
-    return replace(layout, columns=(*layout.columns, front, *spread_columns(task, trials.machine)))
+    return replace(layout, columns=(*layout.columns, front, *spread_columns(trials.task, trials.machine)))
 
 
-def _layout(task: SearchTask, trials: Trials, count: int, block: int) -> FileLayout:
+def _layout(trials: Trials, count: int, block: int) -> FileLayout:
     """A sweep's layout plus the objectives and each candidate's generation."""
-    base = layout_of(task.study, trials.machine)
+    task, base = trials.task, layout_of(trials.task.study, trials.machine)
     extra = [Column("generation", "generation of the search", "1", dtype=np.int32)]
     for objective in task.objectives:
         if not objective.is_column:

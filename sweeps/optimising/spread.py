@@ -53,31 +53,25 @@ def spreads(task: SearchTask, columns: Mapping[str, np.ndarray], chosen: np.ndar
     if not task.tolerances:
         return {}
     size, study = columns["status"].size, task.study
-    found = {"tolerance_misses": np.full(size, np.nan)}
-    for name in study.summaries:
-        found |= {f"{name}.tolerance": np.full(size, np.nan), f"{name}.tolerance_first_order": np.full(size, np.nan)}
     paths = tuple(dict.fromkeys([*study.paths, *(t.path for t in task.tolerances)]))
     machine = made_ready(study.scene, study.summaries, (), paths, study.positions, np.dtype(study.field_precision).type)
+    found = {column.name: np.full(size, np.nan) for column in spread_columns(task, machine)}
     for start in range(0, chosen.size, TOGETHER):
         some = chosen[start : start + TOGETHER]
         made = {name: values[some] for name, values in columns.items()}
-        for name, values in _spread(task, machine, paths, made, some.size).items():
+        for name, values in _spread(task, machine, made).items():
             found[name][some] = values
     return found
 
 
 def _spread(
-    task: SearchTask,
-    machine: Machine | ElementsAlone,
-    paths: tuple[str, ...],
-    made: Mapping[str, np.ndarray],
-    count: int,
+    task: SearchTask, machine: Machine | ElementsAlone, made: Mapping[str, np.ndarray]
 ) -> dict[str, np.ndarray]:
     """Columns of `spreads` for one batch."""
     off = np.vstack([_drawn(task.tolerances, task.seed), _moved(task.tolerances)])
-    fixed = task.study.fixed
-    nominal = {path: np.broadcast_to(made.get(path, fixed[path]), (count,)) for path in paths}
-    values = {path: np.repeat(nominal[path], len(off)) for path in paths}
+    fixed, count = task.study.fixed, made["status"].size
+    nominal = {path: np.broadcast_to(made.get(path, fixed[path]), (count,)) for path in machine.varied}
+    values = {path: np.repeat(row, len(off)) for path, row in nominal.items()}
     for tolerance, column in zip(task.tolerances, off.T, strict=True):
         values[tolerance.path] = values[tolerance.path] + np.tile(column, count)
     outcome = machine.evaluate(values)

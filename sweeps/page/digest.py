@@ -137,13 +137,11 @@ class Digest:
         return tuple(self._prices(self.condition.parts)) if self.condition else ()
 
     def _prices(self, parts: tuple[Condition, ...]) -> Iterator[Price]:
-        required = self.result.requirements
         for part in parts:
             others = " and ".join(f"({other.text})" for other in parts if other is not part)
             without, margin = self._first(others, 1), np.nan
             if self.best is not None:
-                here = self.result.rows(np.array([self.best]), required.behind(part.names))
-                margin = _margin(part, *required.known(here))
+                margin = _margin(part, *self.result.known(np.array([self.best]), part.names))
             yield Price(part.text, margin, int(without[0]) if without.size else None)
 
     @cached_property

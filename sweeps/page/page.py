@@ -5,17 +5,9 @@ from typing import Any
 
 from engine import Verdict
 from sweeps.optimising.optimum import is_search, optimum_text
+from sweeps.page import page_tables
 from sweeps.page.digest import Digest
 from sweeps.page.page_pictures import drawn_pictures, machines_data, variants_data
-from sweeps.page.page_tables import (
-    errors_table,
-    leaders_table,
-    limit_tables,
-    provenance_table,
-    sensitivity_tables,
-    value_tables,
-    verdicts_table,
-)
 from sweeps.page.page_text import page_text
 from sweeps.report.answers.unmet_conditions import no_answer_text
 from sweeps.report.regime_words import MOTION_VERDICTS, failure_text
@@ -57,20 +49,20 @@ def _parts(digest: Digest) -> dict[str, Any]:
         "answer": _answer(digest),
         "remark": _remark(digest),
         "warnings": [*_warnings(digest), *pictures.complaints],
-        "values": list(value_tables(digest)),
+        "values": list(page_tables.value_tables(digest)),
         "words": optimum_text(result) if is_search(result) else "",
         "drawn": "The machine" if digest.is_one else f"The machine of variant {digest.drawn}",
         "drawings": pictures.machine,
-        "limits": list(limit_tables(digest)),
-        "sensitivity": list(sensitivity_tables(digest)),
+        "limits": list(page_tables.limit_tables(digest)),
+        "sensitivity": list(page_tables.sensitivity_tables(digest)),
         "sample": _sample_words(digest, len(motion["machines"]) if motion else 0),
         "still": pictures.variants,
         "motion": motion,
         "linked": None if digest.is_one else variants_data(digest),
-        "leaders": None if digest.is_one else leaders_table(digest),
-        "errors": errors_table(digest),
-        "verdicts": verdicts_table(digest),
-        "provenance": provenance_table(digest),
+        "leaders": None if digest.is_one else page_tables.leaders_table(digest),
+        "errors": page_tables.errors_table(digest),
+        "verdicts": page_tables.verdicts_table(digest),
+        "provenance": page_tables.provenance_table(digest),
         "sources": [("Study", attributes.get("study", "")), ("Scene", attributes.get("scene", ""))],
     }
 

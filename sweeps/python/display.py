@@ -8,18 +8,7 @@ from io import StringIO
 
 import numpy as np
 
-from engine import (
-    ElementsAlone,
-    Machine,
-    Outcome,
-    Scene,
-    Verdict,
-    described_dimension,
-    figure_text,
-    quantity_text,
-    scene_numbers,
-    show_system,
-)
+import engine
 from sweeps.pictures.drawing import picture
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import house_style
@@ -65,18 +54,18 @@ def to_html(thing: object) -> str:
 
 
 @to_html.register
-def _(thing: Scene) -> str:
-    show_system(thing.units)
+def _(thing: engine.Scene) -> str:
+    engine.show_system(thing.units)
     numbers = [
-        (path, quantity_text(number.value, described_dimension(number.dimension).unit))
-        for path, number in scene_numbers(thing).items()
+        (path, engine.quantity_text(number.value, engine.described_dimension(number.dimension).unit))
+        for path, number in engine.scene_numbers(thing).items()
     ]
     return _page(thing.title or "Scene", _drawing(thing), _folded(f"{len(numbers)} numbers", numbers))
 
 
-@to_html.register(Machine)
-@to_html.register(ElementsAlone)
-def _(thing: Machine | ElementsAlone) -> str:
+@to_html.register(engine.Machine)
+@to_html.register(engine.ElementsAlone)
+def _(thing: engine.Machine | engine.ElementsAlone) -> str:
     asked = [("varied", path, "") for path in thing.varied]
     known = {"summary": thing.available_summaries, "field": thing.available_fields}
     asked += [("summary", name, known["summary"][name].long_name) for name in thing.asked_summaries]
@@ -86,11 +75,15 @@ def _(thing: Machine | ElementsAlone) -> str:
 
 
 @to_html.register
-def _(thing: Outcome) -> str:
+def _(thing: engine.Outcome) -> str:
     codes, counts = np.unique(thing.status, return_counts=True)
-    verdicts = ", ".join(f"{n} {Verdict(c).name.lower()}" for c, n in zip(codes.tolist(), counts, strict=True))
+    verdicts = ", ".join(f"{n} {engine.Verdict(c).name.lower()}" for c, n in zip(codes.tolist(), counts, strict=True))
     rows = [
-        (str(i), Verdict(int(thing.status[i])).name.lower(), *(_cell(thing, name, i) for name in thing.summaries))
+        (
+            str(i),
+            engine.Verdict(int(thing.status[i])).name.lower(),
+            *(_cell(thing, name, i) for name in thing.summaries),
+        )
         for i in range(min(thing.status.size, SHOWN))
     ]
     rest = f"the first {SHOWN} of them, " if thing.status.size > SHOWN else ""
@@ -102,11 +95,11 @@ def _(thing: Outcome) -> str:
 
 @to_html.register
 def _(thing: Study) -> str:
-    show_system(thing.scene.units)
+    engine.show_system(thing.scene.units)
     rows = []
     for axis in thing.design.axes:
         for name, values in axis.values(np.arange(axis.size)).items():
-            ends = (quantity_text(float(value), thing.unit(name)) for value in (values.min(), values.max()))
+            ends = (engine.quantity_text(float(value), thing.unit(name)) for value in (values.min(), values.max()))
             rows.append((name, str(axis.size), " … ".join(ends)))
     rows += [(path, "", f"= {expression.text}") for path, expression in thing.derived.items()]
     asked = [("summary", name) for name in thing.summaries] + [("field", name) for name in thing.fields]
@@ -117,12 +110,12 @@ def _(thing: Study) -> str:
     )
 
 
-def _cell(outcome: Outcome, name: str, variant: int) -> str:
+def _cell(outcome: engine.Outcome, name: str, variant: int) -> str:
     value, error = float(outcome.summaries[name][variant]), float(outcome.errors[name][variant])
-    return figure_text(value, error, 6) if np.isfinite(value) else "–"
+    return engine.figure_text(value, error, 6) if np.isfinite(value) else "–"
 
 
-def _drawing(scene: Scene) -> str:
+def _drawing(scene: engine.Scene) -> str:
     """The mechanism as inline SVG, or the reason why it can't be drawn."""
     if scene.input is None:
         return f"<p>machine elements: {escape(', '.join(scene.elements))}</p>"

@@ -8,20 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import engine
-from engine import (
-    ElementsAlone,
-    InputUnits,
-    Machine,
-    Outcome,
-    Scene,
-    Verdict,
-    assembly_ranges,
-    group_links,
-    made_ready,
-    order_groups,
-    own_drives,
-    quantity_text,
-)
 from sweeps.report import accuracy_words
 from sweeps.report.answers.shown_results import answers_among, names_in_conditions
 from sweeps.report.answers.unmet_conditions import drop_lines
@@ -49,21 +35,23 @@ MOST_COMPILED = 1500
 ROMAN = ("", "I", "II", "III", "IV", "V", "VI", "VII", "VIII", "IX", "X")
 
 
-def structure_text(scene: Scene) -> str:
+def structure_text(scene: engine.Scene) -> str:
     """The structure of the mechanism: input, groups in order, mobility."""
     if scene.input is None:
         return "none (only machine elements)"
-    free = order_groups(scene).free_groups.values()
+    free = engine.order_groups(scene).free_groups.values()
     planets = [(name, shaft) for name, shaft in scene.shafts.items() if shaft.carrier is not None]
     touching = len(scene.cams) + len(planets) + len(scene.racks) + len(scene.pinions)
     touching += len(scene.noncircular_wheels) + sum(second.drive == "crank" for second in scene.inputs.values())
     links = 1 + 2 * len(scene.groups) + sum(len(group.links) for group in free) + touching
     pairs = 1 + 3 * len(scene.groups) + sum(len(group.pairs) for group in free) + touching
-    own = own_drives(scene)
+    own = engine.own_drives(scene)
     links, pairs = links + len(own), pairs + len(own)
     lines = [f"input {scene.input.link} ({scene.input.type})"]
     lines += [_second_input_text(scene, name) for name in scene.inputs]
-    lines += [f"group {name}: {g.type} of {' and '.join(group_links(scene, name))}" for name, g in scene.groups.items()]
+    lines += [
+        f"group {name}: {g.type} of {' and '.join(engine.group_links(scene, name))}" for name, g in scene.groups.items()
+    ]
     lines += [
         f"group {g.name}: class {ROMAN[g.group_class]}, order {g.order}, of {', '.join(g.links[:-1])} and {g.links[-1]}"
         for g in free
@@ -85,39 +73,39 @@ def structure_text(scene: Scene) -> str:
     return "\n".join(lines)
 
 
-def _second_input_text(scene: Scene, name: str) -> str:
+def _second_input_text(scene: engine.Scene, name: str) -> str:
     """Type and driver of a second input."""
     second = scene.inputs[name]
     held = f"on guide {second.guide}" if second.type == "slider" else f"about {second.pivot}"
     return f"second input {name} {held}" + (f", driven from {scene.input.link}" if second.drive == "crank" else "")
 
 
-def assembly_text(machine: Machine) -> str:
+def assembly_text(machine: engine.Machine) -> str:
     """Whether the unmodified machine assembles over its whole cycle."""
-    ranges = assembly_ranges(machine.scene, known=machine.mechanics)
-    units, nodes = InputUnits.of(machine.scene).q, machine.input_values
+    ranges = engine.assembly_ranges(machine.scene, known=machine.mechanics)
+    units, nodes = engine.InputUnits.of(machine.scene).q, machine.input_values
     step = nodes[1] - nodes[0]
     if len(ranges) == 1 and ranges[0].stop - ranges[0].start >= nodes[-1] - nodes[0] - 1e-9 * step:
         return "assembles over the whole cycle" if machine.has_cycle else "assembles over the whole range of its input"
     if not ranges:
         return "can't be assembled at any input position: check lengths and modes"
-    shown = ", ".join(f"{quantity_text(r.start, units)} … {quantity_text(r.stop, units)}" for r in ranges)
+    shown = ", ".join(f"{engine.quantity_text(r.start, units)} … {engine.quantity_text(r.stop, units)}" for r in ranges)
     return f"assembles only for input {shown}: give input.start and input.stop, or change the lengths"
 
 
-def nominal_text(study: Study, machine: Machine | ElementsAlone) -> str:
+def nominal_text(study: Study, machine: engine.Machine | engine.ElementsAlone) -> str:
     """Answers of the unmodified scene, without those of its regimes; by the machine of the study if it has them all."""
-    if isinstance(machine, ElementsAlone):
+    if isinstance(machine, engine.ElementsAlone):
         return _elements_text(study.scene)
     wanted = [name for name in answers(machine) if name.partition(".")[0] not in study.scene.regimes]
     if machine.has_regimes or not set(wanted) <= set(machine.asked_summaries):
-        machine = Machine(study.scene, wanted)
+        machine = engine.Machine(study.scene, wanted)
     outcome = machine.evaluate({})
     rows = _asked_rows(machine, outcome, [n for n in wanted if np.isfinite(outcome.summaries[n][0])])
-    verdict = Verdict(outcome.status[0])
+    verdict = engine.Verdict(outcome.status[0])
     # The mode depends on the path to a position, so ranges would be meaningless.
-    lines = [] if verdict == Verdict.OTHER_MODE else [assembly_text(machine)]
-    if verdict not in (Verdict.OK, Verdict.CANNOT_ASSEMBLE):
+    lines = [] if verdict == engine.Verdict.OTHER_MODE else [assembly_text(machine)]
+    if verdict not in (engine.Verdict.OK, engine.Verdict.CANNOT_ASSEMBLE):
         lines.append(verdict.sentence)
     return "\n".join([*lines, table(rows)] if rows else lines)
 
@@ -128,59 +116,54 @@ def between_positions_text(study: Study) -> str:
         return ""
     of_cycle = [name for name in study.fields if name.partition(".")[0] not in study.scene.regimes]
     peaks = {name: f"{name}.peak" for name in of_cycle}
-    machine = Machine(study.scene, peaks.values(), of_cycle, positions=study.positions)
+    machine = engine.Machine(study.scene, peaks.values(), of_cycle, positions=study.positions)
     outcome = machine.evaluate({})
-    if outcome.status[0] != Verdict.OK:
+    if outcome.status[0] != engine.Verdict.OK:
         return ""
     lines, units = [], machine.available_fields
     for name, peak in peaks.items():
         true, kept = float(outcome.summaries[peak][0]), float(np.abs(outcome.fields[name][0]).max())
         if true > (1.0 + MISSED) * kept:
-            shown = [quantity_text(value, units[name].units) for value in (true, kept)]
+            shown = [engine.quantity_text(value, units[name].units) for value in (true, kept)]
             lines.append(f"{name}: peak {shown[0]}, at the {study.positions} kept positions {shown[1]}")
     hint = "these fields peak between the kept positions; use summaries or more positions:"
     return "\n".join([hint, *lines]) if lines else ""
 
 
-def _elements_text(scene: Scene) -> str:
+def _elements_text(scene: engine.Scene) -> str:
     """Results of the unmodified machine elements."""
-    machine = made_ready(scene, answers(made_ready(scene)))
+    machine = engine.made_ready(scene, answers(engine.made_ready(scene)))
     outcome = machine.evaluate({})
     rows = _asked_rows(machine, outcome, machine.asked_summaries)
-    verdict = Verdict(outcome.status[0])
-    return table(rows) if verdict == Verdict.OK else f"{verdict.sentence}\n{table(rows)}"
+    verdict = engine.Verdict(outcome.status[0])
+    return table(rows) if verdict == engine.Verdict.OK else f"{verdict.sentence}\n{table(rows)}"
 
 
-def regimes_text(machine: Machine, outcome: Outcome) -> str:
+def regimes_text(machine: engine.Machine, outcome: engine.Outcome) -> str:
     """Each regime of the unmodified machine: description, method, and the outcome."""
     scene, asked = machine.scene, by_regime(machine.scene, machine.asked_summaries)
     lines = []
     for name, case, method in engine.regime_text(machine.mechanics):
         steep = ", in part by implicit steps, as it is steep" if outcome.summaries[f"{name}.{_STEEP}"][0] == 1.0 else ""
         lines += [f"{name}: {regime_words(scene, name)}", f"  {case}; {method}{steep}"]
-        if outcome.status[0] == Verdict.OK:
+        if outcome.status[0] == engine.Verdict.OK:
             shown = [summary for summary in asked[name] if summary != f"{name}.{_STEEP}"]
             lines += table(_asked_rows(machine, outcome, shown), "  ").splitlines()
-    verdict = Verdict(outcome.status[0])
+    verdict = engine.Verdict(outcome.status[0])
     if verdict in MOTION_VERDICTS:
         lines.append(f"{verdict.name.lower().replace('_', ' ')}: {failure_text(scene, verdict)}")
     return "\n".join(lines)
 
 
-def _asked_rows(machine: Machine | ElementsAlone, outcome: Outcome, names: Sequence[str]) -> list[tuple[str, ...]]:
+def _asked_rows(
+    machine: engine.Machine | engine.ElementsAlone, outcome: engine.Outcome, names: Sequence[str]
+) -> list[tuple[str, ...]]:
     """Summaries of the first variant, with their meaning."""
     known, rows = machine.available_summaries, []
     for name in names:
         value, error = float(outcome.summaries[name][0]), float(outcome.errors[name][0])
-        rows.append((name, quantity_text(value, known[name].units, error), known[name].long_name))
+        rows.append((name, engine.quantity_text(value, known[name].units, error), known[name].long_name))
     return rows
-
-
-def plan_text(machine: Machine) -> tuple[str, str]:
-    """What is computed per position, and what is skipped."""
-    computed = [f"{subject}: {', '.join(levels)}" for subject, levels in machine.computed.items()]
-    left = [f"{subject}: {', '.join(levels)}" for subject, levels in machine.left_out.items()]
-    return "\n".join(computed) or "nothing", "\n".join(left) or "nothing"
 
 
 def check_text(
@@ -213,7 +196,7 @@ def check_text(
     if study.scene.regimes and not uncompiled:
         asked = [name for name in answers(machine) if name.partition(".")[0] in study.scene.regimes]
         asked += [f"{name}.{_STEEP}" for name in study.scene.regimes]
-        moving = Machine(study.scene, asked, positions=study.positions)
+        moving = engine.Machine(study.scene, asked, positions=study.positions)
         outcome = moving.evaluate({})
         regimes, known = regimes_text(moving, outcome), known_summaries(outcome)
     warned = "\n".join([*machine_warnings(machine, known), *filter(None, [between])])
@@ -232,7 +215,7 @@ def check_text(
     return "\n".join(f"{title}\n" + "\n".join(f"  {line}" for line in text.splitlines()) for title, text in sections)
 
 
-def _asked_text(study: Study, machine: Machine | ElementsAlone, every: bool) -> str:
+def _asked_text(study: Study, machine: engine.Machine | engine.ElementsAlone, every: bool) -> str:
     """Names of the results asked, the answers first, and the number of those not shown."""
     used = names_in_conditions([condition.text for condition in study.require], study.best)
     first = study.summaries if every else answers_among(machine, study.summaries, used)
@@ -241,17 +224,18 @@ def _asked_text(study: Study, machine: Machine | ElementsAlone, every: bool) -> 
     return "\n".join((*first, *study.fields, *(q.name for q in study.sensitivity.quantities), *more))
 
 
-def _plan_sections(machine: Machine | ElementsAlone) -> list[tuple[str, str]]:
-    if isinstance(machine, ElementsAlone):
+def _plan_sections(machine: engine.Machine | engine.ElementsAlone) -> list[tuple[str, str]]:
+    if isinstance(machine, engine.ElementsAlone):
         return [("Computed once for each variant", ", ".join(machine.elements))]
-    computed, left = plan_text(machine)
+    plan = {f"Computed at {_positions_text(machine)}": machine.computed}
+    plan["Skipped (not needed for the outputs)"] = machine.left_out
     return [
-        (f"Computed at {_positions_text(machine)}", computed),
-        ("Skipped (not needed for the outputs)", left),
+        (head, "\n".join(f"{subject}: {', '.join(levels)}" for subject, levels in found.items()) or "nothing")
+        for head, found in plan.items()
     ]
 
 
-def _positions_text(machine: Machine) -> str:
+def _positions_text(machine: engine.Machine) -> str:
     if machine.accuracy is not None:
         return f"positions as needed for an accuracy of {accuracy_words.share_text(machine.accuracy)}"
     if not machine.asked_fields:
@@ -259,7 +243,9 @@ def _positions_text(machine: Machine) -> str:
     return f"adaptive positions, fields at {machine.nodes.size}"
 
 
-def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path, on_shafts: str) -> list[tuple[str, str]]:
+def _cost_sections(
+    study: Study, machine: engine.Machine | engine.ElementsAlone, out: Path, on_shafts: str
+) -> list[tuple[str, str]]:
     """Evaluation, time, memory and file size of a study; runs on elastic shafts report their own."""
     cost = probe(study, machine)
     way = "no sharing between variants"
@@ -287,9 +273,9 @@ def _duration(seconds: float) -> str:
     return f"{seconds / size:.3g} {unit}"
 
 
-def _uncompiled_text(machine: Machine | ElementsAlone) -> str:
+def _uncompiled_text(machine: engine.Machine | engine.ElementsAlone) -> str:
     """Why `check` doesn't evaluate a machine, or ""."""
-    lines = 0 if isinstance(machine, ElementsAlone) else len(machine.source().splitlines())
+    lines = 0 if isinstance(machine, engine.ElementsAlone) else len(machine.source().splitlines())
     if lines <= MOST_COMPILED:
         return ""
     return (
@@ -298,7 +284,7 @@ def _uncompiled_text(machine: Machine | ElementsAlone) -> str:
     )
 
 
-def _file_sections(study: Study, machine: Machine | ElementsAlone, out: Path) -> list[tuple[str, str]]:
+def _file_sections(study: Study, machine: engine.Machine | engine.ElementsAlone, out: Path) -> list[tuple[str, str]]:
     """Cost of a study that is known without evaluation."""
     free = shutil.disk_usage(_existing_folder(out)).free
     return [("File", f"{layout_of(study, machine).bytes() / 1e6:.3g} MB; {free / 1e9:.3g} GB free")]

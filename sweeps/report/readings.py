@@ -5,15 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import (
-    CrankInput,
-    InputUnits,
-    MovingMachine,
-    Scene,
-    Verdict,
-    has_cycle,
-    quantity_text,
-)
+import engine
 from sweeps.text.input_files import InputError
 from sweeps.text.tables import table
 
@@ -46,7 +38,7 @@ class Readings(NamedTuple):
     remark: str = ""
 
 
-def readings_at(scene: Scene, at: Sequence[float] | int, names: Sequence[str] = ()) -> Readings:
+def readings_at(scene: engine.Scene, at: Sequence[float] | int, names: Sequence[str] = ()) -> Readings:
     """Fields of one machine at input positions.
 
     Parameters
@@ -68,8 +60,10 @@ def readings_at(scene: Scene, at: Sequence[float] | int, names: Sequence[str] = 
     if scene.input is None:
         message = "the scene has only machine elements, which have no positions; `sweeps run` gives their numbers"
         raise InputError.of(scene.title or "scene", message)
-    unit = InputUnits.of(scene).q
-    machine = MovingMachine(scene, positions=at if isinstance(at, int) else _in_range(scene, np.asarray(at, float)))
+    unit = engine.InputUnits.of(scene).q
+    machine = engine.MovingMachine(
+        scene, positions=at if isinstance(at, int) else _in_range(scene, np.asarray(at, float))
+    )
     known, place = machine.register.fields, "phi" if unit == "rad" else "q"
     fields = list(names) or list(machine.register.available_fields)
     verdict = machine.verdict(fields)
@@ -79,29 +73,31 @@ def readings_at(scene: Scene, at: Sequence[float] | int, names: Sequence[str] = 
         machine.fields(fields),
         {name: known[name].units for name in fields} | {place: unit},
         {name: known[name].long_name for name in fields} | {"phi": "crank angle", "q": "input displacement"},
-        "" if verdict in (Verdict.OK, Verdict.NOT_FINITE) else verdict.sentence,
+        "" if verdict in (engine.Verdict.OK, engine.Verdict.NOT_FINITE) else verdict.sentence,
     )
 
 
-def _in_range(scene: Scene, at: np.ndarray) -> np.ndarray:
+def _in_range(scene: engine.Scene, at: np.ndarray) -> np.ndarray:
     """Positions within the cycle or the input's range."""
     drive = scene.input
-    if has_cycle(scene):
+    if engine.has_cycle(scene):
         return np.mod(at, 2 * np.pi * drive.revolutions)
     shares = (at - drive.start) / (drive.stop - drive.start)
     if ((shares < -_ROUNDING) | (shares > 1 + _ROUNDING)).any():
-        kind = "crank angle" if isinstance(drive, CrankInput) else "displacement"
-        unit = InputUnits.of(scene).q
-        ends = " and ".join(f"input.{key} = {quantity_text(getattr(drive, key), unit)}" for key in ("start", "stop"))
+        kind = "crank angle" if isinstance(drive, engine.CrankInput) else "displacement"
+        unit = engine.InputUnits.of(scene).q
+        ends = " and ".join(
+            f"input.{key} = {engine.quantity_text(getattr(drive, key), unit)}" for key in ("start", "stop")
+        )
         raise InputError.of("--at", f"a {kind} is outside the input range, {ends}")
     return np.clip(at, *sorted((drive.start, drive.stop)))
 
 
 def readings_text(readings: Readings) -> str:
     """Readings as a table: a row per quantity, a column per position."""
-    heads = [quantity_text(float(at), readings.units[readings.place]) for at in readings.at]
+    heads = [engine.quantity_text(float(at), readings.units[readings.place]) for at in readings.at]
     rows = [["", *heads, ""]]
     for name, row in readings.values.items():
-        cells = [quantity_text(float(value), readings.units[name]) for value in row]
+        cells = [engine.quantity_text(float(value), readings.units[name]) for value in row]
         rows.append([name, *cells, readings.long_names[name]])
     return "\n".join([*([f"The machine as a whole: {readings.remark}"] if readings.remark else []), table(rows)])

@@ -4,16 +4,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
 
-from engine import (
-    Brake,
-    InputUnits,
-    Scene,
-    Verdict,
-    display_unit,
-    figure_text,
-    has_cycle,
-    quantity_text,
-)
+import engine
 from sweeps.report import accuracy_words
 from sweeps.report.answers.shown_results import hidden_text, shown_parameters, shown_summaries
 from sweeps.report.answers.unmet_conditions import drop_lines, no_answer_text, undecided_text
@@ -61,9 +52,9 @@ def counts_text(result: SweepResult) -> str:
     """Variants per verdict, with the failing groups and angles."""
     rows = []
     for verdict, count in result.verdict_counts().items():
-        sentence = "" if verdict == Verdict.OK else verdict.sentence
+        sentence = "" if verdict == engine.Verdict.OK else verdict.sentence
         rows.append((f"{count}", verdict.name.lower().replace("_", " "), sentence))
-        dropped = verdict == Verdict.DROPPED
+        dropped = verdict == engine.Verdict.DROPPED
         lines = drop_lines(result.record["require"], result.missed()) if dropped else _blame(result, verdict)
         if verdict in MOTION_VERDICTS and result.description.variants > 1:
             shown = f"sweeps plot {result.path} --variant {result.first_with(verdict)}"
@@ -72,10 +63,10 @@ def counts_text(result: SweepResult) -> str:
     return "\n".join([table(rows), *accuracy_words.of_result(result)])
 
 
-def _blame(result: SweepResult, verdict: Verdict) -> list[str]:
+def _blame(result: SweepResult, verdict: engine.Verdict) -> list[str]:
     """For each failing group: count, and range of its first failing positions."""
     groups = result.record["groups"]
-    if verdict == Verdict.OK or not groups:
+    if verdict == engine.Verdict.OK or not groups:
         return []
     status, number, at = (result.columns[name] for name in ("status", "status_group", "status_at"))
     counts, least, most = np.zeros(len(groups), int), np.full(len(groups), np.inf), np.full(len(groups), -np.inf)
@@ -87,7 +78,7 @@ def _blame(result: SweepResult, verdict: Verdict) -> list[str]:
             least[i], most[i] = np.minimum(least[i], chosen.min()), np.maximum(most[i], chosen.max())
     lines = []
     for i in np.flatnonzero(counts):
-        first, last = (quantity_text(float(v), result.units["status_at"]) for v in (least[i], most[i]))
+        first, last = (engine.quantity_text(float(v), result.units["status_at"]) for v in (least[i], most[i]))
         place = first if first == last else f"{first} … {last}"
         lines.append(f"group {groups[i]}: {counts[i]}, first at {place}")
     return lines
@@ -107,7 +98,7 @@ def variants_text(result: SweepResult, variants: Iterable[int], names: Sequence[
     """
     shown = [*shown_parameters(result, every), *(names or shown_summaries(result, every))]
     variants = [int(variant) for variant in variants]
-    units = {name: display_unit(result.units[name], result.columns[name][variants]) for name in shown}
+    units = {name: engine.display_unit(result.units[name], result.columns[name][variants]) for name in shown}
     rows = [["variant", *shown], ["", *(label if label != "1" else "" for _, label in units.values())]]
     for variant in variants:
         cells = [str(variant)]
@@ -116,7 +107,7 @@ def variants_text(result: SweepResult, variants: Iterable[int], names: Sequence[
             error = result.columns.get(f"{name}_error")
             shown = None if error is None else error[variant] * factor
             decides = name in result.deciding(variant)
-            cells.append(figure_text(value * factor, shown, 6, decides) if np.isfinite(value) else "–")
+            cells.append(engine.figure_text(value * factor, shown, 6, decides) if np.isfinite(value) else "–")
         rows.append(cells)
     return table(rows)
 
@@ -151,7 +142,7 @@ def answer_text(result: SweepResult, every: bool = False) -> str:
 
 def _only_text(result: SweepResult, every: bool) -> str:
     """Summaries of a single machine, grouped by regime, or why its motion fails."""
-    scene, verdict = result.scene, Verdict(int(result.columns["status"][0]))
+    scene, verdict = result.scene, engine.Verdict(int(result.columns["status"][0]))
     if not result.summaries:
         return f"Kept: {', '.join(result.fields)}; `sweeps plot {result.path}` draws the machine with its diagrams."
     shown, hidden = shown_summaries(result, every), hidden_text(result, every)
@@ -168,11 +159,11 @@ def _only_text(result: SweepResult, every: bool) -> str:
     return "\n".join([*parts, *hidden])
 
 
-def _cycle_words(scene: Scene) -> str:
-    speed = quantity_text(abs(scene.input.speed), InputUnits.of(scene).speed)
-    if not has_cycle(scene):
+def _cycle_words(scene: engine.Scene) -> str:
+    speed = engine.quantity_text(abs(scene.input.speed), engine.InputUnits.of(scene).speed)
+    if not engine.has_cycle(scene):
         return f"over its range at constant {speed}"
-    braked = any(isinstance(moment, Brake) for moment in scene.moments.values())
+    braked = any(isinstance(moment, engine.Brake) for moment in scene.moments.values())
     return f"cycle at {speed}, constant drive torque, all loads{' except brakes' if braked else ''}"
 
 
@@ -192,7 +183,7 @@ def ends_text(result: SweepResult, variant: int) -> list[str]:
 
 def range_text(result: SweepResult, name: str, end: RangeEnd) -> str:
     """The range of a variable."""
-    return " … ".join(quantity_text(limit, result.units[name]) for limit in (end.low, end.high))
+    return " … ".join(engine.quantity_text(limit, result.units[name]) for limit in (end.low, end.high))
 
 
 def value_text(result: SweepResult, name: str, variant: int) -> str:
@@ -200,7 +191,7 @@ def value_text(result: SweepResult, name: str, variant: int) -> str:
     columns = result.columns
     error = float(columns[f"{name}_error"][variant]) if f"{name}_error" in columns else None
     decides = name in result.deciding(variant)
-    return quantity_text(float(columns[name][variant]), result.units[name], error, decides)
+    return engine.quantity_text(float(columns[name][variant]), result.units[name], error, decides)
 
 
 def best_lines(

@@ -8,24 +8,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from engine import (
-    ExpressionError,
-    Mechanics,
-    Scene,
-    Verdict,
-    any_quantity,
-    dimensions_by_unit,
-    parse_expression,
-    scene_numbers,
-    show_units,
-    unknown_name_message,
-)
+import engine
 from sweeps.report.recorded_study import recorded_scene, recorded_study
 from sweeps.store import Description, FieldAxis, MappedResult, describe_result, mapped_columns, read_columns
 from sweeps.study.study import Requirements, Study
 from sweeps.study.study_content import number_units
 from sweeps.study.study_text import Best
-from sweeps.text.conditions import Condition, Judgement, Where, all_of
+from sweeps.text.conditions import Condition, Judgement, Values, Where, all_of
 from sweeps.text.input_files import InputError, check_file
 
 # Variants per part in sequential passes.
@@ -141,13 +130,10 @@ class SweepResult:
 
     def along(self, field: str) -> FieldAxis:
         """Axis of a field: input positions, or times of a run."""
-        d = self.description
-        last = next(c.dims[-1] for c in d.columns if c.name == field)
-        if last == "position":
-            name, words, units = d.position_name, "input position", d.position_units
-        else:
-            name, words, units = last, d.axes[last]["long_name"], d.axes[last]["units"]
-        return FieldAxis(name, words, units, read_columns(self.path, [name])[name])
+        last = next(c.dims[-1] for c in self.description.columns if c.name == field)
+        axis = self.description.axes[last]
+        words = "input position" if last == "position" else axis["long_name"]
+        return FieldAxis(axis["name"], words, axis["units"], read_columns(self.path, [axis["name"]])[axis["name"]])
 
     @property
     def accuracy(self) -> float | None:
@@ -158,7 +144,7 @@ class SweepResult:
     def done(self) -> int:
         """Number of variants computed or dropped so far."""
         status = self.columns["status"]
-        return sum(int(np.count_nonzero(status[part] != Verdict.NOT_COMPUTED)) for part in self.parts())
+        return sum(int(np.count_nonzero(status[part] != engine.Verdict.NOT_COMPUTED)) for part in self.parts())
 
     @property
     def finished(self) -> str:
@@ -166,14 +152,14 @@ class SweepResult:
         text = self.description.attributes.get("finished", "")
         return f"{text[:16].replace('T', ' ')} UTC" if text else ""
 
-    def verdict_counts(self) -> dict[Verdict, int]:
+    def verdict_counts(self) -> dict[engine.Verdict, int]:
         """Number of variants per verdict that occurs."""
         status = self.columns["status"]
         # bincount converts to eight-byte integers.
         there = sum(np.bincount(status[part], minlength=256) for part in self.parts())
-        return {verdict: int(there[verdict]) for verdict in Verdict if there[verdict]}
+        return {verdict: int(there[verdict]) for verdict in engine.Verdict if there[verdict]}
 
-    def first_with(self, verdict: Verdict) -> int | None:
+    def first_with(self, verdict: engine.Verdict) -> int | None:
         """Index of the first variant with a verdict, or None."""
         status = self.columns["status"]
         for part in self.parts():
@@ -194,12 +180,12 @@ class SweepResult:
         return self.description.attributes.get("question", "")
 
     @cached_property
-    def scene(self) -> Scene:
+    def scene(self) -> engine.Scene:
         """The study's scene, including tables."""
         return recorded_scene(self.record, self.description) if self.study is None else self.study.scene
 
     @property
-    def mechanics(self) -> Mechanics | None:
+    def mechanics(self) -> engine.Mechanics | None:
         """Mechanics of the study's machine, if known."""
         return None if self.study is None else self.study.machine().mechanics
 
@@ -214,7 +200,7 @@ class SweepResult:
 
     def show_own_units(self) -> None:
         """Display the scene's units, as for `show_units`."""
-        show_units(self.record.get("units", {}))
+        engine.show_units(self.record.get("units", {}))
 
     def variant_values(self, variant: int) -> dict[str, float]:
         """Numbers (SI) of a variant that replace the scene's.
@@ -227,7 +213,7 @@ class SweepResult:
         count = self.description.variants
         if not 0 <= variant < count:
             raise InputError.of(str(self.path), f"{variant} is not one of 0 … {count - 1}", key="variant")
-        known = scene_numbers(self.scene)
+        known = engine.scene_numbers(self.scene)
         return {p: float(self.columns[p][variant]) for p in self.parameters if p in known}
 
     @property
@@ -273,7 +259,7 @@ class SweepResult:
         """
         met, sign = self.meets(where), -1.0 if descending else 1.0
         if sort is not None and sort not in self.columns:
-            raise InputError.of(str(self.path), unknown_name_message(sort, self.columns), key="sort")
+            raise InputError.of(str(self.path), engine.unknown_name_message(sort, self.columns), key="sort")
         found: list[tuple[np.ndarray, np.ndarray]] = []
         for part in self.parts():
             here = part.start + np.flatnonzero(met(part))
@@ -308,7 +294,7 @@ class SweepResult:
             As for `select`.
         """
         status, judged = self.columns["status"], self._judged(where)
-        parts = ((status[part] == Verdict.OK) & judged(part).undecided for part in self.parts())
+        parts = ((status[part] == engine.Verdict.OK) & judged(part).undecided for part in self.parts())
         return sum(int(np.count_nonzero(part)) for part in parts)
 
     def meets(self, where: Where) -> Callable[[slice | np.ndarray], np.ndarray]:
@@ -321,25 +307,18 @@ class SweepResult:
         """
         status = self.columns["status"]
         if not where:
-            return lambda part: status[part] == Verdict.OK
+            return lambda part: status[part] == engine.Verdict.OK
         judged = self._judged(where)
-        return lambda part: (status[part] == Verdict.OK) & judged(part).met
+        return lambda part: (status[part] == engine.Verdict.OK) & judged(part).met
 
     def _judged(self, where: Where) -> Callable[[slice | np.ndarray], Judgement]:
         """A condition's judgement of some variants; recomputed, as 1e8 of them would fill memory."""
         try:
-            condition = Condition.read_all(where, dimensions_by_unit(number_units(self.scene) | self.units))
-        except ExpressionError as error:
+            condition = Condition.read_all(where, engine.dimensions_by_unit(number_units(self.scene) | self.units))
+        except engine.ExpressionError as error:
             raise InputError.of(str(self.path), str(error), key="where") from None
 
-        required = self.requirements
-        names = required.behind(condition.names)
-
-        def judged(part: slice | np.ndarray) -> Judgement:
-            known = required.known(self.rows(part, names))
-            return condition.judged(*known, self.columns["status"][part].size)
-
-        return judged
+        return lambda part: condition.judged(*self.known(part, condition.names), self.columns["status"][part].size)
 
     def chosen_parts(self, met: Callable[[slice | np.ndarray], np.ndarray] | None, most: int) -> Iterator[np.ndarray]:
         """Indices of the variants that meet a condition, in parts.
@@ -396,6 +375,10 @@ class SweepResult:
         pairs = (name for wish in names for name in (wish, f"{wish}_error"))
         return {name: self.columns[name][part] for name in pairs if name in self.columns}
 
+    def known(self, part: slice | np.ndarray, names: Iterable[str]) -> tuple[Values, Values]:
+        """Values and error estimates of some variants for conditions on some names, as from `Requirements.known`."""
+        return self.requirements.known(self.rows(part, self.requirements.behind(names)))
+
     def candidates(self, chosen: np.ndarray | slice = slice(None)) -> np.ndarray:
         """Which variants were computed and meet the condition for the best."""
         if isinstance(chosen, slice):
@@ -408,8 +391,8 @@ class SweepResult:
         """The study's `require`."""
         return Requirements(
             [Condition.parse(text) for text in self.record["require"]],
-            {path: parse_expression(text, any_quantity) for path, text in self.record["derive"].items()},
-            {path: number.value for path, number in scene_numbers(self.scene).items()},
+            {path: engine.parse_expression(text, engine.any_quantity) for path, text in self.record["derive"].items()},
+            {path: number.value for path, number in engine.scene_numbers(self.scene).items()},
         )
 
     def missed(self) -> Iterator[np.ndarray]:
@@ -421,7 +404,7 @@ class SweepResult:
         names = required.behind(name for condition in required.conditions for name in condition.names)
         for part in self.parts():
             found = required.misses(self.rows(part, names), part.stop - part.start)
-            yield found & (self.columns["status"][part] != Verdict.NOT_COMPUTED)
+            yield found & (self.columns["status"][part] != engine.Verdict.NOT_COMPUTED)
 
     def best(self, goal: Best | None = None) -> int | None:
         """Index of the best variant; None without a goal or candidates.
@@ -509,7 +492,7 @@ class SweepResult:
 
     def _decided_by_errors(self, variant: int) -> Iterator[str]:
         aim, only = self.aim, np.array([variant])
-        if aim is None or self.columns["status"][variant] != Verdict.OK:
+        if aim is None or self.columns["status"][variant] != engine.Verdict.OK:
             return
         for part in Condition.parse(aim.condition).parts if aim.where else ():
             if self._judged(part.text)(only).undecided[0]:

@@ -2,26 +2,20 @@
 
 from collections.abc import Iterable, Mapping
 
-from engine import (
-    ElementsAlone,
-    Machine,
-    Outcome,
-    Verdict,
-    summaries_for_warnings,
-    warnings_from_numbers,
-    warnings_in_words,
-)
+import engine
 from sweeps.report.sweep_result import SweepResult
 
 
-def known_summaries(outcome: Outcome) -> dict[str, tuple[float, float]]:
+def known_summaries(outcome: engine.Outcome) -> dict[str, tuple[float, float]]:
     """Summaries of the first variant with their error estimates; none if it failed."""
-    if outcome.status[0] != Verdict.OK:
+    if outcome.status[0] != engine.Verdict.OK:
         return {}
     return {name: (float(row[0]), float(outcome.errors[name][0])) for name, row in outcome.summaries.items()}
 
 
-def machine_warnings(machine: Machine | ElementsAlone, known: Mapping[str, tuple[float, float]]) -> list[str]:
+def machine_warnings(
+    machine: engine.Machine | engine.ElementsAlone, known: Mapping[str, tuple[float, float]]
+) -> list[str]:
     """Warnings on the unmodified machine of a scene.
 
     Parameters
@@ -30,8 +24,8 @@ def machine_warnings(machine: Machine | ElementsAlone, known: Mapping[str, tuple
     known : mapping of str to (float, float)
         Summaries that are known already, with their error estimates; cheap ones are added.
     """
-    further = summaries_for_warnings(machine.scene, without=known, mechanics=machine.mechanics)
-    return warnings_in_words(machine.scene, None, {**further, **known})
+    further = engine.summaries_for_warnings(machine.scene, without=known, mechanics=machine.mechanics)
+    return engine.warnings_in_words(machine.scene, None, {**further, **known})
 
 
 def answer_warnings(result: SweepResult) -> list[str]:
@@ -50,15 +44,15 @@ def result_warnings(result: SweepResult, variants: Iterable[int]) -> list[str]:
     """
     found = {variant: _of_variant(result, variant) for variant in variants}
     if not found:
-        return warnings_from_numbers(result.scene)
+        return engine.warnings_from_numbers(result.scene)
     several = len(found) > 1
     return [f"variant {variant}: {text}" if several else text for variant, texts in found.items() for text in texts]
 
 
 def _of_variant(result: SweepResult, variant: int) -> list[str]:
     values, columns = result.variant_values(variant), result.columns
-    if columns["status"][variant] != Verdict.OK:
-        return warnings_from_numbers(result.scene, values)
+    if columns["status"][variant] != engine.Verdict.OK:
+        return engine.warnings_from_numbers(result.scene, values)
     known = {n: (float(columns[n][variant]), float(columns[f"{n}_error"][variant])) for n in result.summaries}
-    further = summaries_for_warnings(result.scene, values, known, result.mechanics)
-    return warnings_in_words(result.scene, values, {**further, **known})
+    further = engine.summaries_for_warnings(result.scene, values, known, result.mechanics)
+    return engine.warnings_in_words(result.scene, values, {**further, **known})

@@ -15,25 +15,3 @@ from .reading import (
     variants_kept,
 )
 from .writing import Store, reword
-
-__all__ = [
-    "NOT_COMPUTED",
-    "POSITION_NAMES",
-    "Column",
-    "DamagedError",
-    "Description",
-    "FieldAxis",
-    "FileLayout",
-    "MappedResult",
-    "Store",
-    "StoreError",
-    "damage_text",
-    "describe_result",
-    "mapped_columns",
-    "open_dataset",
-    "part_path",
-    "read_columns",
-    "reword",
-    "variant_keys",
-    "variants_kept",
-]

@@ -128,10 +128,6 @@ class FileLayout:
         return any("position" in c.dims for c in self.columns)
 
     @property
-    def _axis_of(self) -> dict[str, FieldAxis]:
-        return {axis.name: axis for axis in self.axes}
-
-    @property
     def blocks(self) -> int:
         """Number of blocks."""
         return -(-self.variants // self.block)
@@ -155,10 +151,8 @@ class FileLayout:
 
     def shape(self, column: Column) -> tuple[int, ...]:
         """Return the shape of a column's dataset."""
-        last = column.dims[-1]
-        if last == "variant":
-            return (self.variants,)
-        return self.variants, len((self.position if last == "position" else self._axis_of[last]).values)
+        sizes = {"position": self.position, **{axis.name: axis for axis in self.axes}}
+        return self.variants, *(len(sizes[dim].values) for dim in column.dims[1:])
 
     @property
     def variant_dtype(self) -> np.dtype:

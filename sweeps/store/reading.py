@@ -48,12 +48,8 @@ class Description(NamedTuple):
         Its columns.
     variants : int
         Number of design variants.
-    positions : int
-        Number of positions of the fields; 0 without fields.
-    position_name, position_units : str
-        Name and unit of the coordinate over them; "" without fields.
     axes : dict of str to dict
-        Other axes of fields by name, from `FieldAxis.record`.
+        Axes of fields by dimension, from `FieldAxis.record`.
     blocks, blocks_done : int
         Number of blocks, and of those computed.
     """
@@ -63,9 +59,6 @@ class Description(NamedTuple):
     attributes: dict[str, Any]
     columns: tuple[Column, ...]
     variants: int
-    positions: int
-    position_name: str
-    position_units: str
     axes: dict[str, dict[str, Any]]
     blocks: int
     blocks_done: int
@@ -81,7 +74,6 @@ def describe_result(path: Path) -> Description:
     """
     with opened(path) as file, explained(path, "read", _DAMAGED, DamagedError):
         record = layout_record(file)
-        position = record["position"]
         done = file["progress/block_done"][:]
         # Fixed-length texts come as bytes.
         attributes = {k: v.decode() if isinstance(v, bytes) else v for k, v in file.attrs.items()}
@@ -95,10 +87,7 @@ def describe_result(path: Path) -> Description:
                 for name, c in record["columns"].items()
             ),
             variants=int(record["variants"]),
-            positions=int(position["count"]) if position else 0,
-            position_name=position["name"] if position else "",
-            position_units=position["units"] if position else "",
-            axes={axis["name"]: axis for axis in record.get("axes", ())},
+            axes={"position": record["position"]} | {axis["name"]: axis for axis in record.get("axes", ())},
             blocks=len(done),
             blocks_done=int(np.count_nonzero(done == DONE)),
         )

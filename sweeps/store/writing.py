@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 import h5py
@@ -15,19 +14,8 @@ import numpy as np
 
 from sweeps.text.whole_files import refuse_foreign_link, whole_file
 
+from . import creating
 from .checksums import checksum
-from .creating import (
-    check_space,
-    check_unlocked,
-    create_part,
-    note_texts,
-    numbered_name,
-    part_path,
-    previous_name,
-    remove_unlocked,
-    unbuffered,
-    write_final_text,
-)
 from .errors import DamagedError, StoreError, explained
 from .layout import DONE, NOT_COMPUTED, Column, FileLayout
 from .reading import MappedResult, damage_text, layout_record, opened
@@ -61,7 +49,7 @@ class Store:
     """
 
     def __init__(self, path: Path, layout: FileLayout) -> None:
-        self.path, self.part, self.layout = path, part_path(path), layout
+        self.path, self.part, self.layout = path, creating.part_path(path), layout
         self.finished = False
         self.sources: tuple[Path, ...] = ()
         self.notes: list[str] = []
@@ -106,16 +94,16 @@ class Store:
         store._hold()
         try:
             if restart:
-                check_space(store.part, layout, freed=_file_size(store.part))
-                remove_unlocked(store.part)
+                creating.check_space(store.part, layout, freed=_file_size(store.part))
+                creating.remove_unlocked(store.part)
             if store.part.exists() and store._continue():
                 return store
             if not restart and store.path.exists() and store._accept_finished():
                 return store
             if block is not None:
                 store.layout = replace(layout, block=min(block(), layout.variants))
-            check_space(store.part, store.layout)
-            store._file = create_part(store.part, store.layout, [source.name for source in store.sources])
+            creating.check_space(store.part, store.layout)
+            store._file = creating.create_part(store.part, store.layout, [source.name for source in store.sources])
             store._done = np.zeros(store.layout.blocks, bool)
         except BaseException:
             store.close()
@@ -201,15 +189,15 @@ class Store:
             raise StoreError(f"{self.part} cannot be finished: {len(self.pending)} blocks are not done.")
         file = self._opened()
         with explained(self.part, "finish"):
-            write_final_text(file, "finished", datetime.now(UTC).isoformat(timespec="seconds"))
-            write_final_text(file, "outcome", outcome)
+            creating.write_final_text(file, "finished", datetime.now(UTC).isoformat(timespec="seconds"))
+            creating.write_final_text(file, "outcome", outcome)
             file.flush()
         self._close_file()
         with explained(self.part, "finish"):
             with self.part.open("rb+") as plain:
                 os.fsync(plain.fileno())
             if keep_former and self.path.exists():
-                kept = previous_name(self.path)
+                kept = creating.previous_name(self.path)
                 self.path.replace(kept)
                 self.notes.append(f"The previous {self.path} is kept as {kept}.")
             self.part.replace(self.path)
@@ -232,9 +220,7 @@ class Store:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.close()
 
     def _hold(self) -> None:
@@ -246,7 +232,7 @@ class Store:
 
     def _continue(self) -> bool:
         """Resume the part file if it belongs to this study, else rename it."""
-        check_unlocked(self.part)
+        creating.check_unlocked(self.part)
         try:
             with opened(self.part) as file:
                 found = _same_study(file, self.layout)
@@ -260,11 +246,11 @@ class Store:
             if mapped.done.any():
                 self._set_aside("belongs to an earlier version of the study, or to another study")
             else:
-                remove_unlocked(self.part)
+                creating.remove_unlocked(self.part)
             return False
         self.layout = replace(self.layout, block=mapped.block)
         with explained(self.part, "continue"):
-            self._file = unbuffered(self.part)
+            self._file = creating.unbuffered(self.part)
             self._done = mapped.done
             if damaged := mapped.damaged():
                 self._note_damage(self.part, mapped, damaged)
@@ -282,7 +268,7 @@ class Store:
         self._done[blocks] = False
 
     def _set_aside(self, why: str) -> None:
-        aside = part_path(numbered_name(self.path))
+        aside = creating.part_path(creating.numbered_name(self.path))
         with explained(self.part, "rename"):
             self.part.rename(aside)
         self.sources = (aside, *self.sources)
@@ -367,11 +353,11 @@ def reword(path: Path, attributes: Mapping[str, str]) -> None:
         changed = {name: text for name, text in attributes.items() if file.attrs.get(name) != text}
     if not changed:
         return
-    check_unlocked(path)
+    creating.check_unlocked(path)
     with explained(path, "change"), whole_file(path) as draft:
         shutil.copyfile(path, draft)
         with h5py.File(draft, "r+") as file:
             file.attrs.update(changed)
-            note_texts(file)
+            creating.note_texts(file)
         with draft.open("rb+") as plain:
             os.fsync(plain.fileno())

@@ -1,40 +1,30 @@
 """Default summaries of machines and their regimes."""
 
-from engine import (
-    ACCURACY_SUMMARIES,
-    CrankInput,
-    ElementsAlone,
-    Machine,
-    Rank,
-    Regime,
-    RunRegime,
-    Scene,
-    has_cycle,
-    is_warning,
-    run_keys,
-)
+import engine
 
 
-def answers(machine: Machine | ElementsAlone) -> tuple[str, ...]:
+def answers(machine: engine.Machine | engine.ElementsAlone) -> tuple[str, ...]:
     """Numbers that an engineer asks of a machine and its regimes, in the order in which they are read."""
     scene, known = machine.scene, machine.available_summaries
-    of_machine = machine.register.answers if isinstance(machine, Machine) else ()
-    of_elements = (n for n, q in known.items() if n.partition(".")[0] in scene.elements and q.rank == Rank.ANSWER)
-    of_regimes = (name for name in telling_summaries(machine) if known[name].rank != Rank.CHECK)
+    of_machine = machine.register.answers if isinstance(machine, engine.Machine) else ()
+    of_elements = (
+        n for n, q in known.items() if n.partition(".")[0] in scene.elements and q.rank == engine.Rank.ANSWER
+    )
+    of_regimes = (name for name in telling_summaries(machine) if known[name].rank != engine.Rank.CHECK)
     return (*of_machine, *of_elements, *of_regimes)
 
 
-def default_summaries(machine: Machine | ElementsAlone) -> tuple[str, ...]:
+def default_summaries(machine: engine.Machine | engine.ElementsAlone) -> tuple[str, ...]:
     """Default summaries: the answers, and further ones of cycle, flywheel, elements and regimes."""
     left_out = {"first_kind_inertia", "power_balance_residual", "conservative_work_residual", "loop_closure_residual"}
-    left_out |= set(ACCURACY_SUMMARIES)
+    left_out |= set(engine.ACCURACY_SUMMARIES)
     scene, known = machine.scene, machine.available_summaries
-    further = (n for n in known if n not in left_out and not is_warning(n))
+    further = (n for n in known if n not in left_out and not engine.is_warning(n))
     further = (n for n in further if "." not in n or n.partition(".")[0] in scene.elements)
     return tuple(dict.fromkeys((*answers(machine), *further, *telling_summaries(machine))))
 
 
-def telling_summaries(machine: Machine | ElementsAlone) -> tuple[str, ...]:
+def telling_summaries(machine: engine.Machine | engine.ElementsAlone) -> tuple[str, ...]:
     """Informative summaries of all regimes: work of active loads only, no prescribed speed."""
     scene = machine.scene
     if not scene.regimes:
@@ -42,14 +32,14 @@ def telling_summaries(machine: Machine | ElementsAlone) -> tuple[str, ...]:
     loads, found = machine.mechanics.loads, []
     for name, regime in scene.regimes.items():
         keys = ["mean_speed", *_SPEEDS, "speed_fluctuation"]
-        if isinstance(regime, RunRegime):
+        if isinstance(regime, engine.RunRegime):
             keys = _run_keys(scene, regime)
         motors = [motor for motor in loads.motors if motor not in regime.off]
         roles = {term.role for term in loads.terms if term.action not in regime.off}
         keys += _work_keys(bool(motors), roles)
         if len(motors) == 1:
             keys += [f"{motors[0]}_shaft_torque_peak", f"{motors[0]}_shaft_torque_rms"]
-        if not isinstance(regime, RunRegime):
+        if not isinstance(regime, engine.RunRegime):
             keys += [f"{m}_slip" for m in motors if scene.moments[m].type == "induction_motor"]
             keys.append("multiplier")
             fluid = any(coupling.type == "fluid_coupling" for coupling in scene.couplings.values())
@@ -60,11 +50,11 @@ def telling_summaries(machine: Machine | ElementsAlone) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _coupling_keys(scene: Scene, regime: Regime) -> list[str]:
+def _coupling_keys(scene: engine.Scene, regime: engine.Regime) -> list[str]:
     """Summaries of a closed coupling."""
     found: list[str] = []
     for name, coupling in scene.couplings.items():
-        if not isinstance(regime, RunRegime) and coupling.type == "friction_clutch":
+        if not isinstance(regime, engine.RunRegime) and coupling.type == "friction_clutch":
             found.append(f"{name}_moment_peak")
         elif name not in regime.off:
             clutch = ("slip_time", "lock_up_time", "lock_up_speed") if coupling.type == "friction_clutch" else ("slip",)
@@ -75,11 +65,11 @@ def _coupling_keys(scene: Scene, regime: Regime) -> list[str]:
 _SPEEDS = ("speed_min", "speed_max")
 
 
-def _run_keys(scene: Scene, regime: RunRegime) -> list[str]:
-    given = regime.rest or getattr(regime, run_keys(scene.input).speed) is not None
-    keys = ["time", "angle" if isinstance(scene.input, CrankInput) else "displacement"]
+def _run_keys(scene: engine.Scene, regime: engine.RunRegime) -> list[str]:
+    given = regime.rest or getattr(regime, engine.run_keys(scene.input).speed) is not None
+    keys = ["time", "angle" if isinstance(scene.input, engine.CrankInput) else "displacement"]
     keys += [] if given else ["final_speed", *_SPEEDS]
-    return keys if has_cycle(scene) else [*keys, "final_position", "end_reached", "impact_energy"]
+    return keys if engine.has_cycle(scene) else [*keys, "final_position", "end_reached", "impact_energy"]
 
 
 def _work_keys(has_motors: bool, roles: set[str]) -> list[str]:

@@ -39,7 +39,19 @@ class Axis(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Listed:
+class _OneNumber:
+    """One parameter."""
+
+    name: str
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameter's path."""
+        return (self.name,)
+
+
+@dataclass(frozen=True, eq=False)
+class Listed(_OneNumber):
     """One parameter that takes the values of a list.
 
     Raises
@@ -48,16 +60,10 @@ class Listed:
         If the list holds anything but finite numbers.
     """
 
-    name: str
     listed: Sequence[float]
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "listed", _column(self.name, self.listed))
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The parameter's path."""
-        return (self.name,)
 
     @property
     def size(self) -> int:
@@ -70,21 +76,15 @@ class Listed:
 
 
 @dataclass(frozen=True)
-class _Steps:
+class _Steps(_OneNumber):
     """One parameter in `count` steps from `start` to `stop`."""
 
-    name: str
     start: float
     stop: float
     count: int
 
     def __post_init__(self) -> None:
         _check_range(self.name, self.start, self.stop, self.count)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The parameter's path."""
-        return (self.name,)
 
     @property
     def size(self) -> int:

@@ -8,22 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from engine import (
-    ExpressionError,
-    Powers,
-    TextExpression,
-    UnitError,
-    any_quantity,
-    dimension_of,
-    dimensions_by_unit,
-    in_text,
-    parse_expression,
-    quantity_text,
-    recognised,
-    scene_numbers,
-    unit_of_dimension,
-    unknown_name_message,
-)
+import engine
 from sweeps.study.search_variables import Variables
 from sweeps.study.study import KnownNames, Study
 from sweeps.study.study_text import Optimise
@@ -39,7 +24,7 @@ class Objective(NamedTuple):
     """An objective, minimised (sign +1) or maximised (−1): expression, SI unit and column."""
 
     name: str
-    expression: TextExpression
+    expression: engine.TextExpression
     sign: float
     units: str
 
@@ -184,28 +169,32 @@ class _TaskReader:
         units = self.units[expression.tree] if plain else self._units_of(expression)
         return Objective(expression.tree if plain else f"objective_{number}", expression, sign, units)
 
-    def _units_of(self, expression: TextExpression) -> str:
+    def _units_of(self, expression: engine.TextExpression) -> str:
         known = self._dimensions(expression)
-        return unit_of_dimension(dimension_of(expression, known)) or "1" if None not in known.values() else ""
+        return (
+            engine.unit_of_dimension(engine.dimension_of(expression, known)) or "1"
+            if None not in known.values()
+            else ""
+        )
 
-    def _dimensions(self, expression: TextExpression) -> dict[str, Powers | None]:
-        return dimensions_by_unit({name: self.units[name] for name in expression.names})
+    def _dimensions(self, expression: engine.TextExpression) -> dict[str, engine.Powers | None]:
+        return engine.dimensions_by_unit({name: self.units[name] for name in expression.names})
 
-    def _expression(self, key: str, text: str) -> TextExpression | None:
+    def _expression(self, key: str, text: str) -> engine.TextExpression | None:
         """A numeric expression, if all of its names are available."""
         keys = ["optimise", key]
         try:
-            expression = parse_expression(text, any_quantity)
+            expression = engine.parse_expression(text, engine.any_quantity)
             if expression.is_condition:
-                raise ExpressionError(f"{text!r} is a condition; a number is needed here")
+                raise engine.ExpressionError(f"{text!r} is a condition; a number is needed here")
             if isinstance(expression.tree, str):
                 self.names.request_goal(expression.tree)
             for name in expression.names:
                 self.names.request(name)
             known = self._dimensions(expression)
             if None not in known.values():
-                dimension_of(expression, known)
-        except ExpressionError as error:
+                engine.dimension_of(expression, known)
+        except engine.ExpressionError as error:
             self._problem(keys, str(error), text)
             return None
         return expression
@@ -213,7 +202,7 @@ class _TaskReader:
     def _condition(self, text: str) -> Condition | None:
         try:
             return self.names.condition(text)
-        except ExpressionError as error:
+        except engine.ExpressionError as error:
             self._problem(["optimise", "where"], str(error), text)
             return None
 
@@ -238,7 +227,7 @@ class _TaskReader:
         for name, value in self.raw.start.items():
             keys = ["optimise", "start", name]
             if name not in variables.names:
-                self._problem(keys, unknown_name_message(name, variables.names))
+                self._problem(keys, engine.unknown_name_message(name, variables.names))
             elif (number := self._quantity(name, value, keys)) is not None:
                 given[name] = number
         place = variables.coordinates(self.study.fixed | given)
@@ -246,24 +235,26 @@ class _TaskReader:
         for name, value in given.items():
             # Allow for rounding in the conversion.
             if not np.isclose(found[name][0], value, rtol=1e-12, atol=0):
-                keys, text = ["optimise", "start", name], quantity_text(value, self.units[name])
+                keys, text = ["optimise", "start", name], engine.quantity_text(value, self.units[name])
                 self._problem(keys, f"{text} is not allowed by vary.{name}; {self._allowed(name, variables)}")
         return place
 
     def _allowed(self, name: str, variables: Variables) -> str:
         span = next((s for s in variables.spans if s.name == name), None)
         if span is not None:
-            low, high = (quantity_text(end, self.units[name]) for end in (span.low, span.high))
+            low, high = (engine.quantity_text(end, self.units[name]) for end in (span.low, span.high))
             return f"allowed: {low} to {high}"
         axis = next(a for a in variables.choices if name in a.names)
         listed = axis.values(np.arange(axis.size))[name]
-        return f"allowed: {', '.join(quantity_text(v, self.units[name]) for v in dict.fromkeys(listed.tolist()))}"
+        return (
+            f"allowed: {', '.join(engine.quantity_text(v, self.units[name]) for v in dict.fromkeys(listed.tolist()))}"
+        )
 
     def _quantity(self, name: str, value: float | str, keys: Iterable[str]) -> float | None:
-        number = scene_numbers(self.study.scene).get(name)
+        number = engine.scene_numbers(self.study.scene).get(name)
         try:
-            return recognised(value)[0] if number is None else in_text(value, number.dimension)
-        except UnitError as error:
+            return engine.recognised(value)[0] if number is None else engine.in_text(value, number.dimension)
+        except engine.UnitError as error:
             self._problem(list(keys), str(error))
             return None
 

@@ -10,25 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from engine import (
-    ACCURACY_SUMMARIES,
-    EVALUATIONS_PER_DERIVATIVE,
-    PLACE_STATISTICS,
-    AskError,
-    Derivatives,
-    ElementsAlone,
-    Machine,
-    Move,
-    Quantity,
-    Verdict,
-    derivatives_along,
-    is_warning,
-    made_ready,
-    scale_of,
-    scene_numbers,
-    unit_over,
-    unknown_name_message,
-)
+import engine
 from sweeps.store import Column
 from sweeps.study.study_content import AskedDerivative, StudyContent
 from sweeps.study.tolerances import Tolerance, read_tolerances
@@ -57,34 +39,36 @@ class Sensitivity:
     def __init__(self, study: StudyContent) -> None:
         self.study = study
         self.tolerances, _ = read_tolerances(study.scene, study.tolerances)
-        left_out = (*PLACE_STATISTICS, *ACCURACY_SUMMARIES)
-        smooth = [n for n in study.summaries if not n.endswith(left_out) and not is_warning(n)]
+        left_out = (*engine.PLACE_STATISTICS, *engine.ACCURACY_SUMMARIES)
+        smooth = [n for n in study.summaries if not n.endswith(left_out) and not engine.is_warning(n)]
         self._summaries = smooth if self.tolerances else []
         for asked in study.derivatives:
             self._check(asked)
 
     def _check(self, asked: AskedDerivative) -> None:
-        study, numbers = self.study, scene_numbers(self.study.scene)
+        study, numbers = self.study, engine.scene_numbers(self.study.scene)
         known = dict.fromkeys([*numbers, *study.parameters])
         if asked.by not in known:
-            raise AskError(f"{asked.by!r} is not a number of the scene. {unknown_name_message(asked.by, known)}")
-        if asked.of.endswith(PLACE_STATISTICS):
-            raise AskError(
+            raise engine.AskError(
+                f"{asked.by!r} is not a number of the scene. {engine.unknown_name_message(asked.by, known)}"
+            )
+        if asked.of.endswith(engine.PLACE_STATISTICS):
+            raise engine.AskError(
                 f"{asked.of!r} is the position of an extreme, which may jump between peaks: it has no derivative"
             )
         if asked.by in numbers:
-            scale_of(study.scene, {asked.by: np.array([numbers[asked.by].value])}, asked.by)
-            made_ready(study.scene, [asked.of], (), [asked.by])
-        made_ready(study.scene, [asked.of])
+            engine.scale_of(study.scene, {asked.by: np.array([numbers[asked.by].value])}, asked.by)
+            engine.made_ready(study.scene, [asked.of], (), [asked.by])
+        engine.made_ready(study.scene, [asked.of])
 
     @cached_property
-    def machine(self) -> Machine | ElementsAlone:
+    def machine(self) -> engine.Machine | engine.ElementsAlone:
         """The machine, in float64, at the study's positions or accuracy."""
         study = self.study
         names = dict.fromkeys([*(asked.of for asked in study.derivatives), *self._summaries])
         moved = (name for name in (*self._derived_by, *(t.path for t in self.tolerances)) if name in study.fixed)
         varied = dict.fromkeys([*study.paths, *moved])
-        return made_ready(study.scene, names, (), varied, study.positions, accuracy=study.accuracy)
+        return engine.made_ready(study.scene, names, (), varied, study.positions, accuracy=study.accuracy)
 
     @property
     def _derived_by(self) -> tuple[str, ...]:
@@ -93,21 +77,23 @@ class Sensitivity:
     @property
     def evaluations(self) -> int:
         """Extra evaluations per variant."""
-        return EVALUATIONS_PER_DERIVATIVE * len({*self._derived_by, *(t.path for t in self.tolerances)})
+        return engine.EVALUATIONS_PER_DERIVATIVE * len({*self._derived_by, *(t.path for t in self.tolerances)})
 
     @cached_property
-    def quantities(self) -> tuple[Quantity, ...]:
+    def quantities(self) -> tuple[engine.Quantity, ...]:
         """The resulting quantities, each with an error estimate."""
         available = self.machine.available_summaries if self.evaluations else {}
         found = []
         for asked in self.study.derivatives:
             of = available[asked.of]
-            units = unit_over(of.units, self.study.unit(asked.by) or "1")
-            found.append(Quantity(asked.name, f"derivative with respect to {asked.by}: {of.long_name}", units))
+            units = engine.unit_over(of.units, self.study.unit(asked.by) or "1")
+            found.append(engine.Quantity(asked.name, f"derivative with respect to {asked.by}: {of.long_name}", units))
         for name in self._summaries:
             words, units = available[name].long_name, available[name].units
-            found.append(Quantity(f"{name}.{WORST_CASE}", f"worst case within tolerances, ±: {words}", units))
-            found.append(Quantity(f"{name}.{RSS}", f"root of the sum of squares of tolerances, ±: {words}", units))
+            found.append(engine.Quantity(f"{name}.{WORST_CASE}", f"worst case within tolerances, ±: {words}", units))
+            found.append(
+                engine.Quantity(f"{name}.{RSS}", f"root of the sum of squares of tolerances, ±: {words}", units)
+            )
         return tuple(found)
 
     @property
@@ -133,7 +119,7 @@ class Sensitivity:
         names = [quantity.name for quantity in self.quantities]
         found = {name: np.full(status.size, np.nan) for name in (*names, *(f"{name}_error" for name in names))}
         found |= {f"status_by.{by}": status.copy() for by in self._derived_by}
-        chosen = np.flatnonzero(status == Verdict.OK) if self.evaluations else np.zeros(0, int)
+        chosen = np.flatnonzero(status == engine.Verdict.OK) if self.evaluations else np.zeros(0, int)
         for start in range(0, chosen.size, TOGETHER):
             some = chosen[start : start + TOGETHER]
             part = self._of_some({name: array[some] for name, array in values.items()}, some.size)
@@ -143,13 +129,13 @@ class Sensitivity:
 
     def _of_some(self, values: Mapping[str, np.ndarray], count: int) -> dict[str, np.ndarray]:
         known = {path: np.full(count, value) for path, value in self.study.fixed.items()} | values
-        slopes: dict[tuple[str, bool], Derivatives] = {}
+        slopes: dict[tuple[str, bool], engine.Derivatives] = {}
         found = {}
 
-        def along(by: str, followed: bool) -> Derivatives:
+        def along(by: str, followed: bool) -> engine.Derivatives:
             key = (by, followed and self._is_followed(by))
             if key not in slopes:
-                slopes[key] = derivatives_along(self.machine, self._move(known, *key))
+                slopes[key] = engine.derivatives_along(self.machine, self._move(known, *key))
             return slopes[key]
 
         for asked in self.study.derivatives:
@@ -168,7 +154,7 @@ class Sensitivity:
                 moved.add(path)
         return len(moved) > 1
 
-    def _move(self, known: Mapping[str, np.ndarray], by: str, followed: bool) -> Move:
+    def _move(self, known: Mapping[str, np.ndarray], by: str, followed: bool) -> engine.Move:
         study, paths = self.study, self.machine.varied
         needed = {*paths, *(name for expression in study.derived.values() for name in expression.names)}
 
@@ -180,13 +166,13 @@ class Sensitivity:
             return {path: numbers[path] for path in paths}
 
         size = np.abs(known[by])
-        scale = scale_of(study.scene, known, by) if by in study.fixed else np.where(size > 0, size, 1.0)
-        return Move(known[by], scale, varied)
+        scale = engine.scale_of(study.scene, known, by) if by in study.fixed else np.where(size > 0, size, 1.0)
+        return engine.Move(known[by], scale, varied)
 
     # Tolerances
 
     def _bands(
-        self, known: Mapping[str, np.ndarray], along: Callable[[str, bool], Derivatives]
+        self, known: Mapping[str, np.ndarray], along: Callable[[str, bool], engine.Derivatives]
     ) -> dict[str, np.ndarray]:
         slopes = [along(tolerance.path, False) for tolerance in self.tolerances]
         bends = [self._bend(known, tolerance) for tolerance in self.tolerances]
@@ -208,7 +194,7 @@ class Sensitivity:
         outcome = self.machine.evaluate(move.varied((move.at + offsets).ravel(), np.tile(np.arange(count), 3)))
         found = {}
         for name, values in outcome.summaries.items():
-            here, more, less = np.where(outcome.status == Verdict.OK, values, np.nan).reshape(3, count)
+            here, more, less = np.where(outcome.status == engine.Verdict.OK, values, np.nan).reshape(3, count)
             found[name] = np.abs((more - here) + (less - here)) / 2
         return found
 
@@ -222,6 +208,6 @@ def refusals(study: StudyContent) -> list[tuple[str, str]]:
     found = [(f"tolerances.{path}", message) for path, message in read_tolerances(study.scene, study.tolerances)[1]]
     try:
         Sensitivity(study)
-    except AskError as error:
+    except engine.AskError as error:
         found.append(("outputs.derivatives", str(error)))
     return found

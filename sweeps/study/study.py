@@ -7,18 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import (
-    AskError,
-    ElementsAlone,
-    ExpressionError,
-    Machine,
-    TextExpression,
-    any_quantity,
-    dimensions_by_unit,
-    made_ready,
-    nearest_names,
-    parse_expression,
-)
+import engine
 from sweeps.study.sensitivity import RSS, WORST_CASE, Sensitivity
 from sweeps.study.study_content import StudyContent, number_units
 from sweeps.study.study_record import study_digest
@@ -38,7 +27,7 @@ class Requirements(NamedTuple):
     """
 
     conditions: Sequence[Condition]
-    derived: Mapping[str, TextExpression]
+    derived: Mapping[str, engine.TextExpression]
     fixed: Mapping[str, float]
 
     def misses(self, values: Mapping[str, np.ndarray], count: int) -> np.ndarray:
@@ -112,7 +101,7 @@ class Study(StudyContent):
         """
         return Sensitivity(self)
 
-    def machine(self) -> Machine | ElementsAlone:
+    def machine(self) -> engine.Machine | engine.ElementsAlone:
         """The machine (or machine elements) of the study, cached.
 
         Raises
@@ -123,8 +112,8 @@ class Study(StudyContent):
         return self._machine
 
     @cached_property
-    def _machine(self) -> Machine | ElementsAlone:
-        return made_ready(
+    def _machine(self) -> engine.Machine | engine.ElementsAlone:
+        return engine.made_ready(
             self.scene,
             self.summaries,
             self.fields,
@@ -204,9 +193,9 @@ class KnownNames:
             return
         if name not in self.units:
             try:
-                self.units[name] = made_ready(self.study.scene, [name]).available_summaries[name].units
-            except AskError as error:
-                near = nearest_names(name, self._numbers)
+                self.units[name] = engine.made_ready(self.study.scene, [name]).available_summaries[name].units
+            except engine.AskError as error:
+                near = engine.nearest_names(name, self._numbers)
                 hint = f"; did you mean the number {near[0]!r}?" if near else ""
                 raise UnknownNameError(f"{error}{hint}") from None
         self._summaries[name] = None
@@ -219,11 +208,13 @@ class KnownNames:
         ExpressionError
             It is neither a number nor a result, or the same for all variants.
         """
-        if not isinstance(parse_expression(name, any_quantity).tree, str):
-            raise ExpressionError(f"{name!r}: [best] takes one name; write an expression in [optimise]")
+        if not isinstance(engine.parse_expression(name, engine.any_quantity).tree, str):
+            raise engine.ExpressionError(f"{name!r}: [best] takes one name; write an expression in [optimise]")
         self.request(name)
         if name in self.study.fixed and name not in self.study.parameters:
-            raise ExpressionError(f"{name!r} is the same for all variants: vary it, or name another number or result")
+            raise engine.ExpressionError(
+                f"{name!r} is the same for all variants: vary it, or name another number or result"
+            )
 
     def condition(self, text: str) -> Condition:
         """Read a condition, and request the results in it.
@@ -236,5 +227,5 @@ class KnownNames:
         condition = Condition.parse(text)
         for name in condition.names:
             self.request(name)
-        condition.check(dimensions_by_unit({name: self.units[name] for name in condition.names}))
+        condition.check(engine.dimensions_by_unit({name: self.units[name] for name in condition.names}))
         return condition

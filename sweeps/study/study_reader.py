@@ -9,50 +9,14 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from engine import (
-    ACCURACY_SUMMARIES,
-    MOST_PROBLEMS,
-    STANDARD_SIZES,
-    AskError,
-    ExpressionError,
-    Scene,
-    SceneError,
-    TextExpression,
-    UnitError,
-    any_quantity,
-    check_yields,
-    described_dimension,
-    dimension_of,
-    dimension_of_unit,
-    full_names,
-    in_text,
-    made_ready,
-    parse_expression,
-    quantity_text,
-    recognised,
-    scene_numbers,
-    unit_of_dimension,
-    unknown_name_message,
-)
+import engine
+from sweeps.study import study_text
 from sweeps.study.default_summaries import default_summaries
 from sweeps.study.sampling import Axis, Columns, Design, Linear, Listed, Logarithmic, Sampled, SamplingError
 from sweeps.study.search_task import task_of
 from sweeps.study.sensitivity import refusals
 from sweeps.study.study import KnownNames, Study
 from sweeps.study.study_content import AskedDerivative
-from sweeps.study.study_text import (
-    AXIS_KEYS,
-    TOLERANCE_KEYS,
-    Between,
-    Listing,
-    Range,
-    Sampling,
-    SizeList,
-    Sizes,
-    StudyText,
-    flatten,
-    is_scene,
-)
 from sweeps.study.variant_tables import read_variant_table
 from sweeps.text.conditions import Condition, UnknownNameError
 from sweeps.text.csv_text import TableColumn
@@ -60,6 +24,8 @@ from sweeps.text.input_files import InputError, read_text
 from sweeps.text.scene_text import scene_from, with_numbers
 from sweeps.text.toml_text import line_of, line_of_entry, parse_toml, problems_in, validate
 
+# Keys that are attributes of a study.
+_AS_GIVEN = ("positions", "field_precision", "accuracy", "question", "best", "optimise", "tolerances")
 # Larger results fit on no disk.
 MOST_VARIANTS = 10**12
 
@@ -83,21 +49,26 @@ class StudyReader:
 
     def __init__(self, path: Path, text: str, data: dict[str, Any]) -> None:
         self.path, self.text, self.folder = path, text, path.parent
-        for key, leaves in (("vary", AXIS_KEYS), ("derive", None), ("tolerances", TOLERANCE_KEYS)):
+        for key, leaves in (
+            ("vary", study_text.AXIS_KEYS),
+            ("derive", None),
+            ("tolerances", study_text.TOLERANCE_KEYS),
+        ):
             if isinstance(data.get(key), dict):
-                data[key] = flatten(data[key], leaves)
+                data[key] = study_text.flatten(data[key], leaves)
         if isinstance(data.get("optimise"), dict) and isinstance(data["optimise"].get("start"), dict):
-            data["optimise"]["start"] = flatten(data["optimise"]["start"], None)
-        self.raw = validate(StudyText, data, text, path.name)
+            data["optimise"]["start"] = study_text.flatten(data["optimise"]["start"], None)
+        self.raw = validate(study_text.StudyText, data, text, path.name)
         self.scene = self._scene()
-        self.raw = validate(StudyText, self._with_full_names(data), text, path.name)
-        self.numbers = scene_numbers(self.scene)
+        self.raw = validate(study_text.StudyText, self._with_full_names(data), text, path.name)
+        self.numbers = engine.scene_numbers(self.scene)
         self.problems: list[tuple[int | None, str, str]] = []
         self.dimensions = {
-            path: dimension_of_unit(described_dimension(n.dimension).unit) for path, n in self.numbers.items()
+            path: engine.dimension_of_unit(engine.described_dimension(n.dimension).unit)
+            for path, n in self.numbers.items()
         }
 
-    def _scene(self) -> Scene:
+    def _scene(self) -> engine.Scene:
         self.scene_text = ""
         own = {"units": self.raw.units} if self.raw.units else {}
         if isinstance(self.raw.scene, dict):
@@ -116,7 +87,7 @@ class StudyReader:
     def _with_full_names(self, data: Any) -> Any:
         """The text's data, forces in joints by their full names."""
         if isinstance(data, str):
-            return full_names(self.scene, data)
+            return engine.full_names(self.scene, data)
         if isinstance(data, list):
             return [self._with_full_names(entry) for entry in data]
         if isinstance(data, dict):
@@ -142,11 +113,11 @@ class StudyReader:
         outputs = self.raw.outputs
         summaries = tuple(dict.fromkeys(outputs.summaries))
         if not summaries and not outputs.fields:
-            summaries = default_summaries(made_ready(self.scene))
+            summaries = default_summaries(engine.made_ready(self.scene))
         if self.raw.accuracy is not None:
-            summaries = tuple(dict.fromkeys((*summaries, *ACCURACY_SUMMARIES)))
+            summaries = tuple(dict.fromkeys((*summaries, *engine.ACCURACY_SUMMARIES)))
         free = (name for name in (*names, *derived) if name not in self.numbers)
-        return {
+        return {key: getattr(self.raw, key) for key in _AS_GIVEN} | {
             "scene": self.scene,
             "design": design,
             "derived": derived,
@@ -154,18 +125,11 @@ class StudyReader:
             "summaries": summaries,
             "fields": tuple(dict.fromkeys(outputs.fields)),
             "derivatives": derivatives,
-            "positions": self.raw.positions,
-            "field_precision": self.raw.field_precision,
-            "accuracy": self.raw.accuracy,
             "name": self.path.stem,
             "title": self.raw.title or self.scene.title,
-            "question": self.raw.question,
             "text": self.text,
             "scene_text": self.scene_text,
-            "best": self.raw.best,
-            "optimise": self.raw.optimise,
-            "tolerances": self.raw.tolerances,
-            "free_units": {name: unit_of_dimension(self.dimensions[name]) for name in free},
+            "free_units": {name: engine.unit_of_dimension(self.dimensions[name]) for name in free},
         }
 
     def _derivatives(self) -> tuple[AskedDerivative, ...]:
@@ -173,26 +137,26 @@ class StudyReader:
         for text in dict.fromkeys(self.raw.outputs.derivatives):
             try:
                 found.append(AskedDerivative.read(text))
-            except AskError as error:
+            except engine.AskError as error:
                 self._problem(["outputs", "derivatives"], str(error))
         return tuple(found)
 
     def _problem(self, keys: list[str], message: str, line: int | None = None) -> None:
         line = line or line_of(self.text, keys) or line_of(self.text, _split(keys))
         self.problems.append((line, ".".join(keys), message))
-        if len(self.problems) >= MOST_PROBLEMS:
+        if len(self.problems) >= engine.MOST_PROBLEMS:
             raise InputError(self.path.name, self.problems)
 
     # Variables
 
     def _design(self) -> Design | None:
         axes: list[Axis] = []
-        sampled: dict[str, Between | Sizes] = {}
-        samples = self.raw.sampling or any(isinstance(axis, Between) for axis in self.raw.vary.values())
+        sampled: dict[str, study_text.Between | study_text.Sizes] = {}
+        samples = self.raw.sampling or any(isinstance(axis, study_text.Between) for axis in self.raw.vary.values())
         for path, axis in self.raw.vary.items():
             if not self._is_variable(path, ["vary", path]):
                 continue
-            if isinstance(axis, Between) or (samples and isinstance(axis, Sizes)):
+            if isinstance(axis, study_text.Between) or (samples and isinstance(axis, study_text.Sizes)):
                 sampled[path] = axis
             else:
                 self._add(axes, path, axis)
@@ -226,7 +190,7 @@ class StudyReader:
             return refusal and f"can't vary in this scene: {refusal}"
         if path.isidentifier() and path in self._names_used:
             return ""
-        return f"is not a number of the scene. {unknown_name_message(path, self.numbers)}"
+        return f"is not a number of the scene. {engine.unknown_name_message(path, self.numbers)}"
 
     def _refusal(self, path: str, others: Iterable[str]) -> str:
         """Why a number of the scene can't vary (it has no effect), or "".
@@ -241,7 +205,7 @@ class StudyReader:
         for values in (*alone, beside):
             try:
                 with_numbers(self.scene, values)
-            except SceneError as error:
+            except engine.SceneError as error:
                 refusals.append(error.problems[0][1])
             else:
                 return ""
@@ -253,8 +217,8 @@ class StudyReader:
         found: set[str] = set()
         for text in (*self.raw.derive.values(), *self.raw.require):
             try:
-                found.update(parse_expression(text, any_quantity).names)
-            except ExpressionError:
+                found.update(engine.parse_expression(text, engine.any_quantity).names)
+            except engine.ExpressionError:
                 found.update(re.findall(r"[^\W\d][\w.]*", text))
         return found
 
@@ -262,9 +226,9 @@ class StudyReader:
         """Values in SI units; None if one is invalid."""
         try:
             if path in self.numbers:
-                return [in_text(value, self.numbers[path].dimension) for value in values]
-            found = [recognised(value) for value in values]
-        except UnitError as error:
+                return [engine.in_text(value, self.numbers[path].dimension) for value in values]
+            found = [engine.recognised(value) for value in values]
+        except engine.UnitError as error:
             self._problem(keys, str(error))
             return None
         # A bare 0 is valid in any unit.
@@ -273,24 +237,24 @@ class StudyReader:
             words = " and ".join(kind.replace("_", " ") for kind in kinds)
             self._problem(keys, f"has values of several dimensions ({words}); use one dimension")
             return None
-        self.dimensions[path] = dimension_of_unit(described_dimension(next(iter(kinds))).unit)
+        self.dimensions[path] = engine.dimension_of_unit(engine.described_dimension(next(iter(kinds))).unit)
         return [number for number, _ in found]
 
-    def _sizes(self, path: str, axis: Sizes, keys: list[str]) -> list[float] | None:
+    def _sizes(self, path: str, axis: study_text.Sizes, keys: list[str]) -> list[float] | None:
         """Sizes in SI units, ascending; None if there are none."""
-        if isinstance(axis, SizeList):
+        if isinstance(axis, study_text.SizeList):
             listed = self._quantities(path, axis.choose, keys)
             return None if listed is None else sorted(set(listed))
-        series = STANDARD_SIZES[axis.choose]
-        described = described_dimension(series.dimension)
-        dimension = dimension_of_unit(described.unit)
+        series = engine.STANDARD_SIZES[axis.choose]
+        described = engine.described_dimension(series.dimension)
+        dimension = engine.dimension_of_unit(described.unit)
         if self.dimensions.setdefault(path, dimension) != dimension:
-            example = described_dimension(self.numbers[path].dimension).example
+            example = engine.described_dimension(self.numbers[path].dimension).example
             self._problem(keys, f"{axis.choose!r} is a series of {series.dimension}s; list the sizes: ['{example}', …]")
             return None
         try:
-            low, high = (in_text(end, series.dimension) for end in (axis.low, axis.high))
-        except UnitError as error:
+            low, high = (engine.in_text(end, series.dimension) for end in (axis.low, axis.high))
+        except engine.UnitError as error:
             self._problem(keys, str(error))
             return None
         if not 0 < low <= high:
@@ -298,21 +262,21 @@ class StudyReader:
             return None
         sizes = series.between(low, high)
         if not sizes:
-            near = " and ".join(quantity_text(size, described.unit) for size in series.around(low, high))
+            near = " and ".join(engine.quantity_text(size, described.unit) for size in series.around(low, high))
             self._problem(keys, f"no size of {axis.choose!r} lies from {axis.low!r} to {axis.high!r}; nearest: {near}")
         return sizes or None
 
-    def _add(self, axes: list[Axis], path: str, axis: Range | Listing | Sizes) -> None:
+    def _add(self, axes: list[Axis], path: str, axis: study_text.Range | study_text.Listing | study_text.Sizes) -> None:
         keys = ["vary", path]
-        if isinstance(axis, Sizes):
+        if isinstance(axis, study_text.Sizes):
             numbers = self._sizes(path, axis, keys)
         else:
-            ends = axis.values if isinstance(axis, Listing) else (axis.start, axis.stop)
+            ends = axis.values if isinstance(axis, study_text.Listing) else (axis.start, axis.stop)
             numbers = self._quantities(path, ends, keys)
         if numbers is None:
             return
         try:
-            if isinstance(axis, Listing | Sizes):
+            if isinstance(axis, study_text.Listing | study_text.Sizes):
                 axes.append(Listed(path, tuple(numbers)))
             else:
                 kind = Linear if axis.spacing == "linear" else Logarithmic
@@ -338,22 +302,26 @@ class StudyReader:
             if path in self.numbers:
                 return column.numbers(self.numbers[path].dimension)
             dimension = column.dimension
-            self.dimensions[path] = dimension_of_unit(described_dimension(dimension).unit)
+            self.dimensions[path] = engine.dimension_of_unit(engine.described_dimension(dimension).unit)
             return column.numbers(dimension)
         except InputError as error:
             self._problem(["variants"], str(error))
             return None
 
-    def _add_sampled(self, axes: list[Axis], sampled: dict[str, Between | Sizes]) -> None:
+    def _add_sampled(self, axes: list[Axis], sampled: dict[str, study_text.Between | study_text.Sizes]) -> None:
         sampling = self.raw.sampling
         if sampling is None and self.raw.optimise is not None:
             # Optional for a search; a sweep then uses the population size.
-            sampling = Sampling(method="latin", count=self.raw.optimise.population, seed=self.raw.optimise.seed)
+            sampling = study_text.Sampling(
+                method="latin", count=self.raw.optimise.population, seed=self.raw.optimise.seed
+            )
         if sampling is None:
             self._problem(["vary", next(iter(sampled))], "low and high need a [sampling] table with method and count")
             return
-        chosen = {p: self._sizes(p, a, ["vary", p]) for p, a in sampled.items() if not isinstance(a, Between)}
-        ranges = {p: a for p, a in sampled.items() if isinstance(a, Between)}
+        chosen = {
+            p: self._sizes(p, a, ["vary", p]) for p, a in sampled.items() if not isinstance(a, study_text.Between)
+        }
+        ranges = {p: a for p, a in sampled.items() if isinstance(a, study_text.Between)}
         ends = {p: self._quantities(p, (a.low, a.high), ["vary", p]) for p, a in ranges.items()}
         if self.problems:
             return
@@ -368,8 +336,8 @@ class StudyReader:
 
     # Expressions
 
-    def _derived(self, varied: tuple[str, ...]) -> dict[str, TextExpression]:
-        found: dict[str, TextExpression] = {}
+    def _derived(self, varied: tuple[str, ...]) -> dict[str, engine.TextExpression]:
+        found: dict[str, engine.TextExpression] = {}
         for path, text in self.raw.derive.items():
             keys = ["derive", path]
             if path in varied:
@@ -382,14 +350,14 @@ class StudyReader:
                     found[path] = expression
         return found
 
-    def _has_dimension(self, expression: TextExpression, path: str, keys: list[str]) -> bool:
+    def _has_dimension(self, expression: engine.TextExpression, path: str, keys: list[str]) -> bool:
         """Whether a derived number has the dimension of its path; a free one takes its expression's."""
         try:
             if path in self.numbers:
-                check_yields(expression, self.dimensions[path], self.dimensions)
+                engine.check_yields(expression, self.dimensions[path], self.dimensions)
             else:
-                self.dimensions[path] = dimension_of(expression, self.dimensions)
-        except ExpressionError as error:
+                self.dimensions[path] = engine.dimension_of(expression, self.dimensions)
+        except engine.ExpressionError as error:
             self._problem(keys, str(error))
             return False
         return True
@@ -397,7 +365,7 @@ class StudyReader:
     def _condition(self, text: str, entry: int) -> Condition | None:
         try:
             return Condition.read(text, self.dimensions)
-        except ExpressionError as error:
+        except engine.ExpressionError as error:
             message, number = str(error), f"entry {entry + 1}, " if len(self.raw.require) > 1 else ""
             if isinstance(error, UnknownNameError) and (result := self._result_in(text)):
                 message = f"{result!r} is a result; require drops variants before they are computed, so write where"
@@ -408,20 +376,20 @@ class StudyReader:
         """A result that a condition names, or ""."""
         for name in Condition.parse(text).names:
             if name not in self.dimensions:
-                with suppress(AskError, SceneError):
-                    made_ready(self.scene, [name])
+                with suppress(engine.AskError, engine.SceneError):
+                    engine.made_ready(self.scene, [name])
                     return name
         return ""
 
-    def _expression(self, text: str, keys: list[str], known: Iterable[str]) -> TextExpression | None:
+    def _expression(self, text: str, keys: list[str], known: Iterable[str]) -> engine.TextExpression | None:
         try:
-            expression = parse_expression(text, any_quantity)
-        except ExpressionError as error:
+            expression = engine.parse_expression(text, engine.any_quantity)
+        except engine.ExpressionError as error:
             self._problem(keys, str(error))
             return None
         unknown = [name for name in expression.names if name not in set(known)]
         for name in unknown:
-            self._problem(keys, unknown_name_message(name, known))
+            self._problem(keys, engine.unknown_name_message(name, known))
         return None if unknown else expression
 
 
@@ -446,14 +414,14 @@ def read_study(path: Path | str) -> Study:
     data = parse_toml(text, path.name)
     if not data:
         raise InputError.of(str(path), "is empty; `sweeps new slider_crank` writes a scene to start from")
-    if not data.keys() & {*StudyText.model_fields, *Scene.model_fields}:
+    if not data.keys() & {*study_text.StudyText.model_fields, *engine.Scene.model_fields}:
         message = "is neither a study (it has no key 'scene') nor a scene (it has no table 'input')"
         raise InputError.of(str(path), message)
-    if is_scene(data):
+    if study_text.is_scene(data):
         scene = scene_from(data, text, path.name, path.parent)
         study = Study(
             scene,
-            summaries=default_summaries(made_ready(scene)),
+            summaries=default_summaries(engine.made_ready(scene)),
             name=path.stem,
             title=scene.title,
             text=text,
@@ -469,12 +437,12 @@ def _with_best(study: Study, source: str) -> Study:
     best, names, problems = study.best, KnownNames(study), []
     try:
         names.request_goal(best.goal)
-    except ExpressionError as error:
+    except engine.ExpressionError as error:
         problems += problems_in(study.text, [(f"best.{best.key}", str(error))])
     for text in best.where:
         try:
             names.condition(text)
-        except ExpressionError as error:
+        except engine.ExpressionError as error:
             problems.append((line_of_entry(study.text, ["best", "where"], text), "best.where", str(error)))
     if problems:
         raise InputError(source, problems)
@@ -489,11 +457,11 @@ def _checked(study: Study, path: Path) -> Study:
             raise InputError(path.name, problems_in(study.text, found))
         if study.best:
             study = _with_best(study, path.name)
-    except AskError as error:
+    except engine.AskError as error:
         named = [key for key in ("accuracy", "positions", "vary") if key in str(error)]
         key = min(named, key=str(error).index, default="outputs")
         raise InputError(path.name, problems_in(study.text, [(key, str(error))])) from None
-    except SceneError as error:
+    except engine.SceneError as error:
         raise InputError(path.name, problems_in(study.text, error.problems)) from None
     if study.optimise is not None:
         task_of(study)

@@ -13,20 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import (
-    ExpressionError,
-    ExpressionTree,
-    Powers,
-    TextExpression,
-    TextOperation,
-    any_quantity,
-    dimension_of,
-    evaluate_tree,
-    joined_by_and,
-    names_in_tree,
-    parse_expression,
-    unknown_name_message,
-)
+import engine
 
 WORST = 1.0
 # Relative rounding of a number read, converted or derived, and of a comparison.
@@ -35,7 +22,7 @@ ROUNDING = 4 * float(np.finfo(float).eps)
 NEGLIGIBLE = 1e-9
 
 
-class UnknownNameError(ExpressionError):
+class UnknownNameError(engine.ExpressionError):
     """A condition with an unknown name."""
 
 
@@ -73,11 +60,11 @@ class Condition:
         The expression is numeric.
     """
 
-    expression: TextExpression
+    expression: engine.TextExpression
 
     def __post_init__(self) -> None:
         if not self.expression.is_condition:
-            raise ExpressionError(f"{self.text!r} is a number; a condition such as 'a < b' is needed here")
+            raise engine.ExpressionError(f"{self.text!r} is a number; a condition such as 'a < b' is needed here")
 
     @classmethod
     def parse(cls, text: str) -> "Condition":
@@ -88,10 +75,10 @@ class Condition:
         ExpressionError
             Invalid, or numeric.
         """
-        return cls(parse_expression(text, any_quantity))
+        return cls(engine.parse_expression(text, engine.any_quantity))
 
     @classmethod
-    def read(cls, text: str, dimensions: Mapping[str, Powers | None]) -> "Condition":
+    def read(cls, text: str, dimensions: Mapping[str, engine.Powers | None]) -> "Condition":
         """Read a condition over names of known dimensions, and check it.
 
         Parameters
@@ -110,7 +97,7 @@ class Condition:
         return condition
 
     @classmethod
-    def read_all(cls, where: Where, dimensions: Mapping[str, Powers | None]) -> "Condition":
+    def read_all(cls, where: Where, dimensions: Mapping[str, engine.Powers | None]) -> "Condition":
         """Read conditions that must all hold as one, each checked as by `read`."""
         for text in [where] if isinstance(where, str) else where:
             cls.read(text, dimensions)
@@ -126,7 +113,7 @@ class Condition:
         """Names used."""
         return self.expression.names
 
-    def check(self, dimensions: Mapping[str, Powers | None]) -> None:
+    def check(self, dimensions: Mapping[str, engine.Powers | None]) -> None:
         """Check names and dimensions.
 
         Parameters
@@ -140,9 +127,9 @@ class Condition:
         """
         for name in self.names:
             if name not in dimensions:
-                raise UnknownNameError(unknown_name_message(name, dimensions))
+                raise UnknownNameError(engine.unknown_name_message(name, dimensions))
         if all(dimensions[name] is not None for name in self.names):
-            dimension_of(self.expression, dimensions)
+            engine.dimension_of(self.expression, dimensions)
 
     @property
     def is_equality(self) -> bool:
@@ -152,7 +139,7 @@ class Condition:
     @cached_property
     def parts(self) -> tuple["Condition", ...]:
         """The conditions joined by `and`, separately."""
-        return tuple(Condition.parse(part) for part in joined_by_and(self.text))
+        return tuple(Condition.parse(part) for part in engine.joined_by_and(self.text))
 
     def judged(self, values: Values, errors: Values, count: int) -> Judgement:
         """Which variants meet it.
@@ -221,7 +208,7 @@ def errors_in(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     return {name: columns[f"{name}_error"] for name in columns if f"{name}_error" in columns}
 
 
-def value_with_error(tree: ExpressionTree, values: Values, errors: Values) -> tuple[np.ndarray, np.ndarray]:
+def value_with_error(tree: engine.ExpressionTree, values: Values, errors: Values) -> tuple[np.ndarray, np.ndarray]:
     """A number and its error estimate, propagated from its names and rounding.
 
     Parameters
@@ -231,10 +218,10 @@ def value_with_error(tree: ExpressionTree, values: Values, errors: Values) -> tu
     values, errors : mapping of str to float or ndarray
         As for `Condition.judged`.
     """
-    value, error = evaluate_tree(tree, values), np.float64(0.0)
-    for name in names_in_tree(tree):
+    value, error = engine.evaluate_tree(tree, values), np.float64(0.0)
+    for name in engine.names_in_tree(tree):
         off = np.maximum(errors.get(name, 0.0), ROUNDING * np.abs(values[name]))
-        ends = (evaluate_tree(tree, {**values, name: values[name] + sign * off}) for sign in (1.0, -1.0))
+        ends = (engine.evaluate_tree(tree, {**values, name: values[name] + sign * off}) for sign in (1.0, -1.0))
         # One end may be outside the domain.
         error = error + np.fmax(*(np.abs(end - value) for end in ends))
     # Infinite values need no estimate; unknown estimates are infinite.
@@ -287,11 +274,11 @@ class _Comparison(NamedTuple):
         return (np.abs(self.apart) <= self.error) & (self.error <= NEGLIGIBLE * size)
 
 
-def _comparison(tree: TextOperation, values: Values, errors: Values) -> _Comparison:
-    difference = TextOperation("-", tree.operands, tree.column)
+def _comparison(tree: engine.TextOperation, values: Values, errors: Values) -> _Comparison:
+    difference = engine.TextOperation("-", tree.operands, tree.column)
     apart, error = value_with_error(difference, values, errors)
     _, rounding = value_with_error(difference, values, {})
-    whole = sum(np.abs(evaluate_tree(operand, values)) for operand in tree.operands)
+    whole = sum(np.abs(engine.evaluate_tree(operand, values)) for operand in tree.operands)
     error = np.where(np.isfinite(apart), error + ROUNDING * whole, 0.0)
     if tree.name in (">", ">="):
         apart = -apart
@@ -299,7 +286,7 @@ def _comparison(tree: TextOperation, values: Values, errors: Values) -> _Compari
     return _Comparison(sign, tree.name == "!=", apart, error, whole, rounding)
 
 
-def _judged(tree: TextOperation, values: Values, errors: Values, wanted: bool, surely: bool) -> np.ndarray:
+def _judged(tree: engine.TextOperation, values: Values, errors: Values, wanted: bool, surely: bool) -> np.ndarray:
     """Where a condition, or its negation, is accepted, or holds for all values within the estimates."""
     if tree.name == "not":
         return _judged(tree.operands[0], values, errors, not wanted, surely)
@@ -318,14 +305,14 @@ def _judged(tree: TextOperation, values: Values, errors: Values, wanted: bool, s
     return holds & np.isfinite(found.error)
 
 
-def _joined(tree: ExpressionTree) -> list[ExpressionTree]:
+def _joined(tree: engine.ExpressionTree) -> list[engine.ExpressionTree]:
     """Parts of a condition that must all hold."""
-    if isinstance(tree, TextOperation) and tree.name == "and":
+    if isinstance(tree, engine.TextOperation) and tree.name == "and":
         return [part for operand in tree.operands for part in _joined(operand)]
     return [tree]
 
 
-def _margin(tree: TextOperation, values: Values, errors: Values, sign: float) -> np.ndarray:
+def _margin(tree: engine.TextOperation, values: Values, errors: Values, sign: float) -> np.ndarray:
     """Margin of a condition, or with sign −1 of its negation."""
     if tree.name == "not":
         return _margin(tree.operands[0], values, errors, -sign)

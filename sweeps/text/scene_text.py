@@ -7,19 +7,7 @@ from typing import Any
 import tomli_w
 from pydantic import ValidationError
 
-from engine import (
-    FormulaNumber,
-    Scene,
-    SceneError,
-    ScenePart,
-    common_units,
-    field_dimension,
-    near_of_variant,
-    order_groups,
-    scene_numbers,
-    show_units_of,
-    wrong_input,
-)
+import engine
 from sweeps.text.csv_text import TableColumn, read_csv
 from sweeps.text.input_files import InputError, read_text
 from sweeps.text.toml_text import line_of, parse_toml, problems_in, validate
@@ -28,7 +16,7 @@ from sweeps.text.toml_text import line_of, parse_toml, problems_in, validate
 TABLES_OF_ROWS = ("forces", "moments", "wanted")
 
 
-def read_scene(path: Path | str) -> Scene:
+def read_scene(path: Path | str) -> engine.Scene:
     """Scene from a TOML file.
 
     Parameters
@@ -45,7 +33,9 @@ def read_scene(path: Path | str) -> Scene:
     return scene_from(parse_toml(text, path.name), text, path.name, path.parent)
 
 
-def scene_from(data: dict[str, Any], text: str, source: str, folder: Path, prefix: tuple[str, ...] = ()) -> Scene:
+def scene_from(
+    data: dict[str, Any], text: str, source: str, folder: Path, prefix: tuple[str, ...] = ()
+) -> engine.Scene:
     """Scene from parsed tables; checks that the mechanism can be ordered.
 
     Parameters
@@ -59,7 +49,7 @@ def scene_from(data: dict[str, Any], text: str, source: str, folder: Path, prefi
     prefix : tuple of str
         Keys of the table that contains the scene.
     """
-    if (system := show_units_of(data)) != Scene.model_fields["units"].default:
+    if (system := engine.show_units_of(data)) != engine.Scene.model_fields["units"].default:
         data = {"units": system} | data
     files: dict[str, tuple[tuple[int | None, str], TableColumn]] = {}
     for table in TABLES_OF_ROWS:
@@ -74,14 +64,14 @@ def scene_from(data: dict[str, Any], text: str, source: str, folder: Path, prefi
                 action |= {key: column.texts for key, column in columns.items()}
                 files |= {".".join([*prefix, table, name, key]): (where, column) for key, column in columns.items()}
     try:
-        scene = validate(Scene, data, text, source, prefix)
+        scene = validate(engine.Scene, data, text, source, prefix)
     except InputError as error:
         problems = dict.fromkeys(_in_its_file(problem, files) for problem in error.problems)
         raise InputError(source, [*problems]) from None
     try:
         if scene.input is not None:
-            order_groups(scene)
-    except SceneError as error:
+            engine.order_groups(scene)
+    except engine.SceneError as error:
         raise InputError(source, problems_in(text, error.problems, prefix)) from None
     return scene
 
@@ -119,10 +109,10 @@ def _in_its_file(
 
 def number_text(value: float, dimension: str) -> str | float:
     """A number in scene text, in SI units."""
-    return value if dimension == "number" else f"{value!r} {common_units(dimension)[-1]}"
+    return value if dimension == "number" else f"{value!r} {engine.common_units(dimension)[-1]}"
 
 
-def write_scene(scene: Scene, values: Mapping[str, float] | None = None) -> str:
+def write_scene(scene: engine.Scene, values: Mapping[str, float] | None = None) -> str:
     """TOML text of a scene, with some of its numbers replaced.
 
     Parameters
@@ -139,7 +129,7 @@ def write_scene(scene: Scene, values: Mapping[str, float] | None = None) -> str:
     values = values_of_variant(scene, values or {})
     scene = with_numbers(scene, values)
     data = scene.model_dump(exclude_none=True, exclude_defaults=True, mode="json")
-    for path, number in scene_numbers(scene).items():
+    for path, number in engine.scene_numbers(scene).items():
         *tables, last = path.split(".")
         table = data
         for key in tables:
@@ -150,7 +140,7 @@ def write_scene(scene: Scene, values: Mapping[str, float] | None = None) -> str:
     return tomli_w.dumps(data)
 
 
-def values_of_variant(scene: Scene, values: Mapping[str, float]) -> dict[str, float]:
+def values_of_variant(scene: engine.Scene, values: Mapping[str, float]) -> dict[str, float]:
     """All numbers in which a variant differs from its scene, including `near` points for its assembly modes.
 
     A variant continues the scene's mode; the scene's `near` may be closer to another one.
@@ -168,14 +158,14 @@ def values_of_variant(scene: Scene, values: Mapping[str, float]) -> dict[str, fl
     """
     if any(path.startswith("near.") for path in values):
         return dict(values)
-    found = near_of_variant(scene, values)
+    found = engine.near_of_variant(scene, values)
     if found is None:
         message = "this variant can't be assembled in the scene's assembly mode; choose another"
-        raise SceneError([("near", message)])
+        raise engine.SceneError([("near", message)])
     return {**values, **found}
 
 
-def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
+def with_values(scene: engine.Scene, values: Mapping[str, float]) -> engine.Scene:
     """The scene of one variant of a study.
 
     Parameters
@@ -192,7 +182,7 @@ def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
     return with_numbers(scene, values_of_variant(scene, values))
 
 
-def with_numbers(scene: Scene, values: Mapping[str, float]) -> Scene:
+def with_numbers(scene: engine.Scene, values: Mapping[str, float]) -> engine.Scene:
     """A copy of a scene with some numbers replaced.
 
     Parameters
@@ -216,44 +206,44 @@ def with_numbers(scene: Scene, values: Mapping[str, float]) -> Scene:
     return _copied(scene, by_path, "") if values else scene
 
 
-def _copied(part: ScenePart, changes: Mapping[str, Any] | float, path: str) -> ScenePart:
+def _copied(part: engine.ScenePart, changes: Mapping[str, Any] | float, path: str) -> engine.ScenePart:
     """A validated part of a scene with changes; unchanged parts are shared."""
-    if isinstance(part, FormulaNumber):
+    if isinstance(part, engine.FormulaNumber):
         return part.at(changes)
     given = {key: getattr(part, key) for key in part.model_fields_set}
     for key, change in changes.items():
         here, old = f"{path}{key}.", getattr(part, key)
         if isinstance(old, dict):
             given[key] = old | {name: _copied(old[name], inner, f"{here}{name}.") for name, inner in change.items()}
-        elif isinstance(old, ScenePart):
+        elif isinstance(old, engine.ScenePart):
             given[key] = _copied(old, change, here)
         else:
             given[key] = int(change) if isinstance(old, int) else change
     try:
         return type(part).model_validate(given)
-    except SceneError as error:
+    except engine.SceneError as error:
         problems = error.problems
     except ValidationError as error:
-        problems = wrong_input(type(part), given, error)
+        problems = engine.wrong_input(type(part), given, error)
     # The number refused is in SI, not as given.
     found = [(key.partition(".")[0], words.partition(", got ")[0]) for key, words in problems]
-    raise SceneError([(f"{path}{key}".rstrip("."), words) for key, words in found])
+    raise engine.SceneError([(f"{path}{key}".rstrip("."), words) for key, words in found])
 
 
-def _with_units(part: ScenePart, data: dict[str, Any]) -> None:
+def _with_units(part: engine.ScenePart, data: dict[str, Any]) -> None:
     """Write the lists of a part and of all within it with their units, in place."""
     for key, field in type(part).model_fields.items():
         value, written = getattr(part, key), data.get(key)
-        if isinstance(value, ScenePart) and isinstance(written, dict):
+        if isinstance(value, engine.ScenePart) and isinstance(written, dict):
             _with_units(value, written)
         elif isinstance(value, dict) and isinstance(written, dict):
             for name, inner in value.items():
-                if isinstance(inner, ScenePart) and isinstance(written[name], dict):
+                if isinstance(inner, engine.ScenePart) and isinstance(written[name], dict):
                     _with_units(inner, written[name])
         elif isinstance(value, (list, tuple)) and isinstance(written, list):
-            dimension = field_dimension(field)
+            dimension = engine.field_dimension(field)
             for k, inner in enumerate(value):
-                if isinstance(inner, ScenePart):
+                if isinstance(inner, engine.ScenePart):
                     _with_units(inner, written[k])
                 elif dimension is not None:
                     written[k] = number_text(inner, dimension)

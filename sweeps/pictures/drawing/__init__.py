@@ -10,22 +10,3 @@ from sweeps.pictures.drawing.moving_drawing import MovingDrawing, MovingFigure, 
 from sweeps.pictures.drawing.names import names_of_points
 from sweeps.pictures.drawing.painting import FILLS, bounds, draw, paint, picture, prepare_axes
 from sweeps.pictures.drawing.symbols import LAYERS, Primitive
-
-__all__ = [
-    "FILLS",
-    "LAYERS",
-    "DrawnMotion",
-    "MovingDrawing",
-    "MovingFigure",
-    "Primitive",
-    "bounds",
-    "draw",
-    "figures",
-    "moving_drawing",
-    "names_of_points",
-    "paint",
-    "picture",
-    "position_text",
-    "prepare_axes",
-    "primitives",
-]

@@ -46,11 +46,7 @@ def primitives(drawn: Scene | DrawnMotion, phi: float, paths: Sequence[str] = ()
 
 
 def figures(
-    motion: DrawnMotion,
-    at: Sequence[float],
-    paths: Sequence[str] = (),
-    shown: Sequence[str] = (),
-    named: bool = True,
+    motion: DrawnMotion, at: Sequence[float], paths: Sequence[str] = (), shown: Sequence[str] = (), named: bool = True
 ) -> list[list[Primitive]]:
     """Figures of a mechanism at several positions; the first is complete and painted last.
 

@@ -6,23 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import (
-    FRAME,
-    CrankInput,
-    InputUnits,
-    Mechanics,
-    MovingMachine,
-    NowhereDefinedError,
-    Scene,
-    SecondSlider,
-    Sliding,
-    Verdict,
-    has_cycle,
-    order_groups,
-    pairs_of,
-    places_on,
-    quantity_text,
-)
+import engine
 from sweeps.pictures.picture_error import PictureError, need_mechanism
 
 POSITIONS = 720
@@ -37,7 +21,7 @@ class Slider(NamedTuple):
     offset: float
 
 
-def position_text(scene: Scene, at: float) -> str:
+def position_text(scene: engine.Scene, at: float) -> str:
     """Position of the input, such as "φ = 60°".
 
     Parameters
@@ -46,8 +30,8 @@ def position_text(scene: Scene, at: float) -> str:
     at : float
         Crank angle [rad], or displacement of a sliding input [m].
     """
-    units = InputUnits.of(scene)
-    return f"{units.symbols[0]} = {quantity_text(float(at), units.q)}".replace(" °", "°")
+    units = engine.InputUnits.of(scene)
+    return f"{units.symbols[0]} = {engine.quantity_text(float(at), units.q)}".replace(" °", "°")
 
 
 class DrawnMotion:
@@ -86,18 +70,20 @@ class DrawnMotion:
         The mechanism can't be assembled at any position, or a value is out of range.
     """
 
-    def __init__(self, scene: Scene, values: Mapping[str, float] | None = None, known: Mechanics | None = None) -> None:
+    def __init__(
+        self, scene: engine.Scene, values: Mapping[str, float] | None = None, known: engine.Mechanics | None = None
+    ) -> None:
         need_mechanism(scene)
         self.values, self.scene = dict(values or {}), scene
-        self.machine = MovingMachine(scene, values, POSITIONS, known)
+        self.machine = engine.MovingMachine(scene, values, POSITIONS, known)
         self.numbers, self.q = self.machine.numbers, self.machine.q
         try:
             places = self.machine.places
-        except NowhereDefinedError as error:
+        except engine.NowhereDefinedError as error:
             raise PictureError(f"this mechanism can't be drawn at any position: {error}") from None
         self.points, self.slides, self.contacts = places.points, places.slides, places.contacts
         self._axes, self._guides, self.centres = places.links, places.guides, places.centres
-        self.links = (*order_groups(scene).links, FRAME)
+        self.links = (*engine.order_groups(scene).links, engine.FRAME)
         self.profiles = {name: self._profile(name) for name in scene.cams}
         self.pitch_curves = {
             name: tuple((point - self.axes(link)[0]) / self.axes(link)[1] for link in (name, wheel.geared_to))
@@ -107,7 +93,7 @@ class DrawnMotion:
         self.radius = self._radius()
 
     @classmethod
-    def of(cls, drawn: "Scene | DrawnMotion") -> "DrawnMotion":
+    def of(cls, drawn: "engine.Scene | DrawnMotion") -> "DrawnMotion":
         """The motion of a scene, or the given motion."""
         return drawn if isinstance(drawn, DrawnMotion) else cls(drawn)
 
@@ -119,17 +105,17 @@ class DrawnMotion:
         PictureError
             The position is outside the input's range, or the mechanism can't be assembled there.
         """
-        step, unit = self.q[1] - self.q[0], InputUnits.of(self.scene).q
+        step, unit = self.q[1] - self.q[0], engine.InputUnits.of(self.scene).q
         k = round((at - self.q[0]) / step)
-        if has_cycle(self.scene):
+        if engine.has_cycle(self.scene):
             k %= self.q.size
         elif not 0 <= k < self.q.size:
-            told, *ends = (quantity_text(float(q), unit) for q in (at, self.q[0], self.q[-1]))
+            told, *ends = (engine.quantity_text(float(q), unit) for q in (at, self.q[0], self.q[-1]))
             raise PictureError(f"position {told} is outside the input's range {' to '.join(ends)}")
         if not all(np.isfinite(p[k]) for p in self.points.values()):
-            sentence = Verdict.CANNOT_ASSEMBLE.sentence
+            sentence = engine.Verdict.CANNOT_ASSEMBLE.sentence
             raise PictureError(
-                f"position {quantity_text(at, unit)} can't be drawn: {sentence}; or choose another position"
+                f"position {engine.quantity_text(at, unit)} can't be drawn: {sentence}; or choose another position"
             )
         return k
 
@@ -146,26 +132,26 @@ class DrawnMotion:
         place, along = self.axes(self.scene.cams[name].on)
         profile = (self.contacts[name] - place) / along
         turns = abs(np.unwrap(np.angle(along))[-1] - np.angle(along[0])) / math.tau
-        if not has_cycle(self.scene) and turns < 1.0:
+        if not engine.has_cycle(self.scene) and turns < 1.0:
             return profile
         count = round(profile.size / max(1.0, round(turns)))
         return np.append(profile[:count], profile[:1])
 
     def _sliders(self) -> Iterable[Slider]:
         drive = self.scene.input
-        if not isinstance(drive, CrankInput):
+        if not isinstance(drive, engine.CrankInput):
             yield Slider(drive.link, drive.point, drive.guide, 0.0)
         for name, group in self.scene.groups.items():
             for side in ("first", "second"):
                 part = getattr(group, side)
-                if isinstance(part, Sliding):
+                if isinstance(part, engine.Sliding):
                     offset = self.numbers[f"groups.{name}.{side}.offset"]
                     yield Slider(part.link, group.inner, part.guide, offset)
         for name, link in self.scene.links.items():
             if link.guide is not None:
                 yield Slider(name, next(iter(link.joints), None), link.guide, self.numbers[f"links.{name}.offset"])
         for name, second in self.scene.inputs.items():
-            if isinstance(second, SecondSlider):
+            if isinstance(second, engine.SecondSlider):
                 yield Slider(name, None, second.guide, 0.0)
 
     def _radius(self) -> float:
@@ -190,9 +176,9 @@ class DrawnMotion:
 
     def members(self, link: str) -> list[str]:
         """Names of a link's points, the origin of its axes first if it is a point."""
-        return list(places_on(self.scene, link))
+        return list(engine.places_on(self.scene, link))
 
     @property
     def hinges(self) -> set[str]:
         """Points that are revolute pairs."""
-        return {pair.joint for pair in pairs_of(self.scene) if pair.kind == "revolute"}
+        return {pair.joint for pair in engine.pairs_of(self.scene) if pair.kind == "revolute"}

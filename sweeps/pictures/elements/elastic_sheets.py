@@ -1,11 +1,12 @@
 """Plots of elastic drives: a machine over its cycle and during a run."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from engine import Curve, Mark, Panel, PanelAxis, Scene, drive_cycle, drive_run
+from engine import Curve, DriveCycle, DriveRun, Mark, Panel, PanelAxis, Scene, drive_cycle, drive_run
 from sweeps.pictures.elements.panels import panel_sheet
 from sweeps.pictures.picture_error import PictureError
 
@@ -27,24 +28,10 @@ def machine_drive_sheet(scene: Scene, name: str, target: Path | str | Figure, ti
     PictureError
         Unknown picture format, the file can't be written, or there is no steady motion.
     """
-    cycle = drive_cycle(scene, name)
-    if cycle is None:
-        raise PictureError(f"elements.{name}: no steady motion with this shaft; `sweeps run` shows why")
-    x, peak = PanelAxis("crank angle", "rad", "φ"), np.abs(cycle.moment).argmax()
+    cycle = _found(drive_cycle(scene, name), name)
     moments = Curve("elastic", cycle.moment), Curve("rigid", cycle.rigid_moment, True)
-    speeds = Curve("motor end", cycle.motor_speed), Curve("crank", cycle.machine_speed)
-    panels = (
-        Panel(
-            x,
-            PanelAxis("shaft torque", "N m", "M"),
-            cycle.angle,
-            moments,
-            (Mark("", cycle.angle[peak], cycle.moment[peak]),),
-        ),
-        Panel(x, _AT_CRANK, cycle.angle, (*speeds, Curve("rigid", cycle.rigid_speed, True))),
-        Panel(x, _BEHIND, cycle.angle, (Curve("", cycle.twist),)),
-    )
-    return panel_sheet(panels, target, title)
+    x, speeds = PanelAxis("crank angle", "rad", "φ"), [Curve("rigid", cycle.rigid_speed, True)]
+    return panel_sheet(_panels(x, cycle.angle, cycle, moments, speeds), target, title)
 
 
 def machine_run_sheet(scene: Scene, name: str, target: Path | str | Figure, title: str = "") -> Figure:
@@ -64,19 +51,32 @@ def machine_run_sheet(scene: Scene, name: str, target: Path | str | Figure, titl
     PictureError
         Unknown picture format, the file can't be written, or there is no steady motion.
     """
-    run = drive_run(scene, name)
-    if run is None:
-        raise PictureError(f"elements.{name}: no steady motion with this shaft; `sweeps run` shows why")
-    x, peak, backlash = PanelAxis("time", "s", "t"), np.abs(run.moment).argmax(), scene.elements[name].run.backlash
-    speeds = Curve("motor end", run.motor_speed), Curve("crank", run.machine_speed)
-    top = Mark("", run.time[peak], run.moment[peak])
+    run, backlash = _found(drive_run(scene, name), name), scene.elements[name].run.backlash
     play = [Mark("", None, 0.0), Mark("backlash", None, -backlash)] if backlash > 0.0 else []
-    panels = (
-        Panel(x, PanelAxis("shaft torque", "N m", "M"), run.time, (Curve("", run.moment),), (top,)),
-        Panel(x, _AT_CRANK, run.time, speeds),
-        Panel(x, _BEHIND, run.time, (Curve("", run.twist),), play),
-    )
-    return panel_sheet(panels, target, title)
+    x, moments = PanelAxis("time", "s", "t"), [Curve("", run.moment)]
+    return panel_sheet(_panels(x, run.time, run, moments, marks=play), target, title)
 
 
-_AT_CRANK, _BEHIND = PanelAxis("crank speed", "rad s-1", "ω"), PanelAxis("twist (crank lag)", "rad", "Δφ")
+def _found(motion: DriveCycle | DriveRun | None, name: str) -> DriveCycle | DriveRun:
+    if motion is None:
+        raise PictureError(f"elements.{name}: no steady motion with this shaft; `sweeps run` shows why")
+    return motion
+
+
+def _panels(
+    x: PanelAxis,
+    places: np.ndarray,
+    motion: DriveCycle | DriveRun,
+    moments: Sequence[Curve],
+    speeds: Sequence[Curve] = (),
+    marks: Sequence[Mark] = (),
+) -> list[Panel]:
+    """Torque with its peak, end speeds and further ones, and twist of a shaft with marks."""
+    peak = np.abs(motion.moment).argmax()
+    top = Mark("", places[peak], motion.moment[peak])
+    speeds = Curve("motor end", motion.motor_speed), Curve("crank", motion.machine_speed), *speeds
+    return [
+        Panel(x, PanelAxis("shaft torque", "N m", "M"), places, moments, [top]),
+        Panel(x, PanelAxis("crank speed", "rad s-1", "ω"), places, speeds),
+        Panel(x, PanelAxis("twist (crank lag)", "rad", "Δφ"), places, [Curve("", motion.twist)], marks),
+    ]

@@ -7,17 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import (
-    FRAME,
-    CamCurves,
-    CamElement,
-    DrawnWheel,
-    GearTrain,
-    VelocityPicture,
-    cam_curves,
-    quantity_text,
-    velocity_picture,
-)
+import engine
 from sweeps.pictures.drawing.symbols import Primitive, bush, fixed_pivot, line
 from sweeps.pictures.machine.animation import Frames
 from sweeps.pictures.picture_error import PictureError
@@ -27,7 +17,7 @@ RADII, STEM = 45, 0.45
 SPOKES = 3
 
 
-def element_frames(element: CamElement | GearTrain, frames: int) -> Frames:
+def element_frames(element: engine.CamElement | engine.GearTrain, frames: int) -> Frames:
     """Positions of an element over a turn.
 
     Parameters
@@ -40,14 +30,14 @@ def element_frames(element: CamElement | GearTrain, frames: int) -> Frames:
     PictureError
         The element doesn't move, or has no shape.
     """
-    return _cam_frames(element, frames) if isinstance(element, CamElement) else _train_frames(element, frames)
+    return _cam_frames(element, frames) if isinstance(element, engine.CamElement) else _train_frames(element, frames)
 
 
 # Cams
 
 
-def _cam_frames(cam: CamElement, frames: int) -> Frames:
-    curves = cam_curves(cam)
+def _cam_frames(cam: engine.CamElement, frames: int) -> Frames:
+    curves = engine.cam_curves(cam)
     if not curves.angle.size:
         raise PictureError("the follower of the cam doesn't reach the base circle; enlarge base_radius")
     radius = hinge_radius(curves)
@@ -60,24 +50,24 @@ def _cam_frames(cam: CamElement, frames: int) -> Frames:
     return Frames([[*stand, base, *pose, axis] for pose in poses], titles, radius)
 
 
-def hinge_radius(curves: CamCurves) -> float:
+def hinge_radius(curves: engine.CamCurves) -> float:
     """Radius of a hinge next to a cam [m]."""
     return 2 * float(np.abs(curves.profile).max()) / RADII
 
 
-def _displacement(cam: CamElement, curves: CamCurves, k: int) -> str:
+def _displacement(cam: engine.CamElement, curves: engine.CamCurves, k: int) -> str:
     symbol, unit = ("s", "m") if cam.translating else ("ψ", "rad")
-    return f"{symbol} = {quantity_text(float(curves.displacement[k]), unit)}"
+    return f"{symbol} = {engine.quantity_text(float(curves.displacement[k]), unit)}"
 
 
-def _cam(curves: CamCurves, k: int) -> Iterator[Primitive]:
+def _cam(curves: engine.CamCurves, k: int) -> Iterator[Primitive]:
     """Profile of a cam, and a mark on it that shows how it turns."""
     turned = curves.profile * np.exp(1j * curves.sense * curves.angle[k])
     yield line(*turned, turned[0])
     yield line(0j, 0.6 * turned[0], layer="frame")
 
 
-def follower_figures(cam: CamElement, curves: CamCurves, k: int, r: float) -> list[Primitive]:
+def follower_figures(cam: engine.CamElement, curves: engine.CamCurves, k: int, r: float) -> list[Primitive]:
     """Roller, edge or face of a cam's follower, with its stem in a guide or its arm on a pivot.
 
     Parameters
@@ -113,9 +103,9 @@ def follower_figures(cam: CamElement, curves: CamCurves, k: int, r: float) -> li
 # Gear trains
 
 
-def _train_frames(train: GearTrain, frames: int) -> Frames:
+def _train_frames(train: engine.GearTrain, frames: int) -> Frames:
     """A train seen along its axes, until its slowest shaft has turned once."""
-    picture = velocity_picture(train)
+    picture = engine.velocity_picture(train)
     speeds = {name: shown.speed for name, shown in picture.lines.items()}
     turning = [abs(speed) for speed in speeds.values() if speed and math.isfinite(speed)]
     if not turning or not picture.wheels:
@@ -123,15 +113,15 @@ def _train_frames(train: GearTrain, frames: int) -> Frames:
     times = 2 * np.pi / min(turning) * np.arange(frames) / frames
     radius = max(abs(wheel.axis) + wheel.radius for wheel in picture.wheels.values()) / RADII
     seen = _TrainAt(train, picture, speeds, radius)
-    titles = [f"t = {quantity_text(float(time), 's')}" for time in times]
+    titles = [f"t = {engine.quantity_text(float(time), 's')}" for time in times]
     return Frames([seen.figures(time) for time in times], titles, radius)
 
 
 class _TrainAt(NamedTuple):
     """A gear train at any time; `speeds` of its shafts [rad/s]."""
 
-    train: GearTrain
-    picture: VelocityPicture
+    train: engine.GearTrain
+    picture: engine.VelocityPicture
     speeds: dict[str, float]
     radius: float
 
@@ -154,7 +144,7 @@ class _TrainAt(NamedTuple):
 
     def sets(self, shaft: str) -> int:
         """How many shafts of a kind there are: planets are several."""
-        carrier = None if shaft == FRAME else self.train.shafts[shaft].carrier
+        carrier = None if shaft == engine.FRAME else self.train.shafts[shaft].carrier
         if carrier is None:
             return 1
         return round(self.train.shafts[carrier].planets or 1) * self.sets(carrier)
@@ -162,13 +152,13 @@ class _TrainAt(NamedTuple):
     def place(self, shaft: str, time: float, k: int) -> complex:
         """Axis of a shaft, of the set k; the line of centres points up."""
         height = self.picture.axes.get(shaft, 0.0)
-        carrier = None if shaft == FRAME else self.train.shafts[shaft].carrier
+        carrier = None if shaft == engine.FRAME else self.train.shafts[shaft].carrier
         if carrier is None:
             return 1j * height
         turned = self.speeds.get(carrier, 0.0) * time + 2 * math.pi * k / self.sets(shaft)
         return self.place(carrier, time, k) + 1j * (height - self.picture.axes[carrier]) * cmath.exp(1j * turned)
 
-    def wheel(self, wheel: DrawnWheel, centre: complex, angle: float) -> list[Primitive]:
+    def wheel(self, wheel: engine.DrawnWheel, centre: complex, angle: float) -> list[Primitive]:
         """Pitch circle of a wheel with spokes, or of a ring with marks outside, turned by an angle."""
         inner, outer = (1.0, 1.12) if wheel.is_ring else (0.0, 1.0)
         spokes = [1j * wheel.radius * cmath.exp(1j * (angle + 2 * math.pi * s / SPOKES)) for s in range(SPOKES)]

@@ -7,16 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from engine import (
-    FRAME,
-    GearTrain,
-    VelocityPicture,
-    Verdict,
-    display_unit,
-    table_unit,
-    train_results,
-    velocity_picture,
-)
+from engine import FRAME, GearTrain, VelocityPicture, Verdict, display_unit, table_unit, train_results, velocity_picture
 from sweeps.pictures.style import GREY, PALE, PALETTE, sheet
 
 RPM = 30 / math.pi

@@ -10,17 +10,10 @@ from matplotlib.figure import Figure
 
 from engine import Hodograph
 from sweeps.pictures.style import BLUE, GREY, ORANGE, sheet
-from sweeps.report.order_table import (
-    BALANCED,
-    ORDER_HEADS,
-    EngineRow,
-    ellipse_text,
-    remaining_orders,
-    subscript_of,
-)
+from sweeps.report import order_table
 
 
-def order_picture(target: Path | str | Figure, rows: Sequence[EngineRow]) -> Figure:
+def order_picture(target: Path | str | Figure, rows: Sequence[order_table.EngineRow]) -> Figure:
     """Draw the hodographs of each engine's unbalanced forces and couples.
 
     Parameters
@@ -37,15 +30,14 @@ def order_picture(target: Path | str | Figure, rows: Sequence[EngineRow]) -> Fig
     with sheet(target, 180, 12 + 12 * len(rows)) as figure:
         axes = figure.subplots(len(rows), 4, squeeze=False)
         for row, line in zip(rows, axes, strict=True):
-            found = remaining_orders(row)
+            found = order_table.remaining_orders(row)
             vectors = [(v, order) for v in (found.forces, found.couples) for order in (1, 2)]
             for ax, (vector, order) in zip(line, vectors, strict=True):
                 _draw(ax, vector, order)
             line[0].set_ylabel(row.name, rotation=0, ha="right", va="center")
-        for ax, head in zip(axes[0], ORDER_HEADS[2:6], strict=True):
-            ax.set_title(
-                f"{head}\nin {'m r ω² A' if 'force' in head else 'm r ω² a A'}{subscript_of(1 + ('sec' in head))}"
-            )
+        for ax, head in zip(axes[0], order_table.ORDER_HEADS[2:6], strict=True):
+            unit = "m r ω² A" if "force" in head else "m r ω² a A"
+            ax.set_title(f"{head}\nin {unit}{order_table.subscript_of(1 + ('sec' in head))}")
     return figure
 
 
@@ -63,8 +55,8 @@ def _draw(ax: Axes, vector: Hodograph, order: int) -> None:
         ax.plot(0, 0, ".", color=GREY, markersize=3)
         return
     way = way / size
-    shape = BLUE if one.minor[0] <= BALANCED * size else ORANGE
+    shape = BLUE if one.minor[0] <= order_table.BALANCED * size else ORANGE
     ax.plot(way.real, way.imag, color=shape)
     ax.plot([0, way[0].real], [0, way[0].imag], color=GREY, linewidth=0.6)
     ax.plot(way[0].real, way[0].imag, "o", color=shape, markersize=2.5)
-    ax.text(1.15, 0, ellipse_text(vector, order), ha="left", va="center", fontsize=6.5)
+    ax.text(1.15, 0, order_table.ellipse_text(vector, order), ha="left", va="center", fontsize=6.5)

@@ -6,23 +6,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from engine import (
-    Curve,
-    HolzerTable,
-    Machine,
-    Mark,
-    Panel,
-    PanelAxis,
-    ReducedTrain,
-    Scene,
-    TorsionalTrain,
-    holzer_table,
-    made_ready,
-    natural_vibration,
-    numbers_for_trains,
-    reduced_train,
-    train_speed,
-)
+import engine
 from sweeps.pictures.elements.panels import panel_sheet
 from sweeps.pictures.style import PALETTE
 from sweeps.text.tables import table
@@ -33,7 +17,7 @@ HERTZ, RPM = 1 / math.tau, 30 / math.pi
 Numbers = dict[str, np.ndarray]
 
 
-def train_sheet(scene: Scene, name: str, target: Path | str | Figure, title: str = "") -> Figure:
+def train_sheet(scene: engine.Scene, name: str, target: Path | str | Figure, title: str = "") -> Figure:
     """Modes along the train; with excitation, also a Campbell diagram and shaft torques over speed.
 
     Parameters
@@ -48,11 +32,11 @@ def train_sheet(scene: Scene, name: str, target: Path | str | Figure, title: str
     train, given = scene.elements[name], numbers_of_machine(scene, name)
     panels = train.panels(given)
     if train.is_excited:
-        panels += (_moments(scene, name, float(train_speed(train, train.own_numbers() | given)[0])),)
+        panels += (_moments(scene, name, float(engine.train_speed(train, train.own_numbers() | given)[0])),)
     return panel_sheet(panels, target, title)
 
 
-def numbers_of_machine(scene: Scene, name: str) -> Numbers:
+def numbers_of_machine(scene: engine.Scene, name: str) -> Numbers:
     """Excitation of a train by the machine of its scene, as one variant; empty for other trains.
 
     Parameters
@@ -63,27 +47,27 @@ def numbers_of_machine(scene: Scene, name: str) -> Numbers:
     """
     if scene.elements[name].machine_at is None:
         return {}
-    return numbers_for_trains(Machine(scene, [f"{name}.frequency_1"]))
+    return engine.numbers_for_trains(engine.Machine(scene, [f"{name}.frequency_1"]))
 
 
-def _moments(scene: Scene, name: str, speed: float) -> Panel:
+def _moments(scene: engine.Scene, name: str, speed: float) -> engine.Panel:
     """Peak alternating shaft torques over speed."""
     train, own = scene.elements[name], f"elements.{name}"
     path = "input.speed" if train.machine_at is not None else f"{own}.engine.speed" if train.engine else f"{own}.speed"
     speeds = np.linspace(0.02, FASTEST, SPEEDS) * speed
     asked = {f"{name}.{shaft}.alternating_moment": shaft for shaft in train.shafts}
-    found = made_ready(scene, asked, varied=[path]).evaluate({path: speeds}).summaries
-    curves = [Curve(shaft, found[summary]) for summary, shaft in asked.items()]
+    found = engine.made_ready(scene, asked, varied=[path]).evaluate({path: speeds}).summaries
+    curves = [engine.Curve(shaft, found[summary]) for summary, shaft in asked.items()]
     finite = np.concatenate([row[np.isfinite(row)] for row in found.values()])
     highest = sorted(curves, key=lambda curve: -np.nanmax(np.where(np.isfinite(curve.values), curve.values, 0.0)))
     # Lightly damped resonances would hide everything else.
     top = min(float(finite.max()), 8 * float(np.quantile(finite, 0.9)))
-    axes = PanelAxis("speed", "rad s-1", "ω"), PanelAxis("alternating torque", "N m", "M")
-    marks, shown = (Mark("given speed", speed, None),), highest[: len(PALETTE)]
-    return Panel(*axes, speeds, shown, marks, "Shaft torque over speed", (0.0, 1.08 * top))
+    axes = engine.PanelAxis("speed", "rad s-1", "ω"), engine.PanelAxis("alternating torque", "N m", "M")
+    marks, shown = (engine.Mark("given speed", speed, None),), highest[: len(PALETTE)]
+    return engine.Panel(*axes, speeds, shown, marks, "Shaft torque over speed", (0.0, 1.08 * top))
 
 
-def train_table(train: TorsionalTrain, machine: Numbers) -> str:
+def train_table(train: engine.TorsionalTrain, machine: Numbers) -> str:
     """Holzer table of each mode, as text.
 
     Parameters
@@ -92,8 +76,8 @@ def train_table(train: TorsionalTrain, machine: Numbers) -> str:
     machine : dict of str to ndarray (1,)
         Excitation by the machine, from `numbers_of_machine`.
     """
-    reduced = reduced_train(train, train.own_numbers() | machine)
-    natural = natural_vibration(reduced, train.reported_modes)
+    reduced = engine.reduced_train(train, train.own_numbers() | machine)
+    natural = engine.natural_vibration(reduced, train.reported_modes)
     texts = []
     for k, frequency in enumerate(natural.frequencies[:, 0]):
         head = f"Mode {k + 1}: {frequency * HERTZ:.6g} Hz, {frequency * RPM:.6g} per minute"
@@ -101,11 +85,11 @@ def train_table(train: TorsionalTrain, machine: Numbers) -> str:
         if np.isnan(mode).any():
             texts.append(f"{head}; mode undetermined, another frequency is too close")
             continue
-        texts.append(f"{head}\n{_holzer_text(train, reduced, holzer_table(reduced, frequency, mode))}")
+        texts.append(f"{head}\n{_holzer_text(train, reduced, engine.holzer_table(reduced, frequency, mode))}")
     return "\n".join(texts)
 
 
-def _holzer_text(train: TorsionalTrain, reduced: ReducedTrain, found: HolzerTable) -> str:
+def _holzer_text(train: engine.TorsionalTrain, reduced: engine.ReducedTrain, found: engine.HolzerTable) -> str:
     layout = train.layout
     rows = [("mass", "J, kg·m²", "θ", "J ω² θ, N·m", "shaft", "torque, N·m", "k, N·m/rad", "twist")]
     for node in reversed(range(len(layout.parents))):

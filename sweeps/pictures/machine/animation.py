@@ -11,17 +11,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from engine import Scene, has_cycle, quantity_text
-from sweeps.pictures.drawing import (
-    FILLS,
-    DrawnMotion,
-    Primitive,
-    bounds,
-    figures,
-    names_of_points,
-    paint,
-    position_text,
-    prepare_axes,
-)
+from sweeps.pictures import drawing
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import VERMILION, house_style
 from sweeps.text.whole_files import new_file
@@ -37,7 +27,7 @@ PACE = 50
 class Frames(NamedTuple):
     """Positions of something that moves; `radius` is that of a hinge [m]."""
 
-    poses: list[list[Primitive]]
+    poses: list[list[drawing.Primitive]]
     titles: list[str]
     radius: float
 
@@ -61,12 +51,12 @@ def machine_frames(
     PictureError
         A position can't be drawn, or a point doesn't exist.
     """
-    motion = DrawnMotion(scene, values)
+    motion = drawing.DrawnMotion(scene, values)
     moments = _moments(motion, frames)
-    poses = [[p for p in figures(motion, [at], paths)[-1] if p.layer != "names"] for at in moments]
+    poses = [[p for p in drawing.figures(motion, [at], paths)[-1] if p.layer != "names"] for at in moments]
     nodes = [motion.node(at) for at in moments]
     # The first position follows the last one.
-    names = names_of_points(motion, [*nodes, nodes[0]], [*poses, poses[0]])
+    names = drawing.names_of_points(motion, [*nodes, nodes[0]], [*poses, poses[0]])
     whole = [[*pose, *beside] for pose, beside in zip(poses, names[:-1], strict=True)]
     return Frames(whole, [_instant(motion, at) for at in moments], motion.radius)
 
@@ -98,7 +88,7 @@ def save_animation(frames_of: Callable[[int], Frames], path: Path | str, frames:
         indexed[0].save(draft, save_all=True, append_images=indexed[1:], duration=PACE, loop=0)
 
 
-def _moments(motion: DrawnMotion, frames: int) -> np.ndarray:
+def _moments(motion: drawing.DrawnMotion, frames: int) -> np.ndarray:
     """Positions of the frames, descending if the input runs backwards."""
     if has_cycle(motion.scene):
         share = np.arange(frames) / frames
@@ -108,19 +98,19 @@ def _moments(motion: DrawnMotion, frames: int) -> np.ndarray:
     return motion.q[0] + (motion.q[-1] - motion.q[0]) * swing
 
 
-def _instant(motion: DrawnMotion, at: float) -> str:
+def _instant(motion: drawing.DrawnMotion, at: float) -> str:
     """Input position, and over a cycle the time at mean speed."""
     if not has_cycle(motion.scene):
-        return position_text(motion.scene, at)
+        return drawing.position_text(motion.scene, at)
     time = quantity_text(float(at / motion.numbers["input.speed"]), "s")
-    return f"{position_text(motion.scene, at)}, t = {time}"
+    return f"{drawing.position_text(motion.scene, at)}, t = {time}"
 
 
 def _palette() -> Image.Image:
     """The colours of a drawing and their blends with white for smoothed edges."""
     inks = np.array([to_rgb("black"), to_rgb(VERMILION)])
     shades = 1 - np.linspace(0, 1, 20)[:, None] * (1 - inks[:, None])
-    shades = np.append(shades.reshape(-1, 3), [to_rgb(FILLS["tint"])], axis=0)
+    shades = np.append(shades.reshape(-1, 3), [to_rgb(drawing.FILLS["tint"])], axis=0)
     holder = Image.new("P", (1, 1))
     holder.putpalette(np.rint(255 * shades).astype(int).ravel().tolist())
     return holder
@@ -131,7 +121,7 @@ def _pictures(shown: Frames) -> list[Image.Image]:
     with house_style():
         figure = Figure(dpi=DOTS_PER_INCH, layout="constrained")
         canvas, ax = FigureCanvasAgg(figure), figure.add_subplot()
-        factor = prepare_axes(ax, bounds(p for pose in shown.poses for p in pose), shown.radius)
+        factor = drawing.prepare_axes(ax, drawing.bounds(p for pose in shown.poses for p in pose), shown.radius)
         width, height = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
         scale = min((LARGEST_WIDTH - 0.7) / width, (LARGEST_HEIGHT - 0.6) / height)
         figure.set_size_inches(scale * width + 0.7, scale * height + 0.8)
@@ -140,7 +130,7 @@ def _pictures(shown: Frames) -> list[Image.Image]:
             ax.set_title(title, loc="left")
             for patch in list(ax.patches):
                 patch.remove()
-            paint(ax, pose, factor)
+            drawing.paint(ax, pose, factor)
             canvas.draw()
             # The layout is fixed after the first frame.
             figure.set_layout_engine("none")

@@ -7,35 +7,21 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from engine import (
-    CrankInput,
-    Curve,
-    Mark,
-    MovingMachine,
-    Panel,
-    PanelAxis,
-    Quantity,
-    Scene,
-    Verdict,
-    has_cycle,
-    quantity_text,
-)
+import engine
 from sweeps.pictures.elements.panels import draw_panel, panel_sheet
+from sweeps.pictures.machine.diagrams import need_motion
 from sweeps.pictures.picture_error import PictureError, need_mechanism
 from sweeps.pictures.style import BLUE, sheet
 
 # Fields of a part, by the first of them.
-_DERIVATIVES = {
-    "slide": ("velocity", "acceleration"),
-    "angle": ("angular_velocity", "angular_acceleration"),
-}
+_DERIVATIVES = {"slide": ("velocity", "acceleration"), "angle": ("angular_velocity", "angular_acceleration")}
 # Cylinders that fit on a sheet, and the height of each [mm].
 MOST_CYLINDERS, HEIGHT = 4, 75
 # Fields that fit on a sheet, and positions of each.
 MOST_FIELDS, POSITIONS = 8, 720
 
 
-def indicator_diagrams(moving: MovingMachine, target: Path | str | Figure) -> Figure:
+def indicator_diagrams(moving: engine.MovingMachine, target: Path | str | Figure) -> Figure:
     """Pressure of each cylinder over its volume and over the crank angle, with its work and power.
 
     Parameters
@@ -61,27 +47,29 @@ def indicator_diagrams(moving: MovingMachine, target: Path | str | Figure) -> Fi
     return figure
 
 
-def _of_cylinder(moving: MovingMachine, name: str) -> tuple[Panel, Panel]:
+def _of_cylinder(moving: engine.MovingMachine, name: str) -> tuple[engine.Panel, engine.Panel]:
     asked = f"{name}.pressure", f"{name}.volume"
-    _need_motion(moving, asked)
+    need_motion(moving, asked)
     places, rows = _over_cycle(moving, asked)
     pressure, volume = rows.values()
     title, dead_centres = name, []
-    if has_cycle(moving.scene):
+    if engine.has_cycle(moving.scene):
         work, power = (moving.summary(f"{name}.indicated_{what}") for what in ("work", "power"))
-        title = f"{name}: {quantity_text(work, 'J')} per cycle, {quantity_text(power, 'W')}"
+        title = f"{name}: {engine.quantity_text(work, 'J')} per cycle, {engine.quantity_text(power, 'W')}"
         piston = moving.scene.cylinders[name].piston
         ends = (moving.summary(f"{piston}.stroke_{end}_at") for end in ("low", "high"))
         turns = np.arange(moving.scene.input.revolutions) * 2.0 * np.pi
-        dead_centres = [Mark("", np.mod(end, 2.0 * np.pi) + turn, None) for end in ends for turn in turns]
-    pressures = PanelAxis("absolute pressure", "Pa", "p")
+        dead_centres = [engine.Mark("", np.mod(end, 2.0 * np.pi) + turn, None) for end in ends for turn in turns]
+    pressures = engine.PanelAxis("absolute pressure", "Pa", "p")
     return (
-        Panel(PanelAxis("volume", "m3", "V"), pressures, volume, [Curve("", pressure)], title=title),
-        Panel(_input_axis(moving), pressures, places, [Curve("", pressure)], dead_centres),
+        engine.Panel(
+            engine.PanelAxis("volume", "m3", "V"), pressures, volume, [engine.Curve("", pressure)], title=title
+        ),
+        engine.Panel(_input_axis(moving), pressures, places, [engine.Curve("", pressure)], dead_centres),
     )
 
 
-def motion_of_part(moving: MovingMachine, part: str, target: Path | str | Figure) -> Figure:
+def motion_of_part(moving: engine.MovingMachine, part: str, target: Path | str | Figure) -> Figure:
     """Displacement, velocity, acceleration and jerk of a slider or link over the input's position.
 
     Parameters
@@ -103,22 +91,28 @@ def motion_of_part(moving: MovingMachine, part: str, target: Path | str | Figure
         parts = [name.rpartition(".")[0] for name in known if name.rpartition(".")[2] in _DERIVATIVES]
         raise PictureError(f"{part!r} is not a slider or link of this machine; choose from: {', '.join(parts)}")
     names = [f"{part}.{what}" for what in (kind, *_DERIVATIVES[kind])]
-    _need_motion(moving, names)
+    need_motion(moving, names)
     places, fields = _over_cycle(moving, names)
     jerk = moving.rate(names[-1])
-    rows = [*fields.values(), np.append(jerk, jerk[:1]) if has_cycle(moving.scene) else jerk]
+    rows = [*fields.values(), np.append(jerk, jerk[:1]) if engine.has_cycle(moving.scene) else jerk]
     quantities = [known[name].quantity for name in names]
     words = quantities[2].long_name.replace("acceleration", "jerk")
-    quantities.append(Quantity("", words, quantities[2].units.replace("s-2", "s-3"), "j"))
+    quantities.append(engine.Quantity("", words, quantities[2].units.replace("s-2", "s-3"), "j"))
     panels = [
-        Panel(_input_axis(moving), PanelAxis(q.long_name, q.units, q.symbol), places, [Curve("", row)])
+        engine.Panel(
+            _input_axis(moving), engine.PanelAxis(q.long_name, q.units, q.symbol), places, [engine.Curve("", row)]
+        )
         for q, row in zip(quantities, rows, strict=True)
     ]
     return panel_sheet(panels, target, f"{moving.scene.title or ''}\nMotion of {part} at constant input speed".lstrip())
 
 
 def field_curves(
-    scene: Scene, target: Path | str | None, names: Sequence[str], x: str | None = None, positions: int = POSITIONS
+    scene: engine.Scene,
+    target: Path | str | None,
+    names: Sequence[str],
+    x: str | None = None,
+    positions: int = POSITIONS,
 ) -> Figure:
     """Draw fields of a machine in stacked panels.
 
@@ -144,7 +138,7 @@ def field_curves(
     if not 1 <= len(names) <= MOST_FIELDS:
         words = "fields with -y, such as -y B.vx; `sweeps quantities` lists them"
         raise PictureError(f"name from 1 to {MOST_FIELDS} {words}")
-    moving = MovingMachine(scene, positions=positions)
+    moving = engine.MovingMachine(scene, positions=positions)
     places, rows = _over_cycle(moving, [*names, *([x] if x else [])])
     known, along = moving.register.fields, _input_axis(moving)
     for name, row in rows.items():
@@ -152,27 +146,20 @@ def field_curves(
             raise PictureError(f"{name} is infinite or undefined everywhere; `sweeps run` shows why")
     if x:
         words, places = known[x].long_name, rows[x]
-        along = PanelAxis(words if known[x].symbol else f"{words} {x}", known[x].units, known[x].symbol)
+        along = engine.PanelAxis(words if known[x].symbol else f"{words} {x}", known[x].units, known[x].symbol)
     with sheet(target, 180, 25 + 45 * len(names), scene.title or "") as figure:
         axes = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
         for ax, name in zip(axes, names, strict=True):
-            up = PanelAxis("" if known[name].symbol else name, known[name].units, known[name].symbol)
-            panel = Panel(along, up, places, [Curve("", rows[name])], title=known[name].long_name)
+            up = engine.PanelAxis("" if known[name].symbol else name, known[name].units, known[name].symbol)
+            panel = engine.Panel(along, up, places, [engine.Curve("", rows[name])], title=known[name].long_name)
             draw_panel(ax, panel, ax is axes[-1])
     return figure
 
 
-def _need_motion(moving: MovingMachine, names: Sequence[str]) -> None:
-    """Raise a `PictureError` if fields of a machine can't be computed."""
-    verdict = moving.verdict(names)
-    if verdict not in (Verdict.OK, Verdict.NOT_FINITE):
-        raise PictureError(f"no diagrams of this machine: {verdict.sentence}")
-
-
-def _over_cycle(moving: MovingMachine, names: Sequence[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+def _over_cycle(moving: engine.MovingMachine, names: Sequence[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Positions and fields there, a cycle closed by its first position, at which an angle may have turned."""
     places, rows, known = moving.q, moving.fields(dict.fromkeys(names)), moving.register.fields
-    if has_cycle(moving.scene):
+    if engine.has_cycle(moving.scene):
         places = np.append(places, 2.0 * places[-1] - places[-2])
         turned = {name: _turned(row) if known[name].units == "rad" else 0.0 for name, row in rows.items()}
         rows = {name: np.append(row, row[0] + turned[name]) for name, row in rows.items()}
@@ -185,7 +172,7 @@ def _turned(row: np.ndarray) -> float:
     return math.tau * round(increase / math.tau) if math.isfinite(increase) else 0.0
 
 
-def _input_axis(moving: MovingMachine) -> PanelAxis:
-    if isinstance(moving.scene.input, CrankInput):
-        return PanelAxis("crank angle", "rad", "φ")
-    return PanelAxis(f"displacement of {moving.scene.input.link}", "m", "q")
+def _input_axis(moving: engine.MovingMachine) -> engine.PanelAxis:
+    if isinstance(moving.scene.input, engine.CrankInput):
+        return engine.PanelAxis("crank angle", "rad", "φ")
+    return engine.PanelAxis(f"displacement of {moving.scene.input.link}", "m", "q")

@@ -1,6 +1,7 @@
 """Diagrams of one machine over its cycle: reduced inertia and torque, work, energy loop, speed."""
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -9,19 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from engine import (
-    FRAME,
-    CrankInput,
-    InputUnits,
-    MovingMachine,
-    Quantity,
-    Scene,
-    Verdict,
-    display_unit,
-    has_cycle,
-    quantity_text,
-    sliders_of,
-)
+import engine
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, GREEN, GREY, VERMILION, degree_ticks, sheet, typeset, wrapped
 
@@ -59,28 +48,35 @@ class CycleCurves(NamedTuple):
     q: np.ndarray
     q_label: str
     rows: dict[str, np.ndarray]
-    known: dict[str, Quantity]
+    known: dict[str, engine.Quantity]
     closed: bool
     main: str | None
     dead_centres: tuple[float, ...]
     mean_moment: float
 
 
-def main_slider(scene: Scene) -> str | None:
+def main_slider(scene: engine.Scene) -> str | None:
     """The main slider: a cylinder's piston, else the last one on a guide of the frame."""
     for cylinder in scene.cylinders.values():
         return cylinder.piston
     parts = (part for group in scene.groups.values() for part in (group.first, group.second))
-    on_frame = {p.link for p in parts if hasattr(p, "guide") and scene.guides[p.guide].link == FRAME}
-    return next((name for name in reversed(sliders_of(scene)) if name in on_frame), None)
+    on_frame = {p.link for p in parts if hasattr(p, "guide") and scene.guides[p.guide].link == engine.FRAME}
+    return next((name for name in reversed(engine.sliders_of(scene)) if name in on_frame), None)
 
 
-def _has_flywheel(scene: Scene) -> bool:
+def _has_flywheel(scene: engine.Scene) -> bool:
     wheel = scene.flywheel
     return wheel is not None and (wheel.inertia is not None or wheel.speed_fluctuation is not None)
 
 
-def cycle_curves(moving: MovingMachine) -> CycleCurves:
+def need_motion(moving: engine.MovingMachine, names: Sequence[str]) -> None:
+    """Raise a `PictureError` if fields of a machine can't be computed."""
+    verdict = moving.verdict(names)
+    if verdict not in (engine.Verdict.OK, engine.Verdict.NOT_FINITE):
+        raise PictureError(f"no diagrams of this machine: {verdict.sentence}")
+
+
+def cycle_curves(moving: engine.MovingMachine) -> CycleCurves:
     """Compute the fields of one machine.
 
     Parameters
@@ -94,13 +90,11 @@ def cycle_curves(moving: MovingMachine) -> CycleCurves:
     """
     scene = moving.scene
     names = ["reduced_inertia", "reduced_inertia_phi", "reduced_moment", "input_moment"]
-    names += ["work", *(["speed"] if _has_flywheel(scene) else [])] if has_cycle(scene) else []
+    names += ["work", *(["speed"] if _has_flywheel(scene) else [])] if engine.has_cycle(scene) else []
     main = main_slider(scene)
-    ends = [f"{main}.stroke_{end}_at" for end in ("low", "high")] if main and has_cycle(scene) else []
+    ends = [f"{main}.stroke_{end}_at" for end in ("low", "high")] if main and engine.has_cycle(scene) else []
     known = [name for name in names if name in moving.register.available_fields]
-    verdict = moving.verdict(known)
-    if verdict not in (Verdict.OK, Verdict.NOT_FINITE):
-        raise PictureError(f"no diagrams of this machine: {verdict.sentence}")
+    need_motion(moving, known)
     rows, quantities = moving.fields(known), {name: moving.register.fields[name].quantity for name in known}
     inertia, slope = rows["reduced_inertia"], rows["reduced_inertia_phi"]
     # Of an inertia that is constant, rounding leaves a slope.
@@ -108,22 +102,22 @@ def cycle_curves(moving: MovingMachine) -> CycleCurves:
     label, factor = input_axis(scene, moving.q)
     centres = tuple(c for end in ends if math.isfinite(c := math.degrees(moving.summary(end))))
     # Rows skip load jumps, so their mean would be visibly off.
-    mean = moving.summary("reduced_moment.mean") if has_cycle(scene) and "reduced_moment" in known else math.nan
+    mean = moving.summary("reduced_moment.mean") if engine.has_cycle(scene) and "reduced_moment" in known else math.nan
     return CycleCurves(
-        moving.q * factor, label, rows, quantities, has_cycle(scene), main if centres else None, centres, mean
+        moving.q * factor, label, rows, quantities, engine.has_cycle(scene), main if centres else None, centres, mean
     )
 
 
-def input_axis(scene: Scene, q: np.ndarray) -> tuple[str, float]:
+def input_axis(scene: engine.Scene, q: np.ndarray) -> tuple[str, float]:
     """Label and factor of the input axis for crank angles [rad] or displacements [m]."""
-    symbol = InputUnits.of(scene).symbols[0]
-    if isinstance(scene.input, CrankInput):
+    symbol = engine.InputUnits.of(scene).symbols[0]
+    if isinstance(scene.input, engine.CrankInput):
         return f"crank angle {symbol}, °", 180 / math.pi
-    factor, label = display_unit("m", q)
+    factor, label = engine.display_unit("m", q)
     return f"displacement of {scene.input.link} {symbol}, {label}", factor
 
 
-def diagrams(machine: Scene | MovingMachine, target: Path | str | Figure | None) -> Figure:
+def diagrams(machine: engine.Scene | engine.MovingMachine, target: Path | str | Figure | None) -> Figure:
     """Diagrams of one machine on one sheet, 180 mm wide.
 
     Over a full cycle: I(φ), dI/dφ, M(φ), W(φ), the loop W(I), with Wittenbauer's tangents if a coefficient of speed
@@ -144,10 +138,10 @@ def diagrams(machine: Scene | MovingMachine, target: Path | str | Figure | None)
     PictureError
         The machine can't be computed, or unknown picture format.
     """
-    moving = machine if isinstance(machine, MovingMachine) else MovingMachine(machine)
+    moving = machine if isinstance(machine, engine.MovingMachine) else engine.MovingMachine(machine)
     cycle, scene = cycle_curves(moving), moving.scene
     with sheet(target, 180, 115) as figure:
-        if has_cycle(scene):
+        if engine.has_cycle(scene):
             _sheet_of_cycle(figure, moving, cycle)
         else:
             _sheet_of_range(figure, cycle)
@@ -158,7 +152,7 @@ def diagrams(machine: Scene | MovingMachine, target: Path | str | Figure | None)
     return figure
 
 
-def _sheet_of_cycle(figure: Figure, moving: MovingMachine, cycle: CycleCurves) -> None:
+def _sheet_of_cycle(figure: Figure, moving: engine.MovingMachine, cycle: CycleCurves) -> None:
     axes = figure.subplots(2, 3)
     _panel(axes[0, 0], cycle, "reduced_inertia")
     _panel(axes[0, 1], cycle, "reduced_inertia_phi")
@@ -167,7 +161,7 @@ def _sheet_of_cycle(figure: Figure, moving: MovingMachine, cycle: CycleCurves) -
     _energy_loop(axes[1, 1], moving, cycle)
     speed = cycle.rows.get("speed", np.array([np.nan]))
     if np.isfinite(speed).all():
-        delta = quantity_text(moving.summary("speed_fluctuation"), "1")
+        delta = engine.quantity_text(moving.summary("speed_fluctuation"), "1")
         # δ refers to the mean of the extremes, which is the input's speed.
         middle = abs(moving.numbers["input.speed"])
         _panel(axes[1, 2], cycle, "speed", middle, f"δ = {delta}")
@@ -198,7 +192,7 @@ def _panel(ax: Axes, cycle: CycleCurves, name: str, mean: float = math.nan, titl
     if np.isfinite(row).sum() < 2 or np.nanmax(np.abs(row)) > LARGEST:
         _say(ax, f"{symbol}: infinite or undefined")
         return
-    factor, label = display_unit(units, row)
+    factor, label = engine.display_unit(units, row)
     q, shown = cycle.q, factor * row
     if cycle.closed:
         # Close the cycle.
@@ -208,7 +202,7 @@ def _panel(ax: Axes, cycle: CycleCurves, name: str, mean: float = math.nan, titl
         middle = factor * mean if abs(mean) > 1e-12 * np.abs(row).max() else 0.0
         ax.axhline(middle, color=VERMILION, linewidth=0.9, linestyle=(0, (6, 2)))
         # These words stay on one line.
-        text = f"mean {quantity_text(middle / factor, units)}".replace(" ", "\N{NO-BREAK SPACE}")
+        text = f"mean {engine.quantity_text(middle / factor, units)}".replace(" ", "\N{NO-BREAK SPACE}")
         title += f", {text}".replace("-", "\N{MINUS SIGN}")
     for centre in cycle.dead_centres:
         ax.axvline(centre, color="black", linewidth=0.7, linestyle=":")
@@ -227,7 +221,7 @@ def _show_range(ax: Axes, shown: np.ndarray) -> None:
         ax.set_ylim(low - 0.1 * size - (size == 0), high + 0.1 * size + (size == 0))
 
 
-def _energy_loop(ax: Axes, moving: MovingMachine, cycle: CycleCurves) -> None:
+def _energy_loop(ax: Axes, moving: engine.MovingMachine, cycle: CycleCurves) -> None:
     """The loop W(I); if δ is given, with Wittenbauer's tangents and the flywheel from them."""
     if "work" not in cycle.rows:
         _say(ax, f"Energy loop: {TIMED}")
@@ -244,7 +238,7 @@ def _energy_loop(ax: Axes, moving: MovingMachine, cycle: CycleCurves) -> None:
         return
     quantities = cycle.known["reduced_inertia"], cycle.known["work"]
     (fi, unit_i), (fw, unit_w) = (
-        display_unit(q.units, row) for q, row in zip(quantities, (inertia, work), strict=True)
+        engine.display_unit(q.units, row) for q, row in zip(quantities, (inertia, work), strict=True)
     )
     ax.plot(fi * np.append(inertia, inertia[0]), fw * np.append(work, work[0]), color=BLUE)
     _mark_quarters(ax, cycle, fi * inertia, fw * work)
@@ -262,7 +256,7 @@ def _energy_loop(ax: Axes, moving: MovingMachine, cycle: CycleCurves) -> None:
         label = rf"tangent of slope ½ω$_\mathrm{{{word}}}$²"
         ax.plot(fi * ends, fw * np.array(at_ends), color=colour, linewidth=0.9, label=label)
         ax.plot(fi * inertia[k], fw * work[k], "o", color=colour, markersize=3.5)
-    wheel = quantity_text(moving.summary("flywheel_wittenbauer"), "kg m2")
+    wheel = engine.quantity_text(moving.summary("flywheel_wittenbauer"), "kg m2")
     ax.set_title(f"Energy loop: flywheel {wheel}".replace("-", "\N{MINUS SIGN}"))
     # Inside the axes it would cover a tangent.
     ax.figure.legend(loc="outside lower right", ncols=2)
@@ -277,7 +271,7 @@ def _mark_quarters(ax: Axes, cycle: CycleCurves, x: np.ndarray, y: np.ndarray) -
         ax.annotate(text, (x[k], y[k]), (3, 3), textcoords="offset points", fontsize=6)
 
 
-def _tangents(moving: MovingMachine, inertia: np.ndarray, work: np.ndarray) -> list[tuple[float, float, int]]:
+def _tangents(moving: engine.MovingMachine, inertia: np.ndarray, work: np.ndarray) -> list[tuple[float, float, int]]:
     """Wittenbauer's tangents of maximum and minimum speed: slope, intercept at I = 0, node touched."""
     wheel = moving.scene.flywheel
     if wheel is None or wheel.speed_fluctuation is None:

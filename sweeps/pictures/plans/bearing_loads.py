@@ -30,29 +30,21 @@ class BearingLoad(NamedTuple):
 
     Attributes
     ----------
+    cycle : MachineCycle
     pair : Pair
     axes : str
         Link that defines the axes.
     on : str
         Link that it acts on.
-    q : ndarray (positions,)
-        Positions of the input [rad or m].
     force : complex ndarray (positions,)
         x + iy [N].
-    maximum : float
-        Peak of its magnitude [N].
-    turns, closed : bool
-        Whether the input is a crank, and whether the first position follows the last.
     """
 
+    cycle: MachineCycle
     pair: Pair
     axes: str
     on: str
-    q: np.ndarray
     force: np.ndarray
-    maximum: float
-    turns: bool
-    closed: bool
 
     @property
     def peak(self) -> int:
@@ -96,9 +88,7 @@ def bearing_load(cycle: MachineCycle, pair: str, axes: str = FRAME) -> BearingLo
         raise PictureError(f"bearing load: {pair} is unloaded; give the machine masses, forces or gravity")
     on = found.other if axes == found.other != FRAME else found.link
     sign = 1 if on == found.link else -1
-    turned = sign * force * cycle.motion.axes(axes)[1].conj()
-    turns = isinstance(cycle.scene.input, CrankInput)
-    return BearingLoad(found, axes, on, cycle.motion.q, turned, cycle.peak_force(pair), turns, cycle.is_closed)
+    return BearingLoad(cycle, found, axes, on, sign * force * cycle.motion.axes(axes)[1].conj())
 
 
 def shares(load: BearingLoad, width: float = WIDTH) -> np.ndarray:
@@ -136,9 +126,10 @@ def load_polar(load: BearingLoad, ax: PolarAxes) -> None:
         Made with projection="polar".
     """
     factor, unit = display_unit("N", np.abs(load.force))
-    z = factor * (np.append(load.force, load.force[0]) if load.closed else load.force)
+    z = factor * (np.append(load.force, load.force[0]) if load.cycle.is_closed else load.force)
+    q, turns = load.cycle.motion.q, isinstance(load.cycle.scene.input, CrankInput)
     ax.plot(np.angle(z), np.abs(z), color=BLUE, linewidth=1.1)
-    every = max(1, round(math.pi / 6 / (load.q[1] - load.q[0])) if load.turns else load.q.size // 12)
+    every = max(1, round(math.pi / 6 / (q[1] - q[0])) if turns else q.size // 12)
     top = factor * np.nanmax(np.abs(load.force))
     marked = lettered = np.empty(0, complex)
     for k in range(0, load.force.size, every):
@@ -153,14 +144,16 @@ def load_polar(load: BearingLoad, ax: PolarAxes) -> None:
         apart = lettered - middle
         if not ((np.abs(apart.real) < LETTERS.real * top) & (np.abs(apart.imag) < LETTERS.imag * top)).any():
             lettered = np.append(lettered, middle)
-            text = f"φ {np.degrees(load.q[k]):.0f}°" if load.turns else quantity_text(float(load.q[k]), "m")
+            text = f"φ {np.degrees(q[k]):.0f}°" if turns else quantity_text(float(q[k]), "m")
             at = (np.angle(end), abs(end))
             ax.annotate(text, at, (4 * side, 2), textcoords="offset points", fontsize=6, ha=ha)
     peak = factor * load.force[load.peak]
     ax.plot(np.angle(peak), abs(peak), "*", color=VERMILION, markersize=7)
     _axes(ax, unit, z)
     whose = "frame axes" if load.axes == FRAME else f"axes of {load.axes}"
-    ax.set_title(f"on {load.on}, {whose}\npeak {factor * load.maximum:.4g} {unit}", fontsize=7.5, pad=8)
+    ax.set_title(
+        f"on {load.on}, {whose}\npeak {factor * load.cycle.peak_force(load.pair.name):.4g} {unit}", fontsize=7.5, pad=8
+    )
 
 
 def load_rose(load: BearingLoad, ax: PolarAxes) -> None:

@@ -93,11 +93,11 @@ def rolling(pose: Pose, name: str) -> Rolling | None:
     if name in scene.racks:
         rack = scene.racks[name]
         arm = 1j * pose.cycle.numbers[f"racks.{name}.radius"] * pose.guide(rack.guide)
-        return Rolling(letter, mesh_driver(scene, name), name, _at(pose, rack.pivot) - arm, -arm)
+        return Rolling(letter, mesh_driver(scene, name), name, pose.place(rack.pivot) - arm, -arm)
     pinion = scene.pinions[name]
     guide = pinion.guide or guide_of(scene, pinion.rack)
     arm = 1j * pose.cycle.numbers[f"pinions.{name}.radius"] * pose.guide(guide)
-    return Rolling(letter, mesh_driver(scene, name), name, _at(pose, pinion.pivot) - arm, arm)
+    return Rolling(letter, mesh_driver(scene, name), name, pose.place(pinion.pivot) - arm, arm)
 
 
 def _of_shaft(pose: Pose, name: str, letter: str) -> Rolling | None:
@@ -106,15 +106,11 @@ def _of_shaft(pose: Pose, name: str, letter: str) -> Rolling | None:
     toothed = shaft.carrier is not None or shaft.pressure_angle is not None or ratio < 0
     if shaft.pivot is None or not toothed:
         return None
-    centre, axis = _at(pose, shaft.pivot), _at(pose, mesh_axis(pose.scene, name))
+    centre, axis = pose.place(shaft.pivot), pose.place(mesh_axis(pose.scene, name))
     line = centre - axis
     if line == 0:
         return None
     return Rolling(letter, shaft.geared_to, name, centre + line / (ratio - 1), -line * ratio / (1 - ratio) ** 2)
-
-
-def _at(pose: Pose, point: str) -> complex:
-    return complex(pose.motion.points[point][pose.k])
 
 
 def touching(pose: Pose, name: str) -> Touching:

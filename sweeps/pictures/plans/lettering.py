@@ -2,6 +2,10 @@
 
 import re
 
+import numpy as np
+
+from engine import display_unit
+
 
 def subscript(*names: str) -> str:
     """Names of points or links as a subscript: BA for short ones, pin,B for longer ones."""
@@ -26,6 +30,12 @@ def symbol(letter: str, index: str, power: str = "") -> str:
 def numbered(letter: str, *numbers: int, before: str = "", power: str = "") -> str:
     """A letter with link numbers as subscript: R12, or R1,12 for two-digit numbers."""
     return symbol(letter, before + ("" if all(n < 10 for n in numbers) else ",").join(map(str, numbers)), power)
+
+
+def size_text(size: float, unit: str) -> str:
+    """A magnitude to four digits in a practical unit."""
+    factor, label = display_unit(unit, np.array([size]))
+    return f"{factor * size:.4g} {label}"
 
 
 def image_name(name: str) -> str:

@@ -45,7 +45,7 @@ def mechanism_plan(
     paper = _laid_out(ax, whole, cloud)
     for point in near:
         for bar in point.bars:
-            paper.line([complex(motion.points[bar.outer][pose.k]), point.place], GREY, 0.4, (0, (4, 2)))
+            paper.line([pose.place(bar.outer), point.place], GREY, 0.4, (0, (4, 2)))
         paper.dot(point.place, f"${subscript(point.name)}$")
     paper.figures(whole)
     for joint in whole:
@@ -87,7 +87,7 @@ def _number(paper: Paper, pose: Pose, link: str) -> None:
         half_height = np.abs(np.diff(corners)).min() / 2
         paper.name(complex(corners.mean()), str(pose.number(link)), BLUE, clear=half_height / paper.per_mm + 0.5)
         return
-    places = [complex(pose.motion.points[n][pose.k]) for n in pose.motion.members(link)]
+    places = [pose.place(n) for n in pose.motion.members(link)]
     if len(places) > 1:
         a, b = max(((p, q) for p in places for q in places), key=lambda ends: abs(ends[1] - ends[0]))
         middle = (a + b) / 2

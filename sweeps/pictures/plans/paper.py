@@ -59,6 +59,11 @@ def half_size(text: str) -> complex:
     return complex(box.width, max(box.height, 0.55 * LETTERS)) * MM_PER_POINT / 2
 
 
+def size_of(ax: Axes) -> complex:
+    """Width and height of axes on paper [mm]."""
+    return complex(*(MM_PER_INCH * ax.figure.get_size_inches() * ax.get_position().size))
+
+
 class Paper:
     """Axes as a sheet of paper with a round scale; labels are placed last, when all lines are known.
 
@@ -82,8 +87,7 @@ class Paper:
 
     def __init__(self, ax: Axes, cloud: Sequence[complex], margin: float = 8.0, to_scale: bool = True) -> None:
         self.ax, points = ax, np.asarray(cloud, complex)
-        inches = ax.figure.get_size_inches() * ax.get_position().size
-        self.size = complex(*(MM_PER_INCH * inches))
+        self.size = size_of(ax)
         low, high = (complex(f(points.real), f(points.imag)) for f in (np.min, np.max))
         self.strip = STRIP if to_scale else 0.0
         room = self.size - complex(2 * margin, 2 * margin + self.strip)

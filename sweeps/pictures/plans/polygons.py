@@ -39,11 +39,38 @@ class Leg(NamedTuple):
     steps: tuple[PlanStep, ...]
 
 
+class PlanKind(NamedTuple):
+    """Velocity or acceleration plan: symbols and units of its vectors and of turns, and its rules.
+
+    Attributes
+    ----------
+    letter, unit : str
+    turned, turn_letter, turn_unit : str
+        The turns listed: field of `Turn`, symbol and unit.
+    image : callable
+        A point's vector from its motion.
+    turning, slid, curved, rolled : callable
+        Symbol, vector and kind of each step on a bar, along a guide, along a curved path, and between rolling curves.
+    """
+
+    letter: str
+    unit: str
+    turned: str
+    turn_letter: str
+    turn_unit: str
+    image: Callable[[Movement], complex]
+    turning: Callable[[Turn, complex], list[tuple[str, complex, str]]]
+    slid: Callable[[Turn, complex, complex], list[tuple[str, complex, str]]]
+    curved: Callable[[Turn, complex, complex, complex], list[tuple[str, complex, str]]]
+    rolled: Callable[[float, complex], list[tuple[str, complex, str]]]
+
+
 class VectorPlan(NamedTuple):
     """A velocity or acceleration plan.
 
     Attributes
     ----------
+    kind : PlanKind
     images : dict of str to complex
         Vector from the pole to the image of each point [m/s or m/s²].
     legs : tuple of Leg
@@ -59,6 +86,7 @@ class VectorPlan(NamedTuple):
         Unnamed points of the scene [m]: pitch points, points of cams and sliding inputs.
     """
 
+    kind: PlanKind
     images: dict[str, complex]
     legs: tuple[Leg, ...]
     pole: tuple[str, ...]
@@ -68,27 +96,16 @@ class VectorPlan(NamedTuple):
     places: dict[str, complex]
 
 
-class _Order(NamedTuple):
-    """Rules of a velocity or acceleration plan."""
-
-    letter: str
-    image: Callable[[Movement], complex]
-    turned: Callable[[Turn, complex], list[tuple[str, complex, str]]]
-    slid: Callable[[Turn, complex, complex], list[tuple[str, complex, str]]]
-    curved: Callable[[Turn, complex, complex, complex], list[tuple[str, complex, str]]]
-    rolled: Callable[[float, complex], list[tuple[str, complex, str]]]
-
-
-_VELOCITY = _Order(
-    "v",
+_VELOCITY = PlanKind(
+    *("v", "m s-1", "omega", r"\omega", "rad/s"),
     lambda moving: moving.v,
     lambda turn, arm: [("", 1j * turn.omega * arm, "whole")],
     lambda _, v, a: [("", v, "relative")],
     lambda _, v, a, bend: [("", v, "relative")],
     lambda omega, drift: [],
 )
-_ACCELERATION = _Order(
-    "a",
+_ACCELERATION = PlanKind(
+    *("a", "m s-2", "epsilon", r"\varepsilon", "rad/s²"),
     lambda moving: moving.a,
     lambda turn, arm: [("n", -(turn.omega**2) * arm, "normal"), ("t", 1j * turn.epsilon * arm, "tangential")],
     lambda turn, v, a: [("c", 2j * turn.omega * v, "coriolis"), ("r", a, "relative")],
@@ -114,7 +131,7 @@ def accelerations(pose: Pose) -> VectorPlan:
 class _Composer:
     """Builds a plan group by group."""
 
-    def __init__(self, pose: Pose, order: _Order) -> None:
+    def __init__(self, pose: Pose, order: PlanKind) -> None:
         self.pose, self.order = pose, order
         self.images: dict[str, complex] = {}
         self.legs: list[Leg] = []
@@ -140,10 +157,9 @@ class _Composer:
                 self._carried_by(contact.follower)
             elif element.kind in ("second input", "shaft", "noncircular wheel", "rack", "pinion"):
                 self._driven(element.name, element.kind == "second input")
-        links = [self._others_on(link) for link in self.pose.cycle.structure.links]
-        figures = tuple(filter(None, links))
-        rest, special = tuple(self.rest), tuple(self.special)
-        return VectorPlan(self.images, tuple(self.legs), rest, figures, self.under, special, self.places)
+        figures = tuple(filter(None, map(self._others_on, self.pose.cycle.structure.links)))
+        legs, rest, special = tuple(self.legs), tuple(self.rest), tuple(self.special)
+        return VectorPlan(self.order, self.images, legs, rest, figures, self.under, special, self.places)
 
     # Images
 
@@ -194,11 +210,11 @@ class _Composer:
         if end not in self.images:
             self._point(end)
         arm = self._place(end) - self._place(start)
-        self._leg(start, end, self.order.turned(self.pose.turn(link), arm), start in self.rest)
+        self._leg(start, end, self.order.turning(self.pose.turn(link), arm), start in self.rest)
 
     def _place(self, name: str) -> complex:
         point = name.rstrip("'")
-        return self.places[point] if point in self.places else complex(self.pose.motion.points[point][self.pose.k])
+        return self.places[point] if point in self.places else self.pose.place(point)
 
     def _along_guide(self, slider: str, guide: str, point: str, primes: str = "'") -> None:
         """From the point under a slider's joint to the joint."""
@@ -277,7 +293,7 @@ class _Composer:
         # One vector from the pole to the pitch point of wheels in mesh.
         if not any(leg.end == name and leg.start in self.rest for leg in self.legs) or start not in self.rest:
             arm = place - self._place(start)
-            self._leg(start, name, self.order.turned(pose.turn(link), arm), start in self.rest)
+            self._leg(start, name, self.order.turning(pose.turn(link), arm), start in self.rest)
         return name
 
     def _rolling(self, contact: Rolling) -> None:
@@ -341,8 +357,8 @@ class _Composer:
         for bar in special.bars:
             self._point(bar.outer)
             a, b = self._place(bar.outer), self._place(bar.inner)
-            along = order.turned(pose.turn(bar.link), b - a)
-            beyond = order.turned(turn, special.place - b)
+            along = order.turning(pose.turn(bar.link), b - a)
+            beyond = order.turning(turn, special.place - b)
             # Normal parts in sequence; parts across the bar combined.
             sub, (sup, vector, kind) = subscript(name, bar.outer), along[-1]
             made = [PlanStep(symbol(order.letter, sub, sup), vector + beyond[-1][1], kind)]
@@ -356,4 +372,4 @@ class _Composer:
             self._bar(bar.link, bar.outer, bar.inner)
         if special.joint is not None:
             self._point(special.joint)
-            self._leg(name, special.joint, order.turned(turn, self._place(special.joint) - special.place), False)
+            self._leg(name, special.joint, order.turning(turn, self._place(special.joint) - special.place), False)

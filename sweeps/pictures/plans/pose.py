@@ -1,28 +1,13 @@
 """One machine over its cycle, and its velocities and accelerations at a position, at constant input speed."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from engine import (
-    FRAME,
-    CrankInput,
-    LinkForce,
-    Mechanics,
-    Motions,
-    MovingPoint,
-    NowhereDefinedError,
-    Pair,
-    Scene,
-    group_links,
-    has_cycle,
-    order_groups,
-    pairs_of,
-    quantity_text,
-)
+import engine
 from sweeps.pictures.drawing import DrawnMotion
 from sweeps.pictures.drawing.figures import default_position
 from sweeps.pictures.picture_error import PictureError
@@ -54,13 +39,15 @@ class MachineCycle:
         The mechanism can't be assembled at any position.
     """
 
-    def __init__(self, scene: Scene, values: Mapping[str, float] | None = None, known: Mechanics | None = None) -> None:
+    def __init__(
+        self, scene: engine.Scene, values: Mapping[str, float] | None = None, known: engine.Mechanics | None = None
+    ) -> None:
         self.scene = scene
         self.motion = DrawnMotion(scene, values, known)
         self.numbers = self.motion.numbers
-        self.structure = order_groups(scene)
+        self.structure = engine.order_groups(scene)
         in_groups = [link for links in self.groups.values() for link in links]
-        links = [FRAME, scene.input.link, *in_groups, *scene.inputs]
+        links = [engine.FRAME, scene.input.link, *in_groups, *scene.inputs]
         links += [cam.follower.link for cam in scene.cams.values()]
         links += [*scene.shafts, *scene.noncircular_wheels, *scene.racks, *scene.pinions]
         self.link_numbers = {link: i for i, link in enumerate(links)}
@@ -71,7 +58,7 @@ class MachineCycle:
         """Links of each group, in group order."""
         free = self.structure.free_groups
         return {
-            e.name: free[e.name].links if e.name in free else group_links(self.scene, e.name)
+            e.name: free[e.name].links if e.name in free else engine.group_links(self.scene, e.name)
             for e in self.structure.elements
             if e.kind in ("group", "free group")
         }
@@ -79,28 +66,28 @@ class MachineCycle:
     @property
     def is_closed(self) -> bool:
         """Whether the cycle closes."""
-        return has_cycle(self.scene)
+        return engine.has_cycle(self.scene)
 
     def _found(self, find: Callable[[], Found]) -> Found:
         try:
             return find()
-        except NowhereDefinedError as error:
+        except engine.NowhereDefinedError as error:
             raise PictureError(f"no plans of this machine: {error}") from None
 
     @cached_property
-    def rates(self) -> Motions:
+    def rates(self) -> engine.Motions:
         """Transfer functions of points, links, sliders and bodies, and contact geometry of cams and wheels."""
         return self._found(lambda: self.motion.machine.motions)
 
     @cached_property
-    def link_forces(self) -> list[LinkForce]:
+    def link_forces(self) -> list[engine.LinkForce]:
         """All loads of each link."""
         return self._found(lambda: self.motion.machine.forces)
 
     @cached_property
-    def pairs(self) -> dict[str, Pair]:
+    def pairs(self) -> dict[str, engine.Pair]:
         """Lower pairs by name."""
-        return {pair.name: pair for pair in pairs_of(self.scene)}
+        return {pair.name: pair for pair in engine.pairs_of(self.scene)}
 
     @cached_property
     def forces(self) -> dict[str, np.ndarray]:
@@ -178,20 +165,21 @@ class Pose:
     def title(self) -> str:
         """The position as text."""
         q = self.motion.q[self.k]
-        if isinstance(self.scene.input, CrankInput):
+        if isinstance(self.scene.input, engine.CrankInput):
             return f"φ = {math.degrees(q):.4g}°".replace("-", "\N{MINUS SIGN}")
-        return f"q = {quantity_text(q, 'm')}".replace("-", "\N{MINUS SIGN}")
+        return f"q = {engine.quantity_text(q, 'm')}".replace("-", "\N{MINUS SIGN}")
 
     def number(self, link: str) -> int:
         """Number of a link."""
         return self.cycle.link_numbers[link]
 
-    def _now(self, *rows: np.ndarray) -> Iterator[complex]:
-        return (complex(row[self.k]) for row in rows)
-
-    def _movement(self, point: MovingPoint) -> Movement:
-        place, v, a = self._now(*point)
+    def _movement(self, point: engine.MovingPoint) -> Movement:
+        place, v, a = (complex(row[self.k]) for row in point)
         return Movement(place, v * self.cycle.omega, a * self.cycle.omega**2)
+
+    def place(self, name: str) -> complex:
+        """Position of a point of the scene [m]."""
+        return complex(self.motion.points[name][self.k])
 
     def point(self, name: str) -> Movement:
         """Motion of a point of the scene."""
@@ -228,7 +216,7 @@ class Pose:
         return Movement(place, v, o.a + 1j * turn.epsilon * arm - turn.omega**2 * arm)
 
     @cached_property
-    def acting(self) -> list[LinkForce]:
+    def acting(self) -> list[engine.LinkForce]:
         """All loads of each link: points and forces as x + iy."""
         found = self.cycle.link_forces
         moments = [None if force.moment is None else float(force.moment[self.k]) for force in found]

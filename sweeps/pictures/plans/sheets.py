@@ -10,7 +10,7 @@ from matplotlib.text import Text
 from engine import FRAME, Scene
 from sweeps.pictures.plans.forces.force_plan import force_lines, force_plan
 from sweeps.pictures.plans.forces.free_body import free_body, height_of_body
-from sweeps.pictures.plans.kinematic_plans import acceleration_lines, acceleration_plan, velocity_lines, velocity_plan
+from sweeps.pictures.plans.kinematic_plans import draw_plan, plan_lines
 from sweeps.pictures.plans.lettering import subscript
 from sweeps.pictures.plans.mechanism_plan import mechanism_plan
 from sweeps.pictures.plans.polygons import VectorPlan, accelerations, velocities
@@ -68,29 +68,24 @@ def kinematic_sheet(pose: Pose, which: str) -> Figure:
     pose : Pose
     which : {"velocity", "acceleration"}
     """
-    plan_of, draw, lines_of = {
-        "velocity": (velocities, velocity_plan, velocity_lines),
-        "acceleration": (accelerations, acceleration_plan, acceleration_lines),
-    }[which]
     with house_style():
-        plan, special = plan_of(pose), velocities(pose).special
+        plan = (velocities if which == "velocity" else accelerations)(pose)
         under = [f"${subscript(n)}$ on {pose.number(link)}" for n, link in plan.under.items()]
         notes = fill(f"links: {links_line(pose)}", LINE).splitlines()
         notes += [f"coincident points: {', '.join(under)}"] * bool(under)
-        if special:
-            points = ", ".join(f"${subscript(s.name)}$ on {pose.number(s.link)}" for s in special)
+        if plan.special:
+            points = ", ".join(f"${subscript(s.name)}$ on {pose.number(s.link)}" for s in plan.special)
             notes.append(f"special points of Assur: {points}")
-        if plan.places:
-            notes += _of_places(plan)
-        lines = lines_of(pose, plan)
+        notes += _of_places(plan)
+        lines = plan_lines(pose, plan)
         # Values that don't fit next to the plan go in a strip below.
         few = len(lines) <= 33
         rows = 11 if few else -(-len(lines) // 6)
         strip = 3.2 * max(0, len(notes) - 2) + (0.0 if few else 9.5 + 3.5 * rows)
         figure = blank_sheet(height=HEIGHT + strip)
         heading(figure, pose.scene, f"{which} plan at {pose.title}")
-        mechanism_plan(pose, place(figure, 2, 54 + strip, 76, HEIGHT - HEADING - 54), special, plan.places)
-        draw(pose, place(figure, 80, 2 + strip, 98, HEIGHT - HEADING - 2))
+        mechanism_plan(pose, place(figure, 2, 54 + strip, 76, HEIGHT - HEADING - 54), plan.special, plan.places)
+        draw_plan(plan, place(figure, 80, 2 + strip, 98, HEIGHT - HEADING - 2))
         for i, text in enumerate(columns(lines, rows)):
             at = (4 + 26 * i, 52 + strip) if few else (4 + 29 * i, strip)
             write(figure, *at, text, fontsize=6.5, linespacing=1.4)

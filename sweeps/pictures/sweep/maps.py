@@ -61,7 +61,7 @@ def curves(figure: Figure, data: SweepData, x: str, ys: Sequence[str], best: int
         if data.out.any():
             shown = np.where(data.out, values, np.nan)[order]
             look = {"color": PALE, "marker": "o" if few else None, "markersize": 3, "linewidth": 1.8}
-            ax.plot(along[order], shown, **look, label=_missing(data))
+            ax.plot(along[order], shown, **look, label=data.legend_of("misses:"))
         _mark_failed(ax, along, data.status)
         if best is not None:
             ax.plot(along[best], values[best], "*", color=VERMILION, markersize=10, label="best")
@@ -84,16 +84,12 @@ def _mark_failed(ax: Axes, along: np.ndarray, status: np.ndarray) -> None:
     """Crosses at the bottom where variants failed, coloured by reason."""
     for colour, code in zip(PALETTE[2:] + PALETTE[1:2], _failures(status), strict=False):
         where = along[status == code]
-        foot = np.full(where.shape, 0.03)
-        ax.plot(where, foot, "x", color=colour, markersize=4, transform=ax.get_xaxis_transform(), label=_reason(code))
+        look = {"color": colour, "markersize": 4, "label": Verdict(code).short}
+        ax.plot(where, np.full(where.shape, 0.03), "x", transform=ax.get_xaxis_transform(), **look)
 
 
 def _failures(status: np.ndarray) -> list[int]:
     return [int(code) for code in np.unique(status) if code != Verdict.OK]
-
-
-def _reason(code: int) -> str:
-    return Verdict(code).short
 
 
 def field_band(ax: Axes, data: SweepData, name: str, best: int | None = None) -> None:
@@ -217,9 +213,9 @@ def map2d(ax: Axes, data: SweepData, x: str, y: str, colour: str, best: int | No
     handles = ax.get_legend_handles_labels()[0]
     if data.out.any():
         _veil(ax, places_x, places_y, cells(data.out))
-        handles.append(Patch(label=_missing(data), facecolor=VEIL, linewidth=0))
+        handles.append(Patch(label=data.legend_of("misses:"), facecolor=VEIL, linewidth=0))
     for k, code in enumerate(_failures(status)):
-        handles.append(Patch(label=_reason(code), linewidth=0, **_failed_look(k)))
+        handles.append(Patch(label=Verdict(code).short, linewidth=0, **_failed_look(k)))
     if handles:
         ax.figure.legend(handles=handles, loc="outside lower center", ncols=3)
 
@@ -231,10 +227,6 @@ def _is_smooth(grid: np.ndarray) -> bool:
         return False
     travelled = [np.nansum(np.abs(np.diff(grid, axis=axis)), axis=axis).mean() for axis in (0, 1)]
     return max(travelled) < MOST_TRAVEL * span
-
-
-def _missing(data: SweepData) -> str:
-    return data.legend_of("misses:")
 
 
 def _veil(ax: Axes, xs: np.ndarray, ys: np.ndarray, out: np.ndarray) -> None:
@@ -262,14 +254,7 @@ def _failed_cells(ax: Axes, xs: np.ndarray, ys: np.ndarray, status: np.ndarray) 
         cells.set(linewidth=0, hatch=look["hatch"], edgecolor=look["edgecolor"])
 
 
-def scatter(
-    ax: Axes,
-    data: SweepData,
-    x: str,
-    y: str,
-    colour: str | None = None,
-    best: int | None = None,
-) -> None:
+def scatter(ax: Axes, data: SweepData, x: str, y: str, colour: str | None = None, best: int | None = None) -> None:
     """Scatter of two arrays, coloured by a third.
 
     Parameters
@@ -287,7 +272,7 @@ def scatter(
     size = float(np.clip(6000 / max(1, np.count_nonzero(finite)), 1.5, 14))
     out = finite & data.out
     if out.any():
-        ax.scatter(xs[out], ys[out], c=PALE, s=size, linewidths=0, rasterized=True, label=_missing(data))
+        ax.scatter(xs[out], ys[out], c=PALE, s=size, linewidths=0, rasterized=True, label=data.legend_of("misses:"))
     shades, label = (BLUE, "") if colour is None else (data.shown(colour)[0][sound], data.shown(colour)[1])
     dots = ax.scatter(
         xs[sound], ys[sound], c=shades, s=size, cmap=None if colour is None else COLOURS, linewidths=0, rasterized=True

@@ -46,11 +46,7 @@ def result_pictures(
     result.show_own_units()
     path = result.path
     if result.description.variants == 1:
-        values, picture_file = result.variant_values(0), out or path.with_suffix(".png")
-        if result.scene.input is None:
-            return machine_pictures(result.scene, values, picture_file)
-        made = machine_pictures(result.scene, values, picture_file, known=result.mechanics)
-        return made + reaction_pictures(result.scene, picture_file, result.fields, values, result.mechanics)
+        return _pictures_of(result, 0, out or path.with_suffix(".png"))
     best = result.best()
     made = [out or path.with_suffix(".png")]
     if is_front(result) and x is y is colour is None:
@@ -73,11 +69,16 @@ def _pictures_of_one(result: SweepResult, best: int | None) -> list[Path]:
             return []
         stem = path.with_name(f"{path.stem}_{first}.png")
         return reaction_pictures(result.scene, stem, result.fields, result.variant_values(first), result.mechanics)
-    stem, values = path.with_name(f"{path.stem}_best.png"), result.variant_values(best)
+    return _pictures_of(result, best, path.with_name(f"{path.stem}_best.png"))
+
+
+def _pictures_of(result: SweepResult, variant: int, stem: Path) -> list[Path]:
+    """Plot the machine of a variant and the kept reactions."""
+    values = result.variant_values(variant)
     made = machine_pictures(result.scene, values, stem, known=result.mechanics)
-    if result.scene.input is None:
-        return made
-    return made + reaction_pictures(result.scene, stem, result.fields, values, result.mechanics)
+    if result.scene.input is not None:
+        made += reaction_pictures(result.scene, stem, result.fields, values, result.mechanics)
+    return made
 
 
 def sweep_data(

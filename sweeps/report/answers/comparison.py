@@ -190,7 +190,8 @@ def _elsewhere(
     bytes_each = 8 * (len(names) + len(columns) + 3)
     shares = max(math.ceil(other.description.variants * bytes_each / SOUGHT_IN), 1)
     for share in range(shares):
-        yield from _Places(other, names, columns, (share, shares)).pairs(one, parts)
+        places = _Places(other, names, columns, (share, shares))
+        yield from (places.pairs(one, part) for part in parts)
 
 
 class _Places:
@@ -218,11 +219,8 @@ class _Places:
         mine = np.flatnonzero(keys % np.uint64(shares) == remainder)
         return part.start + mine, keys[mine]
 
-    def pairs(self, other: SweepResult, parts: Sequence[slice]) -> Iterator[_Pairs]:
-        """Variants of another result's parts that occur here."""
-        return (self._pairs(other, part) for part in parts)
-
-    def _pairs(self, other: SweepResult, part: slice) -> _Pairs:
+    def pairs(self, other: SweepResult, part: slice) -> _Pairs:
+        """Variants of a part of another result that occur here."""
         here, wanted = self._shared(other, part)
         at = np.searchsorted(self.keys, wanted)
         known = at < self.keys.size

@@ -19,6 +19,11 @@ class _Asked(NamedTuple):
     conditions: tuple[Condition, ...]
     verdict: Verdict
 
+    @property
+    def names(self) -> list[str]:
+        """Names in the conditions."""
+        return [name for condition in self.conditions for name in condition.names]
+
 
 def drop_lines(conditions: Sequence[str], missed: Iterable[np.ndarray], variants: int | None = None) -> list[str]:
     """Variants that fail each condition, and those that fail only it.
@@ -80,11 +85,9 @@ def _asked(result: SweepResult) -> _Asked | None:
 
 def _judged(result: SweepResult, asked: _Asked) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """Variants, whether they miss each condition, and by which margins (conditions, variants), in parts."""
-    required = result.requirements
-    names = required.behind(name for condition in asked.conditions for name in condition.names)
     for part in result.parts():
         chosen = part.start + np.flatnonzero(result.columns["status"][part] == asked.verdict)
-        known = required.known(result.rows(chosen, names))
+        known = result.known(chosen, asked.names)
         judged: list[Judgement] = [condition.judged(*known, chosen.size) for condition in asked.conditions]
         margins = [condition.margins(*known, chosen.size).max(axis=0) for condition in asked.conditions]
         yield chosen, ~np.array([one.met for one in judged]), np.array(margins)
@@ -110,12 +113,7 @@ def _closest_text(result: SweepResult, asked: _Asked, noun: str) -> str:
         if (wrong[k], worst[k]) < best:
             best, nearest = (wrong[k], worst[k]), (int(chosen[k]), missed[:, k])
     variant, missed = nearest
-    known = result.requirements.known(
-        result.rows(
-            np.array([variant]),
-            result.requirements.behind(name for condition in asked.conditions for name in condition.names),
-        )
-    )
+    known = result.known(np.array([variant]), asked.names)
     words = [_miss_words(result, c, known) for c, out in zip(asked.conditions, missed, strict=True) if out]
     return f"Closest: {noun} {variant}, which {' and '.join(words)}."
 

@@ -50,4 +50,4 @@ def cam_csv(cam: CamElement, out: Path, points: int) -> None:
     with np.errstate(invalid="ignore"):
         same = (np.abs(np.diff(rows)) <= 1e-12 * scale[:, None]).all(axis=0)
     kept, units = rows[:, np.append(True, ~same)], {name: unit for name, (_, unit) in columns.items()}
-    write_table(out, DataTable(dict(zip(columns, kept, strict=True)), units))
+    write_table(out, DataTable.whole(dict(zip(columns, kept, strict=True)), units))

@@ -21,38 +21,12 @@ _LONGEST_NAME = 63
 MOST_IN_MEMORY = 20_000_000
 
 
-class DataTable(NamedTuple):
-    """Columns of equal length.
-
-    Attributes
-    ----------
-    columns : dict of str to ndarray (rows,)
-        Numbers in SI units, or texts.
-    units : dict of str to str
-        CF unit of each numeric column.
-    title : str
-    """
-
-    columns: dict[str, np.ndarray]
-    units: dict[str, str]
-    title: str = ""
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the columns."""
-        return tuple(self.columns)
-
-    def parts(self, names: Sequence[str]) -> Iterator[dict[str, np.ndarray]]:
-        """Some columns as a single part."""
-        yield {name: self.columns[name] for name in names}
-
-
 class _TooLongError(Exception):
     """A table is too large for its format."""
 
 
-class PartedTable(NamedTuple):
-    """Columns of equal length, read in parts.
+class DataTable(NamedTuple):
+    """Columns of equal length, read in parts: numbers in SI units, or texts.
 
     Attributes
     ----------
@@ -70,11 +44,18 @@ class PartedTable(NamedTuple):
     title: str
     parts: Callable[[Sequence[str]], Iterator[dict[str, np.ndarray]]]
 
+    @classmethod
+    def whole(cls, columns: dict[str, np.ndarray], units: dict[str, str], title: str = "") -> "DataTable":
+        """A table of columns in memory (rows,)."""
+        return cls(tuple(columns), units, title, lambda names: iter([{name: columns[name] for name in names}]))
 
-Table = DataTable | PartedTable
+    @property
+    def columns(self) -> dict[str, np.ndarray]:
+        """All columns of a table in memory."""
+        return next(self.parts(self.names))
 
 
-def _in_shown_units(table: Table) -> PartedTable:
+def _in_shown_units(table: DataTable) -> DataTable:
     """A table in the units shown, as from `table_unit`."""
     units = {name: table_unit(unit) for name, unit in table.units.items()}
 
@@ -84,17 +65,17 @@ def _in_shown_units(table: Table) -> PartedTable:
             sizes = {name: units.get(name, (1.0, ""))[0] for name in part}
             yield {name: row if sizes[name] == 1.0 else row / sizes[name] for name, row in part.items()}
 
-    return PartedTable(table.names, {name: unit for name, (_, unit) in units.items()}, table.title, parts)
+    return DataTable(table.names, {name: unit for name, (_, unit) in units.items()}, table.title, parts)
 
 
-def write_table(out: Path, table: Table) -> None:
+def write_table(out: Path, table: DataTable) -> None:
     """Write a table in the format of the file extension, in the units shown.
 
     Parameters
     ----------
     out : Path
         Extension as in `TABLE_ENDINGS`.
-    table : DataTable or PartedTable
+    table : DataTable
 
     Raises
     ------
@@ -122,11 +103,11 @@ def header(name: str, units: str) -> str:
     return name if units in ("", "1") else f"{name} [{units}]"
 
 
-def _headers(table: Table) -> list[str]:
+def _headers(table: DataTable) -> list[str]:
     return [header(name, table.units.get(name, "1")) for name in table.names]
 
 
-def _write_csv(out: Path, table: Table) -> None:
+def _write_csv(out: Path, table: DataTable) -> None:
     with out.open("w", newline="", encoding="utf8") as file:
         writer = csv.writer(file)
         writer.writerow(_headers(table))
@@ -142,7 +123,7 @@ def table_data(table: DataTable) -> dict[str, Any]:
     }
 
 
-def _write_json(out: Path, table: Table) -> None:
+def _write_json(out: Path, table: DataTable) -> None:
     """Write by column, in the form of `table_data`."""
 
     def text(value: object) -> str:
@@ -166,7 +147,7 @@ def _plain(column: np.ndarray) -> list:
     return column.tolist()
 
 
-def _write_parquet(out: Path, table: Table) -> None:
+def _write_parquet(out: Path, table: DataTable) -> None:
     """Write a row group per part."""
     pyarrow, parquet = parquet_library(str(out))
     headers = _headers(table)
@@ -183,7 +164,7 @@ def _write_parquet(out: Path, table: Table) -> None:
             writer.write_table(rows)
 
 
-def _write_mat(out: Path, table: Table) -> None:
+def _write_mat(out: Path, table: DataTable) -> None:
     from scipy.io import savemat
 
     names = _matlab_names(table.names)
@@ -194,7 +175,7 @@ def _write_mat(out: Path, table: Table) -> None:
     savemat(out, content, long_field_names=True, oned_as="column")
 
 
-def _whole(table: Table) -> dict[str, np.ndarray]:
+def _whole(table: DataTable) -> dict[str, np.ndarray]:
     """All columns in memory, within the size limit."""
     found, rows = [], 0
     for part in table.parts(table.names):
@@ -225,7 +206,7 @@ def _matlab_names(names: Iterable[str]) -> dict[str, str]:
     return found
 
 
-_WRITERS: dict[str, Callable[[Path, Table], None]] = {
+_WRITERS: dict[str, Callable[[Path, DataTable], None]] = {
     ".csv": _write_csv,
     ".json": _write_json,
     ".parquet": _write_parquet,

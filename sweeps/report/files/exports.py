@@ -1,65 +1,35 @@
-"""Results, positions and histories as tables, and scenes as text."""
+"""Results, positions and histories as tables."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from engine import Scene, Verdict, did_you_mean, history, history_fields
-from sweeps.report.files.data_files import DataTable, PartedTable
+from sweeps.report.files.data_files import DataTable
 from sweeps.report.readings import Readings
 from sweeps.report.readings_in_time import HistoryColumn, history_columns
 from sweeps.report.regime_words import failure_text
 from sweeps.report.sweep_result import SweepResult
 from sweeps.text.conditions import Where
-from sweeps.text.edited_text import edited_scene
 from sweeps.text.input_files import InputError
-from sweeps.text.scene_text import with_values
-from sweeps.text.whole_files import write_whole_text
 
 # Rows in memory at once.
 ROWS_AT_A_TIME = 1 << 16
 
 
-def result_table(path: Path, where: Where = None) -> PartedTable:
-    """All columns of a result without fields: parameters, verdicts, summaries, derivatives.
-
-    Parameters
-    ----------
-    path : Path
-    where : str or sequence of str, optional
-        Only computed variants that meet these conditions; default: all variants, including failed ones.
-
-    Raises
-    ------
-    InputError
-        The condition is invalid.
-    """
-    result = SweepResult(path)
-    result.show_own_units()
-    errors = [f"{name}_error" for name in result.summaries]
-    named = [*result.parameters, "status", "status_at", *result.summaries, *errors]
-    others = [c.name for c in result.description.columns if c.dims == ("variant",) and c.name not in named]
-    known = [name for name in (*named, *others) if name in result.columns]
-    chosen = result.meets(where) if where else None
-
-    def parts(wanted: Sequence[str]) -> Iterator[dict[str, np.ndarray]]:
-        for here in result.chosen_parts(chosen, ROWS_AT_A_TIME):
-            yield {name: here if name == "variant" else result.columns[name][here] for name in wanted}
-
-    return PartedTable(("variant", *known), dict(result.units), result.description.title, parts)
-
-
-def result_columns(path: Path, names: Sequence[str], where: Where = None) -> PartedTable:
+def result_table(path: Path, names: Sequence[str] = (), where: Where = None) -> DataTable:
     """Parameters and some columns of a result; with fields, a row per variant and position.
 
     Parameters
     ----------
     path : Path
-    names : sequence of str
-        Summaries, error estimates, verdicts, derivatives, and fields with a common axis.
+    names : sequence of str, optional
+        Summaries, error estimates, verdicts, derivatives, and fields with a common axis; default: all columns without
+        fields.
     where : str or sequence of str, optional
-        Only variants that meet these conditions; default: all that were computed successfully.
+        Only computed variants that meet these conditions; default: those computed successfully, without `names` all of
+        them, including failed ones.
 
     Raises
     ------
@@ -73,7 +43,11 @@ def result_columns(path: Path, names: Sequence[str], where: Where = None) -> Par
         if name not in known:
             message = f"{name!r} is not in this result; {did_you_mean(name, known)}"
             raise InputError.of(str(path), message, key="--columns")
-    met, fields = result.meets(where), [name for name in dict.fromkeys(names) if name in result.fields]
+    met = result.meets(where) if where or names else None
+    if not names:
+        errors = [f"{name}_error" for name in result.summaries]
+        names = [n for n in ("status", "status_at", *result.summaries, *errors, *known) if n in result.columns]
+    fields = [name for name in dict.fromkeys(names) if name in result.fields]
     asked = [name for name in dict.fromkeys(("variant", *result.parameters, *names)) if name not in fields]
     axes = {axis.name: axis for axis in map(result.along, fields)}
     if len(axes) > 1:
@@ -94,22 +68,20 @@ def result_columns(path: Path, names: Sequence[str], where: Where = None) -> Par
             yield {name: column(name, here) for name in wanted}
 
     along = {axis.name: axis.units} if axis else {}
-    return PartedTable((*asked, *along, *fields), dict(result.units) | along, result.description.title, parts)
+    return DataTable((*asked, *along, *fields), dict(result.units) | along, result.description.title, parts)
 
 
 def reading_table(readings: Readings, title: str) -> DataTable:
     """Readings as a table, a row per position."""
-    return DataTable({readings.place: readings.at} | readings.values, readings.units, title)
+    return DataTable.whole({readings.place: readings.at} | readings.values, readings.units, title)
 
 
-def history_table(scene: Scene, values: Mapping[str, float], fields: Sequence[str] = ()) -> tuple[DataTable, str]:
+def history_table(scene: Scene, fields: Sequence[str] = ()) -> tuple[DataTable, str]:
     """History of a machine through its regimes, with one cycle of steady running.
 
     Parameters
     ----------
     scene : Scene
-    values : mapping of path to float
-        Numbers (SI) that replace the scene's.
     fields : sequence of str
         Additional loads on pairs and frame, such as "input.reaction".
 
@@ -127,7 +99,6 @@ def history_table(scene: Scene, values: Mapping[str, float], fields: Sequence[st
     if not scene.regimes:
         message = 'a history needs regimes; add [regimes.NAME] with type = "run" or "steady"'
         raise InputError.of(scene.title or "scene", message, key="regimes")
-    scene = with_values(scene, values)
     known = history_fields(scene) if fields else {}
     for name in fields:
         if name not in known:
@@ -142,28 +113,4 @@ def history_table(scene: Scene, values: Mapping[str, float], fields: Sequence[st
     numbers = {"regime": seen.regime, "time": seen.time} | {name: column.row for name, column in columns.items()}
     units = {"time": "s"} | {name: column.units for name, column in columns.items()}
     ended = "" if seen.verdict == Verdict.OK else failure_text(scene, seen.verdict, seen)
-    return DataTable(numbers, units, scene.title), ended
-
-
-def scene_toml(scene: Scene, values: Mapping[str, float], out: Path, text: str, overwrite: bool = False) -> None:
-    """Scene with some numbers replaced, as TOML; keeps the author's text, comments and units.
-
-    Parameters
-    ----------
-    scene : Scene
-    values : mapping of path to float
-        Numbers (SI) that replace the scene's.
-    out : Path
-    text : str
-        Source of the scene, "" if unknown.
-    overwrite : bool
-        Overwrite an existing file.
-
-    Raises
-    ------
-    InputError
-        The file exists or can't be written.
-    """
-    if out.exists() and not overwrite:
-        raise InputError.of(str(out), "exists already; name another file, or give --overwrite")
-    write_whole_text(out, edited_scene(scene, values, text, out.parent))
+    return DataTable.whole(numbers, units, scene.title), ended

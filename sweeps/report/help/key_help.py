@@ -11,20 +11,7 @@ from annotated_types import Ge, Gt, Le, Lt, MinLen
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from engine import (
-    FormulaNumber,
-    NonZero,
-    Scene,
-    arms_of,
-    bare_annotation,
-    described_dimension,
-    display_unit,
-    field_dimension,
-    field_marks,
-    is_union,
-    nearest_names,
-    speaks_of,
-)
+import engine
 from sweeps.guide.chapters import SUBJECTS, chapters
 from sweeps.study.study_text import StudyText
 from sweeps.text.input_files import InputError
@@ -42,7 +29,7 @@ _LIMITS = {
     Ge: ("at least", "ge"),
     Lt: ("less than", "lt"),
     Le: ("at most", "le"),
-    NonZero: ("not", "ne"),
+    engine.NonZero: ("not", "ne"),
 }
 
 
@@ -90,7 +77,7 @@ def key_text(asked: str) -> str:
         return about
     if not found:
         known = {".".join(key.path[n:]) for key in _keys() for n in range(len(key.path)) if key.path[n] != NAME}
-        near = nearest_names(asked, known | {key.kind for key in _keys() if key.kind}, 3)
+        near = engine.nearest_names(asked, known | {key.kind for key in _keys() if key.kind}, 3)
         hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "`sweeps help` lists all tables"
         raise InputError.of("help", f"scenes and studies have no key or type {asked!r}; {hint}")
     return "\n\n".join(_paragraphs(found))
@@ -98,7 +85,7 @@ def key_text(asked: str) -> str:
 
 def key_texts() -> dict[str, str]:
     """Help on each table and each type, by name."""
-    tables = [key.path[0] for key in _keys() if key.model in (Scene, StudyText)]
+    tables = [key.path[0] for key in _keys() if key.model in (engine.Scene, StudyText)]
     kinds = [key.kind for key in _keys() if key.kind and _of_table(key)]
     return {name: key_text(name) for name in dict.fromkeys([*tables, *kinds])}
 
@@ -110,7 +97,7 @@ def _about(words: Sequence[str]) -> str:
     for key in _keys():
         kind = key.kind if _of_table(key) else ""
         name = kind or key.path[-1]
-        if name not in (NAME, PATH) and speaks_of(name.replace("_", " "), words):
+        if name not in (NAME, PATH) and engine.speaks_of(name.replace("_", " "), words):
             rows.setdefault(name, f"a type of {key.path[0]}" if kind else _first_sentence(key))
     nearest = sorted(rows.items(), key=lambda row: words[0].lower() not in row[0])
     times = {name: _mentions(text, words) for name, text in chapters().items() if name not in NO_SUBJECTS}
@@ -128,13 +115,13 @@ def _mentions(text: str, words: Sequence[str]) -> tuple[int, int]:
     """How many lines have the words themselves, and how many have them or their synonyms."""
     lines = text.lower().splitlines()
     exact = sum(all(word.lower() in line for word in words) for line in lines)
-    return exact, sum(speaks_of(line, words) for line in lines)
+    return exact, sum(engine.speaks_of(line, words) for line in lines)
 
 
 def tables_text() -> str:
     """All top-level tables and keys of scenes and studies, with a sentence on each."""
     parts = []
-    for words, model in (("Scenes", Scene), ("Studies", StudyText)):
+    for words, model in (("Scenes", engine.Scene), ("Studies", StudyText)):
         rows = [(key.path[0], _first_sentence(key)) for key in _keys() if key.model is model]
         parts += [f"{words} (details: `sweeps help KEY`):", table(rows, "  ")]
     return "\n".join(parts)
@@ -142,7 +129,7 @@ def tables_text() -> str:
 
 @cache
 def _keys() -> tuple[Key, ...]:
-    return (*_walk(Scene, (), ""), *_walk(StudyText, (), ""))
+    return (*_walk(engine.Scene, (), ""), *_walk(StudyText, (), ""))
 
 
 def _walk(model: type[BaseModel], path: tuple[str, ...], kind: str) -> Iterator[Key]:
@@ -157,16 +144,16 @@ def _walk(model: type[BaseModel], path: tuple[str, ...], kind: str) -> Iterator[
 
 def tables_in(annotation: Any, path: tuple[str, ...]) -> Iterator[tuple[type[BaseModel], tuple[str, ...]]]:
     """Models allowed at a path, and the paths of their keys."""
-    here = bare_annotation(annotation)
-    if is_union(here):
-        for arm in arms_of(here):
+    here = engine.bare_annotation(annotation)
+    if engine.is_union(here):
+        for arm in engine.arms_of(here):
             yield from tables_in(arm, path)
     elif get_origin(here) is dict:
         yield from tables_in(get_args(here)[1], (*path, PATH if path[-1] in _BY_PATH else NAME))
     elif get_origin(here) in (list, tuple):
         for arm in get_args(here):
             yield from tables_in(arm, path)
-    elif isinstance(here, type) and issubclass(here, BaseModel) and here is not FormulaNumber:
+    elif isinstance(here, type) and issubclass(here, BaseModel) and here is not engine.FormulaNumber:
         yield here, path
 
 
@@ -283,20 +270,24 @@ def _necessity(field: FieldInfo) -> str:
         return "optional"
     if isinstance(default, bool):
         return f"default: {str(default).lower()}"
-    return f"default: {_as_typed(default, field_dimension(field)) if isinstance(default, float) else default}"
+    return f"default: {_as_typed(default, engine.field_dimension(field)) if isinstance(default, float) else default}"
 
 
 def _as_typed(value: float, dimension: str | None) -> str:
     """A number as people type it."""
     if not value or dimension in (None, "number"):
         return f"{value:g}"
-    factor, label = display_unit(described_dimension(dimension).unit, np.array([value]))
+    factor, label = engine.display_unit(engine.described_dimension(dimension).unit, np.array([value]))
     return f"{value * factor:.10g} {label}"
 
 
 def _takes(field: FieldInfo) -> str:
     """Allowed values of a key, with limits."""
-    marks, dimension, here = field_marks(field), field_dimension(field), bare_annotation(field.annotation)
+    marks, dimension, here = (
+        engine.field_marks(field),
+        engine.field_dimension(field),
+        engine.bare_annotation(field.annotation),
+    )
     limits = [
         f"{words} {_as_typed(getattr(mark, at), dimension)}"
         for mark in marks
@@ -315,29 +306,29 @@ def _kind(here: Any, dimension: str | None) -> str:
     if dimension == "number":
         return "a number, a fraction such as '1/30' or a percentage"
     if dimension is not None:
-        return f"{dimension.replace('_', ' ')}, '{described_dimension(dimension).example}'"
+        return f"{dimension.replace('_', ' ')}, '{engine.described_dimension(dimension).example}'"
     if get_origin(here) is Literal:
         return " or ".join("true" if v is True else f'"{v}"' if isinstance(v, str) else str(v) for v in get_args(here))
     if get_origin(here) in (list, tuple):
-        return _kind(bare_annotation(get_args(here)[0]), None)
+        return _kind(engine.bare_annotation(get_args(here)[0]), None)
     if get_origin(here) is dict:
-        return f"a table, each entry {_kind(bare_annotation(get_args(here)[1]), None)}"
-    if is_union(here):
-        return " or ".join(dict.fromkeys(_kind(bare_annotation(arm), None) for arm in arms_of(here)))
+        return f"a table, each entry {_kind(engine.bare_annotation(get_args(here)[1]), None)}"
+    if engine.is_union(here):
+        return " or ".join(dict.fromkeys(_kind(engine.bare_annotation(arm), None) for arm in engine.arms_of(here)))
     if isinstance(here, type) and issubclass(here, BaseModel):
-        return "a quantity in any unit" if here is FormulaNumber else "a table"
+        return "a quantity in any unit" if here is engine.FormulaNumber else "a table"
     return {bool: "true or false", int: "a whole number", float: "a number", dict: "a table"}.get(here, "a text")
 
 
 def _example(key: Key) -> list[str]:
     """An example line, if possible."""
-    dimension = field_dimension(key.field)
-    here = bare_annotation(key.field.annotation)
+    dimension = engine.field_dimension(key.field)
+    here = engine.bare_annotation(key.field.annotation)
     if dimension == "number" or (dimension is None and get_origin(here) is not Literal):
         return []
     if dimension is None:
         first = get_args(here)[0]
         value = "true" if first is True else f'"{first}"' if isinstance(first, str) else str(first)
     else:
-        value = f'"{described_dimension(dimension).example}"'
+        value = f'"{engine.described_dimension(dimension).example}"'
     return [f"  example: {key.path[-1]} = {f'[{value}]' if get_origin(here) in (list, tuple) else value}"]

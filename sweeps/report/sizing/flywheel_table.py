@@ -2,14 +2,7 @@
 
 from pathlib import Path
 
-from engine import (
-    TurningMoment,
-    in_text,
-    quantity_text,
-    show_units_of,
-    turning_moment_from_areas,
-    turning_moment_from_table,
-)
+import engine
 from sweeps.text.csv_text import named_columns, read_csv
 from sweeps.text.numbers_in_row import numbers_in_row
 from sweeps.text.tables import table
@@ -22,7 +15,7 @@ def flywheel_from_csv(
     interpolation: str = "linear",
     inertia: str = "0",
     area_energy: str | None = None,
-) -> TurningMoment:
+) -> engine.TurningMoment:
     """Flywheel for a turning-moment diagram.
 
     Parameters
@@ -42,14 +35,16 @@ def flywheel_from_csv(
     ------
     InputError, UnitError, TableError
     """
-    mean_speed, delta = in_text(speed, "angular_speed"), in_text(fluctuation, "number")
-    already = in_text(inertia, "inertia")
+    mean_speed, delta = engine.in_text(speed, "angular_speed"), engine.in_text(fluctuation, "number")
+    already = engine.in_text(inertia, "inertia")
     if area_energy is not None:
         (areas,) = named_columns(path, {"area": None}, "area [mm2]")
         (energy,) = numbers_in_row("--area-energy", area_energy, ("energy",))
-        return turning_moment_from_areas(areas, energy, mean_speed, delta, already)
+        return engine.turning_moment_from_areas(areas, energy, mean_speed, delta, already)
     phi, moment = named_columns(path, {"phi": "angle", "moment": "moment"}, "phi [deg], moment [N m]")
-    return turning_moment_from_table(phi, moment, mean_speed, delta, interpolation=interpolation, inertia=already)
+    return engine.turning_moment_from_table(
+        phi, moment, mean_speed, delta, interpolation=interpolation, inertia=already
+    )
 
 
 def flywheel_text(
@@ -57,16 +52,16 @@ def flywheel_text(
 ) -> str:
     """Report on the flywheel for a turning-moment diagram, in its units; arguments as for `flywheel_from_csv`."""
     written = [f"1 {column.unit}" for column in read_csv(path).values() if column.unit]
-    show_units_of({"table": [*written, inertia, area_energy or ""]})
+    engine.show_units_of({"table": [*written, inertia, area_energy or ""]})
     found = flywheel_from_csv(path, speed, fluctuation, interpolation, inertia, area_energy)
-    rows = [("excess work", quantity_text(found.excess_work, "J"))]
+    rows = [("excess work", engine.quantity_text(found.excess_work, "J"))]
     if area_energy is None:
-        rows.insert(0, ("mean torque", quantity_text(found.mean_moment, "N m")))
-        rows.append(("fastest at", quantity_text(found.fastest_at, "rad")))
-        rows.append(("slowest at", quantity_text(found.slowest_at, "rad")))
+        rows.insert(0, ("mean torque", engine.quantity_text(found.mean_moment, "N m")))
+        rows.append(("fastest at", engine.quantity_text(found.fastest_at, "rad")))
+        rows.append(("slowest at", engine.quantity_text(found.slowest_at, "rad")))
     else:
         rows.append(("fastest after", f"{found.fastest_at:.0f} areas"))
         rows.append(("slowest after", f"{found.slowest_at:.0f} areas"))
-    rows.append(("flywheel inertia", quantity_text(found.flywheel_inertia, "kg m2")))
-    rows.append(("speed fluctuation", quantity_text(found.speed_fluctuation, "1")))
+    rows.append(("flywheel inertia", engine.quantity_text(found.flywheel_inertia, "kg m2")))
+    rows.append(("speed fluctuation", engine.quantity_text(found.speed_fluctuation, "1")))
     return table(rows)

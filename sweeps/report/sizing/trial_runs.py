@@ -11,17 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import (
-    PatternError,
-    UnitError,
-    base_powers,
-    four_runs,
-    influence_coefficients,
-    influence_correction,
-    recognised,
-    residual_confidence,
-    split_on_neighbours,
-)
+import engine
 from sweeps.text.csv_text import TableColumn, read_csv
 from sweeps.text.input_files import InputError
 from sweeps.text.tables import table
@@ -192,8 +182,8 @@ def trial_runs_text(path: Path, noise: str | None = None, holes: int | None = No
 def _in_holes(weights: np.ndarray, holes: int, unit: str) -> list[str]:
     """Each weight split between its two neighbouring holes, numbered from 1."""
     try:
-        split = split_on_neighbours(weights, holes)
-    except PatternError as error:
+        split = engine.split_on_neighbours(weights, holes)
+    except engine.PatternError as error:
         raise InputError.of("--holes", str(error)) from None
     parts = zip(split.hole + 1, split.amount, split.next_hole + 1, split.next_amount, strict=True)
     return [f"{first:.4g} {unit} in {hole}, {second:.4g} {unit} in {beside}" for hole, first, beside, second in parts]
@@ -209,14 +199,14 @@ def _by_coefficients(path: Path, runs: Runs, noise: str | None) -> Correction:
         )
     order = np.argsort(runs.planes)
     weights = runs.weights[order]
-    coefficients = influence_coefficients(runs.initial, runs.trials[order], weights)
-    found = influence_correction(coefficients, runs.initial)
+    coefficients = engine.influence_coefficients(runs.initial, runs.trials[order], weights)
+    found = engine.influence_correction(coefficients, runs.initial)
     if not np.isfinite(found).all():
         raise InputError.of(str(path), "the sensors can't separate the planes: move them, or omit a plane")
     radii = None
     if noise is not None:
         sigma = _noise(runs, noise)
-        radii = residual_confidence(coefficients, found, weights, sigma, PROBABILITY).radii
+        radii = engine.residual_confidence(coefficients, found, weights, sigma, PROBABILITY).radii
     return Correction(planes, found, coefficients, np.abs(runs.initial + coefficients @ found), radii)
 
 
@@ -235,7 +225,7 @@ def _by_amplitudes(path: Path, runs: Runs, noise: str | None) -> Correction:
         raise InputError.of(str(path), needed)
     if noise is not None:
         raise InputError.of(str(path), "--noise requires runs with phases")
-    found = four_runs(abs(runs.initial[0]), np.abs(runs.trials[order, 0]), sizes[0])
+    found = engine.four_runs(abs(runs.initial[0]), np.abs(runs.trials[order, 0]), sizes[0])
     if not np.isfinite(found.unbalance):
         message = "no linear machine gives these amplitudes: repeat the readings, or use a heavier trial weight"
         raise InputError.of(str(path), message)
@@ -259,8 +249,8 @@ def _common_unit(path: Path, columns: dict[str, TableColumn], names: Iterable[st
         raise InputError.of(str(path), f"all sensors must use one unit; these use {', '.join(sorted(units))}", 1)
     (unit,) = units
     try:
-        base_powers(unit or "1")
-    except UnitError as error:
+        engine.base_powers(unit or "1")
+    except engine.UnitError as error:
         raise InputError.of(str(path), str(error), 1) from None
     return unit
 
@@ -268,8 +258,8 @@ def _common_unit(path: Path, columns: dict[str, TableColumn], names: Iterable[st
 def _noise(runs: Runs, noise: str) -> float:
     """The standard deviation in the unit of the readings."""
     try:
-        (value, kind), (one, wanted) = recognised(noise), recognised(f"1 {runs.unit}".strip())
-    except UnitError as error:
+        (value, kind), (one, wanted) = engine.recognised(noise), engine.recognised(f"1 {runs.unit}".strip())
+    except engine.UnitError as error:
         raise InputError.of("--noise", str(error)) from None
     if kind != wanted or not 0 < value < np.inf:
         raise InputError.of("--noise", f"{noise!r}: give it in the unit of the readings, '0.1 {runs.unit}'")

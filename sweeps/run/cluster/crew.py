@@ -13,7 +13,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import Future as Call
 from concurrent.futures import ThreadPoolExecutor
 from queue import Empty, Queue
-from types import TracebackType
 from typing import Any, NamedTuple, Self
 
 from distributed import Client, Future, KilledWorker
@@ -23,16 +22,8 @@ from distributed.core import send_recv
 from distributed.protocol.serialize import merge_and_deserialize
 
 from sweeps.run.carrying import Blocks
+from sweeps.run.cluster import on_workers
 from sweeps.run.cluster.cluster_errors import ClusterError, UnfinishedError
-from sweeps.run.cluster.on_workers import (
-    Greeting,
-    NotReadyError,
-    digest_of_content,
-    greet,
-    make_ready,
-    own_greeting,
-    time_variant,
-)
 
 # Attempts per failing job.
 ATTEMPTS = 3
@@ -88,10 +79,10 @@ class Crew:
     def __init__(self, client: Client, blocks: Blocks, tell: Callable[[str], None]) -> None:
         self.client, self.blocks, self.tell = client, blocks, tell
         self._content = pickle.dumps(blocks)
-        self.digest = digest_of_content(self._content)
-        self.members: dict[str, Greeting] = {}
+        self.digest = on_workers.digest_of_content(self._content)
+        self.members: dict[str, on_workers.Greeting] = {}
         self.failures: dict[int, str] = {}
-        self._seen: dict[str, Greeting] = {}
+        self._seen: dict[str, on_workers.Greeting] = {}
         self._refused: dict[str, str] = {}
         self._aside = ThreadPoolExecutor(1, thread_name_prefix="crew")
         self._fetching = ThreadPoolExecutor(1, thread_name_prefix="fetching")
@@ -102,9 +93,7 @@ class Crew:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self._aside.shutdown(wait=False)
         self._fetching.shutdown(wait=False)
 
@@ -137,9 +126,9 @@ class Crew:
         if new and not self._greeting:
             self._greeting = self._aside.submit(self._greet, {worker: there[worker] for worker in new})
 
-    def _greet(self, threads: dict[str, int]) -> tuple[dict[str, Greeting], dict[str, str]]:
+    def _greet(self, threads: dict[str, int]) -> tuple[dict[str, on_workers.Greeting], dict[str, str]]:
         """Prepare workers: those now ready, and why others are refused."""
-        own, ready, refused = own_greeting().versions, {}, {}
+        own, ready, refused = on_workers.own_greeting().versions, {}, {}
         try:
             greetings = self.client.sync(_greetings, self.client, list(threads))
         except OSError:
@@ -151,7 +140,7 @@ class Crew:
                 refused[worker] = _other_version(differing[0], found.versions, own)
             else:
                 ready[worker] = found._replace(threads=threads[worker])
-        answers = self._asked(make_ready, list(ready), self._content)
+        answers = self._asked(on_workers.make_ready, list(ready), self._content)
         refused |= {w: f"it can't compile the study ({why})" for w, why in answers.items() if why is not None}
         return {worker: ready[worker] for worker, why in answers.items() if why is None}, refused
 
@@ -165,7 +154,7 @@ class Crew:
             return {}
         return {worker: answer for worker, answer in found.items() if not isinstance(answer, OSError)}
 
-    def _welcome(self, ready: dict[str, Greeting], refused: dict[str, str]) -> None:
+    def _welcome(self, ready: dict[str, on_workers.Greeting], refused: dict[str, str]) -> None:
         self.members |= ready
         self._seen |= ready
         self._refused |= refused
@@ -208,7 +197,7 @@ class Crew:
 
     def seconds(self) -> float:
         """Time per variant on a worker."""
-        seconds = dict(self.results(time_variant, [(0, ())])).get(0)
+        seconds = dict(self.results(on_workers.time_variant, [(0, ())])).get(0)
         if seconds is None:
             raise UnfinishedError(f"can't compute any variant ({self.failures[0]})")
         return seconds
@@ -252,7 +241,7 @@ class Crew:
                     yield attempt.job[0], found
                     continue
                 del under_way[future]
-                if isinstance(error, NotReadyError):
+                if isinstance(error, on_workers.NotReadyError):
                     self.members.pop(str(error), None)
                     suspects.append(attempt.job)
                 elif not isinstance(error, KilledWorker):
@@ -327,12 +316,12 @@ def _other_version(name: str, theirs: Mapping[str, str], ours: Mapping[str, str]
     return f"{found}; install the same version there and restart the worker"
 
 
-async def _greetings(client: Client, workers: list[str]) -> dict[str, Greeting | str]:
+async def _greetings(client: Client, workers: list[str]) -> dict[str, on_workers.Greeting | str]:
     """Greetings of answering workers, or why one is incompatible.
 
     Their answers are not unpickled. The question is an expression, so that a missing module still gives an answer.
     """
-    expression = f"__import__({greet.__module__!r}, fromlist=['greet']).greet()"
+    expression = f"__import__({on_workers.greet.__module__!r}, fromlist=['greet']).greet()"
     call = {"function": pickle.dumps(eval), "args": pickle.dumps((expression,)), "kwargs": pickle.dumps({})}
     comm = await connect(client.scheduler.address, deserialize=False, **client.connection_args)
     answers = await send_recv(
@@ -347,13 +336,13 @@ async def _greetings(client: Client, workers: list[str]) -> dict[str, Greeting |
     return {worker: _greeting(answer) for worker, answer in answers.items()}
 
 
-def _greeting(answer: Mapping[str, Any]) -> Greeting | str:
+def _greeting(answer: Mapping[str, Any]) -> on_workers.Greeting | str:
     """A worker's greeting, or why it is incompatible."""
     if answer.get("status") != "OK":
         return _stranger(str(answer.get("exception_text")))
     try:
         sent = answer["result"]
-        found = Greeting(**json.loads(merge_and_deserialize(sent.header, sent.frames, deserializers=PLAIN)))
+        found = on_workers.Greeting(**json.loads(merge_and_deserialize(sent.header, sent.frames, deserializers=PLAIN)))
         return found._replace(versions={**found.versions}, processor=str(found.processor))
     except Exception as error:
         # Incompatible workers may send anything.

@@ -230,10 +230,10 @@ def test_no_worker_fits__is_refused(client, tmp_path, monkeypatch):
     study = study_of(tmp_path, GOOD)
     other = {"numba": "0.1"}
     found = runner.crew_of(client, study, layout_of(study, study.machine()), print)
-    import sweeps.run.cluster.crew as crews
+    from sweeps.run.cluster import on_workers
 
-    own = crews.own_greeting()
-    monkeypatch.setattr(crews, "own_greeting", lambda: own._replace(versions=own.versions | other))
+    own = on_workers.own_greeting()
+    monkeypatch.setattr(on_workers, "own_greeting", lambda: own._replace(versions=own.versions | other))
     with (
         found as crew,
         pytest.raises(ClusterError, match=r"it has numba .*, this machine has 0\.1; install the same version there"),

@@ -4,8 +4,8 @@ import pytest
 from drawn_machines import four_bar, sliding_input
 from PIL import Image
 
+from sweeps.pictures import drawing
 from sweeps.pictures.drawing import paint
-from sweeps.pictures.machine import animation
 from sweeps.pictures.machine.animation import machine_frames, save_animation
 from sweeps.pictures.picture_error import PictureError
 
@@ -45,7 +45,7 @@ def test_names_of_joints__go_along_with_them(scene, tmp_path, monkeypatch):
         poses.append(list(drawn))
         paint(ax, drawn, factor)
 
-    monkeypatch.setattr(animation, "paint", painted)
+    monkeypatch.setattr(drawing, "paint", painted)
     save_animation(lambda count: machine_frames(scene, count), tmp_path / "a.gif", frames=8)
     assert len(poses) == 8
     offsets, heights = {}, {}

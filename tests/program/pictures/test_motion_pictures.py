@@ -193,7 +193,7 @@ def test_courses__begin_each_regime_at_zero_and_go_on_with_the_works():
 
 
 def test_table_of_the_history__holds_the_equation_of_motion(tmp_path):
-    table, ended = history_table(SCENE, {})
+    table, ended = history_table(SCENE)
     assert ended == ""
     show_units({"system": "SI"})
     write_table(tmp_path / "h.csv", table)
@@ -223,4 +223,4 @@ def test_table_of_the_history__holds_the_equation_of_motion(tmp_path):
 
 def test_table_of_the_history_without_regimes__is_refused():
     with pytest.raises(InputError, match=r"a history needs regimes; add \[regimes.NAME\]"):
-        history_table(slider_crank(), {})
+        history_table(slider_crank())

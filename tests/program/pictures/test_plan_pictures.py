@@ -24,9 +24,10 @@ from sweeps.pictures.plans.bearing_loads import bearing_load, least_loaded, load
 from sweeps.pictures.plans.files import bearing_pictures, plan_pictures, reaction_pictures
 from sweeps.pictures.plans.forces.force_plan import force_plan, force_polygon
 from sweeps.pictures.plans.forces.free_body import LONGEST, free_body
-from sweeps.pictures.plans.kinematic_plans import acceleration_plan, velocity_plan
+from sweeps.pictures.plans.kinematic_plans import draw_plan
 from sweeps.pictures.plans.mechanism_plan import mechanism_plan
 from sweeps.pictures.plans.paper import Paper, round_scale
+from sweeps.pictures.plans.polygons import accelerations, velocities
 from sweeps.pictures.plans.pose import MachineCycle
 from sweeps.pictures.plans.sheets import kinematic_sheet
 from sweeps.pictures.style import BLUE, MM_PER_INCH
@@ -48,14 +49,14 @@ def test_peak_of_a_bearing__is_that_of_the_results():
     cycle = MachineCycle(scene)
     outcome = Machine(scene, ["input.reaction.peak"]).evaluate({})
     peak, error = outcome.summaries["input.reaction.peak"][0], outcome.errors["input.reaction.peak"][0]
-    assert bearing_load(cycle, "input").maximum == pytest.approx(peak, rel=1e-9, abs=error)
+    assert cycle.peak_force("input") == pytest.approx(peak, rel=1e-9, abs=error)
 
 
 def test_load_of_a_heavy_wheel__stands_in_the_frame_and_turns_in_the_shaft():
     cycle = MachineCycle(heavy_crank())
     frame, shaft = bearing_load(cycle, "input"), bearing_load(cycle, "input", "crank")
     assert np.allclose(frame.force, 30j, rtol=0, atol=1e-10)
-    assert np.allclose(shaft.force, 30j * np.exp(-1j * frame.q), rtol=0, atol=1e-10)
+    assert np.allclose(shaft.force, 30j * np.exp(-1j * cycle.motion.q), rtol=0, atol=1e-10)
     assert shares(frame)[90] == 1.0
     # 20 of 720 positions in 10°; one on an edge may go to either side.
     assert shares(shaft) == pytest.approx(np.full(360, 1 / 36), abs=1.01 / 720)
@@ -142,11 +143,11 @@ def test_vectors_on_paper__as_long_as_the_scale_says():
 )
 def test_plans_of_every_template__drawn_with_letters_clear_of_each_other(name):
     pose = cycle_of(name).at()
-    drawn = [(velocity_plan, ()), (acceleration_plan, ())]
-    drawn += [(force_plan, (group,)) for group in pose.scene.groups if force_polygon(pose, group)]
+    drawn = [(draw_plan, (plan,)) for plan in (velocities(pose), accelerations(pose))]
+    drawn += [(force_plan, (pose, group)) for group in pose.scene.groups if force_polygon(pose, group)]
     for draw, arguments in drawn:
         ax = axes_on_paper()
-        draw(pose, *arguments, ax)
+        draw(*arguments, ax)
         renderer = FigureCanvasAgg(ax.figure).get_renderer()
         boxes = [text.get_window_extent(renderer) for text in ax.texts]
         assert len(boxes) > 2

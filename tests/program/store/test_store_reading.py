@@ -85,7 +85,7 @@ def test_describe__columns_attributes_and_progress_of_open_part_and_of_final_fil
     with Store.open(path, layout()) as store:
         fill(store, 2)
         shown = describe_result(part)
-    assert (shown.title, shown.variants, shown.positions) == ("Shear", 22, 5)
+    assert (shown.title, shown.variants, shown.axes["position"]["count"]) == ("Shear", 22, 5)
     assert (shown.blocks, shown.blocks_done) == (6, 1)
     assert shown.columns == layout().columns
     assert shown.attributes["study"] == "steps = 3\nload = 12 kN"

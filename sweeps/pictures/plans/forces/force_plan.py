@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from engine import did_you_mean, display_unit
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.plans.forces.loads import DrawnLoad, group_loads, loads_on_links
+from sweeps.pictures.plans.lettering import size_text
 from sweeps.pictures.plans.paper import Paper
 from sweeps.pictures.plans.pose import Pose
 from sweeps.pictures.style import BLUE, GREEN, ORANGE, PURPLE, VERMILION
@@ -90,13 +91,11 @@ def force_lines(loads: Sequence[DrawnLoad]) -> list[str]:
     """Values of forces and moments by line: magnitude, direction, friction circle."""
     found = []
     for load in loads:
-        value = load.moment if load.is_moment else abs(load.force)
-        factor, unit = display_unit("N m" if load.is_moment else "N", np.array([value]))
-        text = f"{load.text} = {factor * value:.4g} {unit}".replace("-", "\N{MINUS SIGN}")
+        size = size_text(load.moment, "N m") if load.is_moment else size_text(abs(load.force), "N")
+        text = f"{load.text} = {size}".replace("-", "\N{MINUS SIGN}")
         turned = "" if load.is_moment else f" ∠ {round(np.degrees(np.angle(load.force)), 1) % 360:.1f}°"
         found.append(text + turned)
         if load.rho:
-            factor, unit = display_unit("m", np.array([load.rho]))
             circle = load.text.replace("$R", r"$\rho")
-            found.append(f"{circle} = {factor * load.rho:.4g} {unit}")
+            found.append(f"{circle} = {size_text(load.rho, 'm')}")
     return found

@@ -12,9 +12,8 @@ from sweeps.pictures.plans.forces.force_plan import colour_of
 from sweeps.pictures.plans.forces.link_figure import link_figure
 from sweeps.pictures.plans.forces.loads import DrawnLoad, loads_on_links
 from sweeps.pictures.plans.lettering import subscript
-from sweeps.pictures.plans.paper import Paper
+from sweeps.pictures.plans.paper import Paper, size_of
 from sweeps.pictures.plans.pose import Pose
-from sweeps.pictures.style import MM_PER_INCH
 
 # On paper [mm]: longest and shortest arrow, gap between collinear ones, radius of a moment's arc.
 LONGEST, SHORTEST, APART, ARC = 15.0, 6.0, 1.8, 4.5
@@ -46,12 +45,11 @@ def free_body(pose: Pose, link: str, ax: Axes) -> list[DrawnLoad]:
         Loads on the link.
     """
     loads, figure = _felt(loads_on_links(pose)[link], pose.motion.radius), link_figure(pose, link)
-    inches = ax.figure.get_size_inches() * ax.get_position().size
-    middle, cloud = _spread(pose, figure, loads, complex(*(MM_PER_INCH * inches)))
+    middle, cloud = _spread(pose, figure, loads, size_of(ax))
     paper = Paper(ax, cloud, margin=MARGIN, to_scale=False)
     paper.figures(figure)
     for name in pose.motion.members(link):
-        paper.name(complex(pose.motion.points[name][pose.k]), f"${subscript(name)}$", clear=1.3)
+        paper.name(pose.place(name), f"${subscript(name)}$", clear=1.3)
     for load in loads:
         if load.rho > SEEN * paper.per_mm:
             paper.line(load.middle + load.rho * np.exp(2j * np.pi * np.arange(49) / 48), colour_of(load))
