@@ -13,7 +13,13 @@ from hypothesis import settings
 from numba.core import event
 from press_texts import PRESS, PRESS_WITH_FLYWHEEL
 
+from engine.compiling.beside import wait_until_compiled
 from engine.compiling.threads import set_threads
+from engine.cycle.machine import compile_driver
+from engine.cycle.plan import CycleSpeed, Kept, Plan, VectorAngle
+from engine.stepping.closed_cycle import find_cycles
+from engine.stepping.system import compile_walks_beside
+from engine.stepping.walk import walk
 from engine.units.display import show_errors, show_units_of
 
 # The same examples in every run of CI; others on every developer's machine.
@@ -46,6 +52,25 @@ class Compiling(event.Listener):
 _COMPILING = Compiling()
 event.register("numba:compile", _COMPILING)
 _TIMES: list[tuple[float, float]] = []
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Compile what all machines share, with every measure, before several workers need it at once."""
+    if not getattr(session.config.option, "numprocesses", None):
+        return
+    compile_walks_beside(cycles=True)
+    plan = Plan(ends=(0, 1), curves=2, cuts=(0,))
+    plan.find_extremes(Kept((0,)))
+    plan.find_extremes(VectorAngle((0, 1)))
+    plan.find("fluctuations", CycleSpeed((0, 1), 0, 1))
+    plan.find("averages", Kept((0,)))
+    plan.find("roots", 0)
+    plan.find("arcs", (0, 1, 1))
+    plan.find("spaced", Kept((0,)))
+    compile_driver(plan)
+    for shared in (walk, find_cycles):
+        wait_until_compiled(shared)
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:

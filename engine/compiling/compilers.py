@@ -1,11 +1,14 @@
 """Numba compilers for functions called only by compiled code: compiled with their callers, arrays without overlap."""
 
 import sys
+from functools import cache
 from importlib import import_module
 
+from numba.core import types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, Flags
 from numba.core.typed_passes import NopythonRewrites
+from numba.core.typing import Context, Signature
 from numba.core.untyped_passes import InlineClosureLikes, LiteralPropagationSubPipelinePass, LiteralUnroll, WithLifting
 
 # Passes for what the engine's functions don't contain: `with`, closures, mixed tuples in loops, arithmetic on arrays.
@@ -73,13 +76,37 @@ class _ListedFlags(Flags):
         return self._listed
 
 
+class _RememberedCalls(Context):
+    """Numba's typing context, which remembers the signature of each call of a function with positional arguments.
+
+    Numba itself searches all candidates again at every `a * b`, which takes a sixth of the compile time.
+    """
+
+    def __init__(self, context: Context) -> None:
+        self.__dict__ = context.__dict__
+
+    def resolve_function_type(self, func: object, args: tuple, kws: dict) -> Signature | None:
+        """Signature of a call."""
+        if kws or not isinstance(func, types.Callable):
+            return super().resolve_function_type(func, args, kws)
+        return self._resolved(func, tuple(args))
+
+    # Numba's one context lives as long as the process.
+    @cache  # noqa: B019
+    def _resolved(self, func: types.Callable, args: tuple) -> Signature | None:
+        return super().resolve_function_type(func, args, {})
+
+
+_remembered_calls = cache(_RememberedCalls)
+
+
 class Plain(Compiler):
     """Compiler of functions of numbers and loops."""
 
     def __init__(
-        self, typing: object, target: object, library: object, args: tuple, result: object, flags: Flags, locals: dict
+        self, typing: Context, target: object, library: object, args: tuple, result: object, flags: Flags, locals: dict
     ) -> None:
-        super().__init__(typing, target, library, args, result, _ListedFlags(flags), locals)
+        super().__init__(_remembered_calls(typing), target, library, args, result, _ListedFlags(flags), locals)
 
     def define_pipelines(self) -> list:
         """Numba's usual passes, apart from those for other functions, which take a tenth of the compile time."""

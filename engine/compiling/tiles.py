@@ -22,13 +22,15 @@ TILE_OPTIONS = {"error_model": "numpy", "fastmath": set(RULES), "nogil": True, "
 def filling(signature: Signature) -> Callable:
     """Decorator that compiles a function for one signature and caches its machine code on disk.
 
+    Only compiled code calls it, at its address.
+
     Parameters
     ----------
     signature : Signature
     """
 
     def compiled(function: Callable) -> Callable:
-        made = numba.njit(**TILE_OPTIONS)(function)
+        made = numba.njit(**TILE_OPTIONS, no_cpython_wrapper=True)(function)
         keep_compiled(made)
         made.compile(signature)
         made.disable_compile()

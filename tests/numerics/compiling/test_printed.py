@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from packed import assert_packed
+from printed_calls import call_printed
 
 from engine.compiling import kept_code, sources
 from engine.compiling.blocks import LANES, PANEL_POSITIONS
@@ -21,6 +22,7 @@ from engine.compiling.decorators import driver
 from engine.compiling.kept_code import load_printed
 from engine.compiling.running import spread
 from engine.compiling.sources import digest_of_text
+from engine.compiling.tiles import field_signature
 from engine.graph.functions import field_function, functions_of
 from engine.graph.nodes import Graph
 from engine.laws.kinematics.rrr import rrr_position
@@ -59,7 +61,8 @@ def coupler_rows(text: str, functions: object) -> np.ndarray:
     q = np.arange(POSITIONS) * (2 * np.pi / POSITIONS)
     p = np.array([n.compute({}) for n in functions.numbers])
     rows = np.empty((2, 1, POSITIONS))
-    load_printed(text).fields(p, functions.memory, q, np.cos(q), np.sin(q), 0, rows)
+    arguments = p, functions.memory, q, np.cos(q), np.sin(q), 0, rows
+    call_printed(load_printed(text).fields, *arguments, of=field_signature(np.dtype(float)))
     return rows[:, 0]
 
 
@@ -91,7 +94,7 @@ def test_tile__is_the_same_to_the_last_bit_in_every_lane_and_at_every_position(f
     numbers = np.repeat(np.array([[n.compute({})] for n in functions.numbers]), LANES, axis=1)
     q = np.full((PANEL_POSITIONS, LANES), 1.234)
     tile = np.empty((2, PANEL_POSITIONS, LANES))
-    load_printed(functions.text).curves(numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
+    call_printed(load_printed(functions.text).curves, numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
     assert (tile == tile[:, :1, :1]).all()
 
 

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from printed_calls import call_printed
 
 from engine.compiling.blocks import LANES, PANEL_POSITIONS
 from engine.compiling.decorators import scalar
 from engine.compiling.kept_code import load_printed
+from engine.compiling.tiles import field_signature
 from engine.graph.functions import field_function, functions_at, functions_of
 from engine.graph.nodes import (
     Constant,
@@ -145,11 +147,11 @@ def test_printed_tile__is_the_graph_worked_out_by_numpy():
     q = np.linspace(0, 6, PANEL_POSITIONS * LANES).reshape(PANEL_POSITIONS, LANES)
     middle = q[8:9].copy()
     held = np.empty((len(functions.held_rows), 1, LANES))
-    module.states(numbers, functions.memory, middle, np.cos(middle), np.sin(middle), held)
+    call_printed(module.states, numbers, functions.memory, middle, np.cos(middle), np.sin(middle), held)
     for row, values in zip(functions.held_rows, held, strict=True):
         numbers[row] = values[0]
     tile = np.empty((len(asked), PANEL_POSITIONS, LANES))
-    module.curves(numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
+    call_printed(module.curves, numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
     expected = values_of(asked, NUMBERS, q)
     # What switches keeps the value of the panel's middle.
     switched = values_of([asked[0] - graph.number("b")], NUMBERS, middle)[0] > 0
@@ -166,7 +168,8 @@ def test_printed_fields__are_the_graph_worked_out_by_numpy(dtype):
     fields = np.empty((len(asked), 5, nodes.size), dtype)
     module = load_printed(field_function("A test.", asked, functions.rows, dtype))
     for v in range(5):
-        module.fields(numbers[:, v].copy(), functions.memory, *places(nodes), v, fields)
+        arguments = numbers[:, v].copy(), functions.memory, *places(nodes), v, fields
+        call_printed(module.fields, *arguments, of=field_signature(np.dtype(dtype)))
     # Sums of some twenty terms of up to a hundred, computed in double precision whatever they are kept in.
     tolerance = max(2e3 * np.finfo(float).eps, np.finfo(dtype).eps)
     for v in range(5):
@@ -200,7 +203,7 @@ def test_position_by_position__given_numbers_are_read_and_what_is_held_is_comput
     numbers[functions.rows[speed]] = np.arange(LANES)
     q = np.linspace(0.0, 6.0, LANES)[None]
     tile = np.zeros((1, 1, LANES))
-    load_printed(functions.text).curves_at(numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
+    call_printed(load_printed(functions.text).curves_at, numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
     np.testing.assert_array_equal(tile[0], np.where(np.cos(q) > 0.0, np.arange(LANES) ** 2.0, 0.0))
     assert functions.crossings == ((0, functions.rows[g.zero], 0.0),)
     assert functions.held_rows == ()
