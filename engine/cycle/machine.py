@@ -25,7 +25,7 @@ from functools import partial
 import numpy as np
 from numba import types
 
-from engine.compiling.beside import compile_beside, wait_until_compiled
+from engine.compiling.ahead import compile_ahead, wait_until_compiled
 from engine.compiling.blocks import LANES
 from engine.compiling.packed import Packed
 from engine.compiling.running import address_of, run_piece, spread
@@ -174,10 +174,10 @@ def compile_driver(plan: Plan) -> None:
     CycleMachine(plan, None).compile_shared()
 
 
-def compile_driver_beside(plan: Plan) -> None:
+def compile_driver_ahead(plan: Plan) -> None:
     """Compile the driver in a second process; if there are cuts, whose function is as large, also the measures."""
     others = without_cuts(plan) if is_cut(plan) else Plan(plan.ends, plan.curves)
-    compile_beside(evaluate_blocks, compile_driver, others)
+    compile_ahead(evaluate_blocks, compile_driver, others)
 
 
 @dataclass(frozen=True)

@@ -415,7 +415,7 @@ class Machine:
     def _fill(self, outcome: Outcome, room: np.ndarray, keep: np.ndarray, numbers: Numbers) -> None:
         """Evaluate the variants `keep`, and write their summaries, fields and verdicts."""
         if self.has_regimes:
-            self.regimes.compile_beside()
+            self.regimes.compile_ahead()
         # Whole blocks of lanes for each thread.
         batch = min(-(-keep.size // (threads() * LANES)) * LANES, VARIANTS_AT_ONCE)
         batches = [slice(first, first + batch) for first in range(0, keep.size, batch)]

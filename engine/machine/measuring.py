@@ -182,7 +182,7 @@ class Measuring:
         """The compiled functions with a plan of the cycle, with or without speed fluctuations."""
         plan = self._plan()
         readers = self._readers(plan, speeds)
-        cycle.compile_driver_beside(plan)
+        cycle.compile_driver_ahead(plan)
         module = load_printed(self.functions.text)
         return _Planned(cycle.CycleMachine(plan, module.curves, module.events, module.levels, module.states), readers)
 

@@ -21,7 +21,7 @@ from engine.motion.quantities import (
 )
 from engine.quantities.quantity import InputUnits, Quantity
 from engine.scene.scene import Numbers
-from engine.stepping.system import compile_walks_beside
+from engine.stepping.system import compile_walks_ahead
 from engine.words.verdicts import Verdict
 
 
@@ -82,9 +82,9 @@ class Regimes:
         """Nodes from which the motion is computed at a position."""
         return [] if self.schedule is None else self.schedule.nodes
 
-    def compile_beside(self) -> None:
+    def compile_ahead(self) -> None:
         """Compile what the requested regimes share with those of other machines in other processes."""
-        compile_walks_beside(bool(self.schedule.steady))
+        compile_walks_ahead(bool(self.schedule.steady))
 
     def answers(self, numbers: Numbers, count: int) -> "motion.regimes_in_order.RegimeAnswers":
         """Requested results of a number of variants.

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.beside import compile_beside, wait_until_compiled
+from engine.compiling.ahead import compile_ahead, wait_until_compiled
 from engine.compiling.blocks import LANES
 from engine.compiling.kept_code import load_printed
 from engine.compiling.running import spread
@@ -351,11 +351,11 @@ class PrintedSystem:
         return numbers
 
 
-def compile_walks_beside(cycles: bool) -> None:
+def compile_walks_ahead(cycles: bool) -> None:
     """Compile walks, and the search for cycles that return to their own energies if needed, in other processes."""
-    compile_beside(walk, compile_walk)
+    compile_ahead(walk, compile_walk)
     if cycles:
-        compile_beside(find_cycles, compile_cycles)
+        compile_ahead(find_cycles, compile_cycles)
 
 
 def compile_walk() -> None:

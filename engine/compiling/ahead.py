@@ -21,7 +21,7 @@ function(*given)
 _running: dict[Callable, subprocess.Popen] = {}
 
 
-def compile_beside(compiled: Callable, function: Callable, *given: object) -> None:
+def compile_ahead(compiled: Callable, function: Callable, *given: object) -> None:
     """Call a function that compiles another one in a process of its own, unless its machine code is in the cache.
 
     Without a second core, or a cache, nothing is done; this process then compiles when the code is needed.

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from engine import Machine, Scene
-from engine.compiling import beside
+from engine.compiling import ahead
 from engine.compiling.decorators import driver
 from engine.cycle.block_measures import MEASURES
 from engine.cycle.driver import evaluate_blocks
@@ -23,28 +23,28 @@ def never_compiled(begin, end):
 
 @pytest.fixture
 def two_cores(monkeypatch):
-    monkeypatch.setattr(beside, "threads", lambda: 2)
-    monkeypatch.setattr(beside, "_running", {})
+    monkeypatch.setattr(ahead, "threads", lambda: 2)
+    monkeypatch.setattr(ahead, "_running", {})
 
 
 def test_function__runs_in_another_process_that_is_waited_for(two_cores, tmp_path, monkeypatch):
     # The working folder has a module of a name that the other process imports, too.
     monkeypatch.chdir(tmp_path)
     Path("pathlib.py").write_text("raise ImportError")
-    beside.compile_beside(never_compiled, Path.write_text, tmp_path / "written", "by another process")
-    beside.wait_until_compiled(never_compiled)
+    ahead.compile_ahead(never_compiled, Path.write_text, tmp_path / "written", "by another process")
+    ahead.wait_until_compiled(never_compiled)
     assert (tmp_path / "written").read_text() == "by another process"
 
 
 def test_failure_of_the_other_process__stops_nothing(two_cores, tmp_path):
-    beside.compile_beside(never_compiled, Path.unlink, tmp_path / "missing")
-    beside.wait_until_compiled(never_compiled)
+    ahead.compile_ahead(never_compiled, Path.unlink, tmp_path / "missing")
+    ahead.wait_until_compiled(never_compiled)
 
 
 def test_one_core__starts_no_process(two_cores, monkeypatch, tmp_path):
-    monkeypatch.setattr(beside, "threads", lambda: 1)
-    beside.compile_beside(never_compiled, Path.write_text, tmp_path / "written", "by another process")
-    assert not beside._running
+    monkeypatch.setattr(ahead, "threads", lambda: 1)
+    ahead.compile_ahead(never_compiled, Path.write_text, tmp_path / "written", "by another process")
+    assert not ahead._running
 
 
 CRANK = {
@@ -59,7 +59,7 @@ CRANK = {
 }
 
 
-def test_what_is_compiled_beside__is_what_machines_call():
+def test_what_is_compiled_ahead__is_what_machines_call():
     plan = Plan((0, 1), 1)
     plan.find_extremes(Kept((0,)))
     compile_driver(plan)
