@@ -53,13 +53,28 @@ class NodesOverArrays:
     def __call__(self, table: np.ndarray, found: np.ndarray | None = None) -> np.ndarray:
         """Results (results, variants) of rows as in `table`, written to `found` where that is given."""
         found = np.empty((self._results, table.shape[1])) if found is None else found
-
-        def arguments() -> tuple:
-            block, tile = np.empty((len(table), LANES)), np.empty((len(found), 1, LANES))
-            return self._function, table, found, _Scratch(block, tile, np.zeros((1, LANES)), self._tables)
-
-        spread(_fill, -(-table.shape[1] // LANES), arguments)
+        fill_numbers(self._function, table, self._tables, found)
         return found
+
+
+def fill_numbers(function: TileFunction, table: np.ndarray, tables: np.ndarray, found: np.ndarray) -> None:
+    """Fill results (results, variants) of a printed function that reads numbers of the variant alone.
+
+    Parameters
+    ----------
+    function : TileFunction
+    table : ndarray (numbers, variants)
+    tables : ndarray
+        All tables of the graph, flat.
+    found : ndarray (results, variants)
+        Output.
+    """
+
+    def arguments() -> tuple:
+        block, tile = np.empty((len(table), LANES)), np.empty((len(found), 1, LANES))
+        return function, table, found, _Scratch(block, tile, np.zeros((1, LANES)), tables)
+
+    spread(_fill, -(-table.shape[1] // LANES), arguments)
 
 
 def over_arrays(law: Callable, *arguments: float | np.ndarray) -> np.ndarray:

@@ -162,7 +162,9 @@ class Governor(Element):
             changes = [follow_changes(g, marks, verdicts, cycle, longer) for longer in WALKS]
             for result, *rows in zip(_TRANSIENT, *(each.answers for each in changes), strict=True):
                 found[result.name] = rows[0]
-                errors[result.name] = np.ptp(rows, axis=0) + ROUNDING * np.abs(rows[0]) * TOLERANCE
+                # A motion that fails at once has infinite results.
+                with np.errstate(invalid="ignore"):
+                    errors[result.name] = np.ptp(rows, axis=0) + ROUNDING * np.abs(rows[0]) * TOLERANCE
             for each in changes:
                 verdicts = np.where(verdicts == Verdict.OK, each.verdict, verdicts)
         well = verdicts == Verdict.OK

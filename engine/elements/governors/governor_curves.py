@@ -104,7 +104,8 @@ def load_change(governor: Element, cycle: np.ndarray | None = None) -> LoadChang
     Returns
     -------
     LoadChange or None
-        Up to where the integration succeeds; None without equilibrium, or if the scene has no change of load.
+        Up to where the integration succeeds; None if it fails at once, without equilibrium, or if the scene has no
+        change of load.
     """
     if not governor.is_followed:
         return None
@@ -115,6 +116,8 @@ def load_change(governor: Element, cycle: np.ndarray | None = None) -> LoadChang
     changes = follow_changes(
         g, marks, verdicts, np.zeros((0, 1)) if cycle is None else cycle[:, None], 1.0, records=True
     )
+    if not changes.instants.size:
+        return None
     steady = near_equilibrium(g, marks)
     after = steady["working_speed"][0]
     return LoadChange(*changes.instants, after - steady["steady_speed_change"][0], after)

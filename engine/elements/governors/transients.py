@@ -285,6 +285,7 @@ class _Runs(WalkedRuns):
         for node, row in rows.items():
             if isinstance(node, Number):
                 self.numbers[row] = node.compute(given)
+        self.system.fill_levels(self.numbers)
         # Views of rows that change between walks, and numbers of rows that change during them.
         self.held = SleeveMode(*(self.numbers[rows[node]] for node in held))
         self.flipped = Flipped(*(rows.get(node, -1) for node in flipped))
@@ -407,6 +408,8 @@ class _Runs(WalkedRuns):
 
     def _record(self, gone: Walks) -> None:
         """Record the instants of the steps of the first variant."""
+        if gone.steps[0] == 0.0:
+            return
         _, at, length, samples = made_steps(gone.recorded[..., :1], gone.steps[:1])
         seen = Moving(*samples[: len(Moving._fields)])
         time = self.time[0] + at + length * SHOWN[:, None]

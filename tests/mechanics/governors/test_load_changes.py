@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from element_samples import element
 from governed_motion import GovernedMotion
-from governor_samples import ENGINE, PORTER, governor_results
+from governor_samples import ENGINE, PORTER, TABLE, governor_results
 from machines import slider_crank
 from numpy.testing import assert_allclose
+from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
 from engine import Scene, SceneError, Verdict, governed_scene, load_change, made_ready
@@ -63,6 +64,33 @@ def test_change_of_load__is_what_another_method_finds(name):
     late = change.time >= 0.75 * engine["duration"]
     # A valve switches some dozen times; where the other method's events come about a little late, so does the swing.
     assert abs(found["hunting"][0] - np.ptp(other[late]) / 2 / after) <= 4 * errors["hunting"][0] + 1e-8
+
+
+def test_table_governor__moves_its_engine_as_scipy_does():
+    governor = TABLE | {"interpolation": "linear", "damping": 900.0, "engine": FOLLOWED | {"duration": 1.0}}
+    ratio, ball, sleeve = TABLE["lift_ratio"], TABLE["ball_mass"], TABLE["sleeve_mass"]
+    engine, own = governor["engine"], 2.0 * ball + sleeve * ratio**2
+    drop = engine["throttle"]["full"] / ((TABLE["greatest_radius"] - TABLE["least_radius"]) * ratio)
+
+    def force(radius):
+        return np.interp(radius, TABLE["over_radius"], TABLE["controlling_force"])
+
+    def rates(_, y):
+        radius, velocity, omega = y
+        moment = engine["throttle"]["full"] - drop * ratio * (radius - TABLE["least_radius"]) - engine["new_load"]
+        turning = (moment - 4.0 * ball * radius * velocity * omega) / (engine["inertia"] + 2.0 * ball * radius**2)
+        pull = 2.0 * ball * radius * omega**2 - 2.0 * force(radius) - ratio**2 * governor["damping"] * velocity
+        return velocity, pull / own, turning
+
+    radius = TABLE["least_radius"] + (engine["throttle"]["full"] - engine["load"]) / (drop * ratio)
+    begin = radius, 0.0, math.sqrt(force(radius) / (ball * radius))
+    other = solve_ivp(rates, (0.0, 1.0), begin, "DOP853", rtol=1e-11, atol=1e-13, max_step=1e-3)
+    assert other.y[0].max() < TABLE["greatest_radius"]
+    found, errors, status = governor_results(governor)
+    assert status[0] == Verdict.OK
+    # SciPy's steps pass over the kinks of the table, each with an error below 1e-8.
+    assert abs(found["highest_speed"][0] - other.y[2].max()) <= errors["highest_speed"][0] + 1e-6
+    assert load_change(element(governor)).speed[-1] == pytest.approx(other.y[2][-1], rel=1e-7)
 
 
 def test_stable_engine__settles_at_its_new_speed_and_an_unstable_one_hunts():
