@@ -420,6 +420,14 @@ def test_public_names__are_given_once():
     assert SHARED - set(twice) == set(), "these are given once by now: take them off the list"
 
 
+def test_methods__are_defined_once():
+    # The later one would take the place of the earlier one; Python says nothing, nor do linters of private names.
+    for module in FILES:
+        for kind in (node for node in ast.walk(tree_of(module)) if isinstance(node, ast.ClassDef)):
+            names = [f"{part.name} {decorators(part)}" for part in kind.body if isinstance(part, ast.FunctionDef)]
+            assert len(names) == len(set(names)), f"{module}.{kind.name}: {names}"
+
+
 def test_parameters__are_described_all_or_not_at_all():
     wrong = []
     for name, node, _ in everything_public():

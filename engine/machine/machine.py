@@ -658,7 +658,7 @@ class Machine:
         """Fill the columns for the number of positions used and for whether the requested accuracy is reached."""
         failed = outcome.status[keep] != Verdict.OK
         if POSITIONS_USED.name in self.asked_summaries:
-            used = panels * (self._measuring.plan.degree + 1.0)
+            used = panels * (self._measuring.machine.plan.degree + 1.0)
             self._column(outcome, keep, POSITIONS_USED.name, np.where(failed, np.nan, used))
         if ACCURACY_REACHED.name in self.asked_summaries:
             reached = (excess <= 1.0).astype(float)

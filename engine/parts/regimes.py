@@ -141,8 +141,6 @@ class RunRegime(Part):
     def _faults(self) -> Faults:
         if (self.method is None) != (self.steps_per_turn is None):
             yield "method = 'rk4' and steps_per_turn, such as 64, go together: give both or neither"
-
-    def _faults(self) -> Faults:
         given = [key for key in ENDS if getattr(self, key) is not None]
         if len(given) != 1:
             what = "none is" if not given else f"{' and '.join(given)} are"

@@ -13,7 +13,7 @@ from engine.compiling.kept_code import load_printed
 from engine.compiling.running import spread
 from engine.compiling.tiles import TileFunction
 from engine.graph.functions import Functions, functions_in_motion, places_of
-from engine.graph.nodes import Given, Graph, Node, Stage
+from engine.graph.nodes import Given, Graph, Node, Stage, reached
 from engine.graph.over_arrays import fill_numbers
 from engine.stepping.at_states import GivenStates, evaluate_states
 from engine.stepping.closed_cycle import OUTCOME, CycleBatch, CycleRoom, find_cycles, new_cycle_room
@@ -176,6 +176,8 @@ class PrintedSystem:
         self.last = (*system.states, *system.unknown.values())
         title = f"Motion along {system.along}."
         self.functions: Functions = functions_in_motion(graph, title, first, last, self.rates, self.watched, self.last)
+        levels = set(self.functions.level_rows)
+        self._behind_levels = set(reached([node for node, row in self.functions.rows.items() if row in levels]))
         self._rated = len(places_of(self.rates))
         self.names = {name: len(system.states) + i for i, name in enumerate(system.gathered)}
         slope = len(self.rates) + RESPONSES + len(system.responses)
@@ -352,11 +354,13 @@ class PrintedSystem:
         spread(driver, -(-count // LANES), lambda: (*functions, batch, task, room()))
 
     def limited(self, numbers: np.ndarray, limits: Mapping[Given, np.ndarray | float]) -> np.ndarray:
-        """Numbers of variants with `limits` set, which only guards use."""
+        """Numbers of variants with `limits` set, which only guards use, and with what follows from them."""
         numbers = numbers.copy()
         for node, values in limits.items():
             if node in self.functions.rows:
                 numbers[self.functions.rows[node]] = values
+        if not self._behind_levels.isdisjoint(limits):
+            self.fill_levels(numbers)
         return numbers
 
 

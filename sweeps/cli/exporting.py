@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from sweeps.cli import shared
+from sweeps.cli.shared import write_text
 from sweeps.cli.waiting import doing
 
 TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
@@ -78,7 +79,7 @@ def export(asked: shared.Options) -> None:
     if asked.to.suffix == ".toml":
         given, replaced = named_machine.numbers_replaced(asked.file, values, asked.settings)
         text = edited_scene(given, replaced, named_machine.scene_text_of(asked.file), asked.to.parent)
-        shared.write_text(asked.to, text, asked.overwrite, "name another file, or give --overwrite")
+        write_text(asked.to, text, asked.overwrite, "name another file, or give --overwrite")
     elif (cam := named_machine.element_named(machine, ["cam"], asked.element)) is not None:
         export_cam(cam, asked.to)
     elif asked.to.suffix in DRAWINGS:
