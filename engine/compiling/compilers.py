@@ -79,7 +79,7 @@ class _ListedFlags(Flags):
 class _RememberedCalls(Context):
     """Numba's typing context, which remembers the signature of each call of a function with positional arguments.
 
-    Numba itself searches all candidates again at every `a * b`, which takes a sixth of the compile time.
+    Numba itself searches all candidates again at every `a * b`, a seventh of the time to compile a printed function.
     """
 
     def __init__(self, context: Context) -> None:

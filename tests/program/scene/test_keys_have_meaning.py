@@ -104,12 +104,12 @@ class Effects:
 
 
 def are_equal(some: dict[str, list[np.ndarray]], more: dict[str, list[np.ndarray]]) -> bool:
-    def close(a: np.ndarray, b: np.ndarray) -> bool:
-        return np.allclose(a, b, rtol=1e-9, atol=0.0, equal_nan=True)
+    def in_a_row(found: dict[str, list[np.ndarray]]) -> np.ndarray:
+        return np.concatenate([np.ravel(part) for name in some for part in found[name]] or [np.zeros(0)])
 
     if {name: len(values) for name, values in some.items()} != {name: len(values) for name, values in more.items()}:
         return False
-    return all(all(map(close, values, more[name])) for name, values in some.items())
+    return np.allclose(in_a_row(some), in_a_row(more), rtol=1e-9, atol=0.0, equal_nan=True)
 
 
 def parts_of(part: Part, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Part]]:
@@ -215,7 +215,7 @@ def test_key_of_an_element__changes_something_or_is_refused():
     ignored = []
     of_all = [named for scene in element_scenes() for named in scene.elements.items()]
     for name, element in of_all:
-        data, before = element.model_dump(exclude_unset=True, exclude_none=True), element.own_values()
+        data, before = element.model_dump(exclude_unset=True, exclude_none=True), values_of(element)
         for path, part in parts_of(element):
             for key in set(type(part).model_fields) - OTHERWISE:
                 position = (type(part).__name__, key, type(element).__name__, *sorted(part.model_fields_set))
@@ -224,23 +224,21 @@ def test_key_of_an_element__changes_something_or_is_refused():
                 SEEN.add(position)
                 found = [values_with(name, put(data, (*path, key), value)) for value in other_values(part, key)]
                 accepted = [values for values in found if values is not None]
-                if accepted and all(is_same(values, before) for values in accepted):
+                if accepted and all(are_equal(values, before) for values in accepted):
                     ignored.append(".".join((name, *path, key)))
     assert not ignored
 
 
-def values_with(name: str, data: dict) -> dict[str, float] | None:
+def values_with(name: str, data: dict) -> dict[str, list[float]] | None:
     """Results of an element; None where it is refused."""
     try:
-        return Scene.model_validate({"elements": {name: data}}).elements[name].own_values()
+        return values_of(Scene.model_validate({"elements": {name: data}}).elements[name])
     except SceneError:
         return None
 
 
-def is_same(some: dict[str, float], more: dict[str, float]) -> bool:
-    return some.keys() == more.keys() and all(
-        np.allclose(some[key], more[key], rtol=1e-9, atol=0.0, equal_nan=True) for key in some
-    )
+def values_of(element: Element) -> dict[str, list[float]]:
+    return {name: [value] for name, value in element.own_values().items()}
 
 
 # Keys of a run, and what each has a meaning with.
