@@ -14,7 +14,7 @@ from engine.compiling.running import spread
 from engine.compiling.tiles import TileFunction
 from engine.graph.functions import Functions, functions_in_motion, places_of
 from engine.graph.nodes import Given, Graph, Node, Stage, reached
-from engine.graph.over_arrays import fill_numbers
+from engine.graph.over_arrays import fill_levels
 from engine.stepping.at_states import GivenStates, evaluate_states
 from engine.stepping.closed_cycle import OUTCOME, CycleBatch, CycleRoom, find_cycles, new_cycle_room
 from engine.stepping.methods import EIGHT, EIGHT_IN_TIME, METHODS
@@ -228,14 +228,6 @@ class PrintedSystem:
             signed=system.signed,
         )
 
-    def fill_levels(self, numbers: np.ndarray) -> None:
-        """Fill the rows of P (numbers, variants) that follow from numbers of the variant, in place."""
-        functions = self.functions
-        found = np.empty((len(functions.level_rows), numbers.shape[1]))
-        if found.size:
-            fill_numbers(TileFunction(load_printed(functions.text).levels), numbers, functions.memory, found)
-            numbers[list(functions.level_rows)] = found
-
     def run(
         self,
         task: WalkTask,
@@ -360,7 +352,7 @@ class PrintedSystem:
             if node in self.functions.rows:
                 numbers[self.functions.rows[node]] = values
         if not self._behind_levels.isdisjoint(limits):
-            self.fill_levels(numbers)
+            fill_levels(self.functions, numbers)
         return numbers
 
 

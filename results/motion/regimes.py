@@ -22,14 +22,6 @@ VARIANTS, ROUNDS, CYCLES = 2000, 5, 20.0
 ACCURACIES = (1e-4, 1e-6, 1e-9)
 ASKED = ("work.speed_fluctuation", "work.mean_speed", "work.multiplier", "work.motor_moment_rms")
 
-# What bounds the time of steady running.
-BOUNDS = """\
-Of about 17 µs at 1e-4, timed part by part over 2048 variants: the search takes 4.4 (2.3 cycles of 6 steps each; 9 for a
-block of 64 lanes), the last cycle 3.7 (10 steps; 1.1 for the extremes of the speed), the breaks of the torques 2 to 3,
-and what an evaluation costs for any number of variants 3 (6 ms). An attempted step takes about 0.2 µs a variant.
-Steps of twice the length in the last cycle change nothing: the tolerance does not limit its time.
-"""
-
 
 def least_time(evaluate: Callable[[], object]) -> float:
     """CPU time [s], the least of some rounds after a first one, which compiles."""
@@ -139,7 +131,6 @@ def main() -> None:
         "",
         *settled_press(),
         "",
-        BOUNDS,
         "## One machine under a moment over time",
         "",
         machine_over_time(),

@@ -17,6 +17,7 @@ from engine.compiling.tiles import TileFunction
 from engine.cycle.panels.lanes import rows as lane_rows
 from engine.graph.functions import Functions
 from engine.graph.nodes import Constant, Found, Given
+from engine.graph.over_arrays import fill_levels
 from engine.laws.elementary import direction_of
 from engine.scene.scene import Numbers
 
@@ -80,9 +81,7 @@ class Tabulation:
         for node, values in (given or {}).items():
             if node in functions.rows:
                 made[functions.rows[node]] = values
-        levels = list(functions.level_rows)
-        if levels:
-            made[levels] = self._filled("levels", len(levels), made, np.zeros((1, direction.size)))[:, 0]
+        fill_levels(functions, made)
         return made
 
     def __call__(
@@ -102,23 +101,8 @@ class Tabulation:
         -------
         ndarray (curves, nodes, variants)
         """
-        return self._filled("curves_at", len(self.functions.curves), parameters, q, given)
-
-    def function(self, name: str) -> TileFunction:
-        """One of the printed functions, compiled."""
-        if name not in self._compiled:
-            self._compiled[name] = TileFunction(getattr(load_printed(self.functions.text), name))
-        return self._compiled[name]
-
-    def _filled(
-        self,
-        function: str,
-        rows: int,
-        parameters: np.ndarray,
-        q: np.ndarray,
-        given: Mapping[Given, np.ndarray] | None = None,
-    ) -> np.ndarray:
-        out, given = np.empty((rows, *q.shape)), given or {}
+        rows, given = len(self.functions.curves), given or {}
+        out = np.empty((rows, *q.shape))
         if not out.size:
             return out
         given_rows = np.array([self.functions.rows[node] for node in given], np.int64)
@@ -127,10 +111,16 @@ class Tabulation:
         batch = FilledPlaces(numbers, self.functions.memory, np.array(q).ravel(), every, given_rows, flat)
 
         def arguments() -> tuple:
-            return self.function(function), batch, lane_rows(len(parameters) + rows + _ALSO)
+            return self.function("curves_at"), batch, lane_rows(len(parameters) + rows + _ALSO)
 
         spread(fill_places, -(-q.size // LANES), arguments)
         return out
+
+    def function(self, name: str) -> TileFunction:
+        """One of the printed functions, compiled."""
+        if name not in self._compiled:
+            self._compiled[name] = TileFunction(getattr(load_printed(self.functions.text), name))
+        return self._compiled[name]
 
 
 class FilledPlaces(NamedTuple):

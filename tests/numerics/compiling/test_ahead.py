@@ -39,6 +39,8 @@ def test_function__runs_in_another_process_that_is_waited_for(two_cores, tmp_pat
 def test_failure_of_the_other_process__stops_nothing(two_cores, tmp_path):
     ahead.compile_ahead(never_compiled, Path.unlink, tmp_path / "missing")
     ahead.wait_until_compiled(never_compiled)
+    assert ahead._running[never_compiled].returncode == 1
+    assert never_compiled.signatures == []
 
 
 def test_one_core__starts_no_process(two_cores, monkeypatch, tmp_path):
