@@ -1,5 +1,6 @@
 """What other processes compile is found in the cache, and is what machines call."""
 
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -28,10 +29,15 @@ def two_cores(monkeypatch):
 
 
 def test_function__runs_in_another_process_that_is_waited_for(two_cores, tmp_path, monkeypatch):
-    # The working folder has a module of a name that the other process imports, too.
-    monkeypatch.chdir(tmp_path)
-    Path("pathlib.py").write_text("raise ImportError")
-    ahead.compile_ahead(never_compiled, Path.write_text, tmp_path / "written", "by another process")
+    # Only the parent's search path leads to its module; the working folder has another one of that name.
+    modules, here = tmp_path / "modules", tmp_path / "here"
+    modules.mkdir()
+    here.mkdir()
+    (modules / "only_there.py").write_text("def write(path):\n    path.write_text('by another process')\n")
+    (here / "only_there.py").write_text("raise ImportError")
+    monkeypatch.syspath_prepend(modules)
+    monkeypatch.chdir(here)
+    ahead.compile_ahead(never_compiled, import_module("only_there").write, tmp_path / "written")
     ahead.wait_until_compiled(never_compiled)
     assert (tmp_path / "written").read_text() == "by another process"
 
