@@ -17,7 +17,6 @@ from engine.compiling.ahead import wait_until_compiled
 from engine.compiling.threads import set_threads
 from engine.cycle.machine import compile_driver
 from engine.cycle.plan import CycleSpeed, Kept, Plan, VectorAngle
-from engine.stepping.closed_cycle import find_cycles
 from engine.stepping.system import compile_walks_ahead
 from engine.stepping.walk import walk
 from engine.units.display import show_errors, show_units_of
@@ -59,7 +58,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     """Compile what all machines share, with every measure, before several workers need it at once."""
     if not getattr(session.config.option, "numprocesses", None):
         return
-    compile_walks_ahead(cycles=True)
+    compile_walks_ahead()
     plan = Plan(ends=(0, 1), curves=2, cuts=(0,))
     plan.find_extremes(Kept((0,)))
     plan.find_extremes(VectorAngle((0, 1)))
@@ -69,8 +68,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     plan.find("arcs", (0, 1, 1))
     plan.find("spaced", Kept((0,)))
     compile_driver(plan)
-    for shared in (walk, find_cycles):
-        wait_until_compiled(shared)
+    wait_until_compiled(walk)
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:

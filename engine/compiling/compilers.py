@@ -89,7 +89,9 @@ class _RememberedCalls(Context):
         """Signature of a call."""
         if kws or not isinstance(func, types.Callable):
             return super().resolve_function_type(func, args, kws)
-        return self._resolved(func, tuple(args))
+        # One version of a function for all values of an integer.
+        given = map(types.unliteral, args) if isinstance(func, types.Dispatcher) else args
+        return self._resolved(func, tuple(given))
 
     # Numba's one context lives as long as the process.
     @cache  # noqa: B019

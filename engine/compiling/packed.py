@@ -43,6 +43,10 @@ class PackedRecord(types.Type):
         """Length of the table."""
         return sum(map(_words, self.fields))
 
+    def kind_of(self, name: str) -> types.Type:
+        """Type of a field."""
+        return self.fields[self.record._fields.index(name)]
+
     def place_of(self, name: str) -> tuple[int, types.Type]:
         """First word and type of a field."""
         k = self.record._fields.index(name)

@@ -83,8 +83,8 @@ class Regimes:
         return [] if self.schedule is None else self.schedule.nodes
 
     def compile_ahead(self) -> None:
-        """Compile what the requested regimes share with those of other machines in other processes."""
-        compile_walks_ahead(bool(self.schedule.steady))
+        """Compile what the regimes of all machines share in another process."""
+        compile_walks_ahead()
 
     def answers(self, numbers: Numbers, count: int) -> "motion.regimes_in_order.RegimeAnswers":
         """Requested results of a number of variants.

@@ -1,7 +1,6 @@
 """A system at given states: its rates and what it watches, from the functions that a walk steps with."""
 
 import math
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -9,7 +8,7 @@ import numpy as np
 from engine.compiling.blocks import LANES, hand_out_row, in_lanes
 from engine.compiling.decorators import driver
 from engine.stepping.steps.stage_rates import look, rate, stand
-from engine.stepping.steps.step_lanes import Printed, Room, rows_of
+from engine.stepping.steps.step_lanes import Printed, Room
 from engine.stepping.walk_task import WalkTask
 
 
@@ -18,8 +17,7 @@ class GivenStates(NamedTuple):
 
     Attributes
     ----------
-    memory : ndarray
-        All tables.
+    printed : Printed
     numbers : ndarray (numbers, variants)
         Point i belongs to variant i modulo their number.
     places, clock : ndarray (points,)
@@ -30,7 +28,7 @@ class GivenStates(NamedTuple):
     found : ndarray (results, points)
     """
 
-    memory: np.ndarray
+    printed: Printed
     numbers: np.ndarray
     places: np.ndarray
     clock: np.ndarray
@@ -40,18 +38,9 @@ class GivenStates(NamedTuple):
 
 
 @driver
-def evaluate_states(
-    begin: int,
-    end: int,
-    places: Callable,
-    rates: Callable,
-    watch: Callable,
-    batch: GivenStates,
-    task: WalkTask,
-    room: Room,
-) -> None:
+def evaluate_states(begin: int, end: int, batch: GivenStates, task: WalkTask, room: Room) -> None:
     """Evaluate a system at the states of the blocks begin … end − 1 of points."""
-    own, printed, numbers = rows_of(room.lane), Printed(places, rates, watch, batch.memory), in_lanes(room.numbers)
+    own, printed, numbers = room.lane, batch.printed, in_lanes(room.numbers)
     points, variants, first_state = batch.places.shape[0], batch.numbers.shape[1], task.first_place + task.places
     rated, watched, rates_asked = in_lanes(room.rates), in_lanes(room.watched), task.solves >= 0
     for i in range(batch.wanted.shape[0]):

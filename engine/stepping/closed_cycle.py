@@ -9,18 +9,17 @@ results.
 """
 
 import math
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import LANES, Row, hand_out, in_lanes
+from engine.compiling.blocks import LANES, Row, hand_out_row
 from engine.compiling.decorators import driver, routine
-from engine.compiling.memory import memory
+from engine.compiling.packed import call_at
 from engine.cycle.panels.lanes import one, rows
 from engine.stepping.steps.step_edges import find_edge
-from engine.stepping.steps.step_lanes import Printed, Room, WalkBatch, give_out, rows_of
-from engine.stepping.walk import lay_steps, repeat_steps, take_in
+from engine.stepping.steps.step_lanes import Room, WalkBatch, give_out
+from engine.stepping.walk import StepAddresses, take_in
 from engine.stepping.walk_task import FULL, GOAL, GOING, STEEP, WalkTask
 from engine.words.verdicts import Verdict
 
@@ -87,7 +86,6 @@ class CycleSearch(NamedTuple):
     last: Row
 
 
-search_of = memory(one(CycleSearch))
 OUTCOME = ("off", "verdict", "carried_error")
 
 
@@ -95,7 +93,7 @@ class CycleRoom(NamedTuple):
     """Scratch arrays for a block."""
 
     walk: Room
-    search: np.ndarray
+    search: one(CycleSearch)
 
 
 class CycleBatch(NamedTuple):
@@ -126,12 +124,8 @@ def new_cycle_room(room: Room) -> CycleRoom:
 @routine
 def begin_cycle(lane: int, energy: float, edges: int, task: WalkTask, room: CycleRoom) -> None:
     """Set a lane to the start of a cycle."""
-    own, search, begin, carried_errors = (
-        rows_of(room.walk.lane),
-        search_of(room.search),
-        in_lanes(room.walk.begin),
-        in_lanes(room.walk.carried_errors),
-    )
+    own, search = room.walk.lane, room.search
+    begin, carried_errors = room.walk.begin, room.walk.carried_errors
     for q in range(task.width):
         begin[q, lane], carried_errors[q, lane] = 0.0, 0.0
     begin[0, lane], search.energy[lane] = energy, energy
@@ -146,7 +140,7 @@ def begin_cycle(lane: int, energy: float, edges: int, task: WalkTask, room: Cycl
 @routine
 def judge_cycle(lane: int, fading: int, edges: int, task: WalkTask, room: CycleRoom) -> None:
     """Evaluate a cycle and start the next one, or set the verdict of the search."""
-    own, search, end = rows_of(room.walk.lane), search_of(room.search), in_lanes(room.walk.begin)
+    own, search, end = room.walk.lane, room.search, room.walk.begin
     laid, before, after = search.laying[lane] > 0.0, search.energy[lane], end[0, lane]
     search.moved[lane] = 1.0 if own.steps[lane] > 0.0 else search.moved[lane]
     if laid and (own.why[lane] == STEEP or own.why[lane] == FULL):
@@ -166,7 +160,7 @@ def judge_cycle(lane: int, fading: int, edges: int, task: WalkTask, room: CycleR
         multiplier = math.exp(min(end[fading, lane], 700.0))
         newton = before + (after - before) / (1.0 - multiplier) if multiplier != 1.0 else math.nan
         change, last = abs(newton - before), search.change[lane]
-        unsure = in_lanes(room.walk.carried_errors)[0, lane] / abs(1.0 - multiplier)
+        unsure = room.walk.carried_errors[0, lane] / abs(1.0 - multiplier)
         # Newton's corrections fall quadratically, so the last two forecast the next one.
         left = change * min(UNSTEADY * (change / last) ** 2, 1.0) if last < math.inf else change
         settled = left <= max(CLOSED * before, NEGLIGIBLE * unsure)
@@ -224,29 +218,20 @@ def next_energy(
 
 @driver
 def find_cycles(
-    begin: int,
-    end: int,
-    places: Callable,
-    rates: Callable,
-    watch: Callable,
-    batch: CycleBatch,
-    task: WalkTask,
-    room: CycleRoom,
+    begin: int, end: int, addresses: StepAddresses, batch: CycleBatch, task: WalkTask, room: CycleRoom
 ) -> None:
     """Find the cycles that return to their own energies, for the blocks begin … end − 1 of variants.
 
     Parameters
     ----------
     begin, end : int
-    places, rates, watch : callable
-        Printed functions.
+    addresses : StepAddresses
     batch : CycleBatch
     task : WalkTask
         Over the angle, to the end of a cycle.
     room : CycleRoom
     """
-    walks, search = batch.walks, search_of(room.search)
-    own, printed = rows_of(room.walk.lane), Printed(places, rates, watch, walks.memory)
+    walks, own, search = batch.walks, room.walk.lane, room.search
     edges, slots = walks.edges.shape[0] // 2, room.walk.lengths.shape[0]
     for b in range(begin, end):
         first = b * LANES
@@ -258,7 +243,7 @@ def find_cycles(
             search.cycles[lane], search.laying[lane] = 0.0, 1.0
             search.carried_error[lane], search.last[lane] = 0.0, 0.0
             search.verdict[lane] = SEARCHING if own.why[lane] == GOING else OK
-            begin_cycle(lane, in_lanes(room.walk.begin)[0, lane], edges, task, room)
+            begin_cycle(lane, room.walk.begin[0, lane], edges, task, room)
         while True:
             going, most = False, 0
             for lane in range(LANES):
@@ -272,14 +257,14 @@ def find_cycles(
                 most = max(most, int(own.kept[lane]) if own.able[lane] > 0.0 else 0)
             if not going:
                 break
-            lay_steps(first, printed, walks, task, room.walk)
+            call_at(addresses.lay_steps, (first, addresses, walks, task, room.walk))
             if most > 0:
-                repeat_steps(most, printed, task, room.walk)
+                call_at(addresses.repeat_steps, (most, addresses, walks, task, room.walk))
             for lane in range(LANES):
                 if search.verdict[lane] == SEARCHING:
                     judge_cycle(lane, batch.fading, edges, task, room)
         give_out(first, walks, task, room.walk)
-        hand_out(in_lanes(room.search[0:1]), first, batch.energies.reshape(1, batch.energies.shape[0]))
+        hand_out_row(search.energy, first, batch.energies)
         for lane in range(min(LANES, batch.energies.shape[0] - first)):
             batch.outcome[0, first + lane], batch.outcome[1, first + lane] = search.off[lane], search.verdict[lane]
             batch.outcome[2, first + lane] = search.carried_error[lane]

@@ -2,15 +2,18 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property, partial
 from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
+from numba import types
 
 from engine.compiling.ahead import compile_ahead, wait_until_compiled
 from engine.compiling.blocks import LANES
 from engine.compiling.kept_code import load_printed
-from engine.compiling.running import spread
+from engine.compiling.packed import Packed, PackedRecord
+from engine.compiling.running import address_of, spread
 from engine.compiling.tiles import TileFunction
 from engine.graph.functions import Functions, functions_in_motion, places_of
 from engine.graph.nodes import Given, Graph, Node, Stage, reached
@@ -18,9 +21,10 @@ from engine.graph.over_arrays import fill_levels
 from engine.stepping.at_states import GivenStates, evaluate_states
 from engine.stepping.closed_cycle import OUTCOME, CycleBatch, CycleRoom, find_cycles, new_cycle_room
 from engine.stepping.methods import EIGHT, EIGHT_IN_TIME, METHODS
+from engine.stepping.steps.implicit_stages import find_stages
 from engine.stepping.steps.step_guards import ROOT
-from engine.stepping.steps.step_lanes import FOUND, GIVEN, RESPONSES, STEEPNESS, Room, WalkBatch, new_room
-from engine.stepping.walk import STEEPEST, walk
+from engine.stepping.steps.step_lanes import FOUND, GIVEN, RESPONSES, STEEPNESS, Printed, Room, WalkBatch, new_room
+from engine.stepping.walk import STEEPEST, StepAddresses, attempt, lay_steps, repeat_steps, walk
 from engine.stepping.walk_task import WALKS, WalkTask
 
 # Fractions of a step at which its polynomial of degree seven is recorded.
@@ -285,8 +289,10 @@ class PrintedSystem:
         rows = (np.array(np.broadcast_to(row, places.shape), float).ravel() for row in (places, clock))
         flat = np.array([np.broadcast_to(state, places.shape) for state in states]).reshape(len(states), places.size)
         numbers = np.require(numbers, requirements="CW")
-        batch = GivenStates(self.functions.memory, numbers, *rows, flat, np.array(wanted, int), found)
-        self._go(evaluate_states, places.size, batch, task, lambda: new_room(task, len(numbers), 1, 0, False))
+        batch = GivenStates(self._printed, numbers, *rows, flat, np.array(wanted, int), found)
+        given = Packed(batch), Packed(task)
+        room = partial(new_room, task, len(numbers), 1, 0, False)
+        spread(evaluate_states, -(-places.size // LANES), lambda: (*given, Packed(room())))
         return found.reshape(len(wanted), *places.shape)
 
     def close(
@@ -329,21 +335,33 @@ class PrintedSystem:
         kept = np.empty((recorded, 3 + (task.states + 1) * (1 + SHOWN.size), count))
         found, parts = np.empty((len(FOUND), count)), (numbers, edges, instants, rows)
         parts = [np.require(part, float, "CW") for part in parts]
-        return WalkBatch(self.functions.memory, *parts, states, carried_errors, np.empty_like(states), found, kept)
+        return WalkBatch(self._printed, *parts, states, carried_errors, np.empty_like(states), found, kept)
 
     def _go(
         self,
         driver: Callable,
         count: int,
-        batch: WalkBatch | CycleBatch | GivenStates,
+        batch: WalkBatch | CycleBatch,
         task: WalkTask,
         room: Callable[[], Room | CycleRoom],
     ) -> None:
         """Run a driver over all blocks of a batch."""
-        wait_until_compiled(driver)
-        module = load_printed(self.functions.text)
-        functions = [TileFunction(getattr(module, name)) for name in ("places", "rates", "watch")]
-        spread(driver, -(-count // LANES), lambda: (*functions, batch, task, room()))
+        given, asked = Packed(batch), Packed(task)
+
+        def arguments() -> tuple:
+            own = Packed(room())
+            of_walk = given.kind, own.kind
+            if driver is find_cycles:
+                of_walk = given.kind.kind_of("walks"), own.kind.kind_of("walk")
+            return _addresses(of_walk[0], asked, of_walk[1]), given, asked, own
+
+        wait_until_compiled(walk)
+        spread(driver, -(-count // LANES), arguments)
+
+    @cached_property
+    def _printed(self) -> Printed:
+        module, names = load_printed(self.functions.text), ("places", "rates", "watch")
+        return Printed(*(TileFunction(getattr(module, name)) for name in names), self.functions.memory)
 
     def limited(self, numbers: np.ndarray, limits: Mapping[Given, np.ndarray | float]) -> np.ndarray:
         """Numbers of variants with `limits` set, which only guards use, and with what follows from them."""
@@ -356,34 +374,28 @@ class PrintedSystem:
         return numbers
 
 
-def compile_walks_ahead(cycles: bool) -> None:
-    """Compile walks, and the search for cycles that return to their own energies if needed, in other processes."""
-    compile_ahead(walk, compile_walk)
-    if cycles:
-        compile_ahead(find_cycles, compile_cycles)
+def _addresses(walks: PackedRecord, task: Packed, room: PackedRecord) -> Packed:
+    """Addresses of the functions that all walks share, compiled now or loaded from the cache."""
+    stages = address_of(find_stages, walks.kind_of("printed"), task.kind, room) if task.record.implicit else 0
+    kinds = Packed(StepAddresses(0, 0, 0, 0)).kind, walks, task.kind, room
+    steps = (address_of(part, types.intp, *kinds) for part in (lay_steps, repeat_steps))
+    return Packed(StepAddresses(stages, address_of(attempt, types.intp, types.boolean, *kinds), *steps))
 
 
-def compile_walk() -> None:
-    """Compile walks, or load them from the cache, with one of a body without loads."""
-    body, numbers = _unloaded()
-    body.run(body.task(1.0), numbers, None, None, _ONE_RADIAN, np.ones((2, 1)))
+def compile_walks_ahead() -> None:
+    """Compile what all systems share in another process."""
+    compile_ahead(walk, compile_walks)
 
 
-def compile_cycles() -> None:
-    """Compile the search for closed cycles, or load it from the cache, with one of a body without loads."""
-    body, numbers = _unloaded()
-    body.close(body.task(1.0), numbers, NO_EDGES, _ONE_RADIAN, np.ones(1))
-
-
-_ONE_RADIAN = {"goal": 1.0, "tolerance": 1e-3, "pace": 1.0, "farthest": 1.0}
-
-
-def _unloaded() -> tuple[PrintedSystem, np.ndarray]:
-    """A body without loads, over its angle, and the numbers of one variant."""
+def compile_walks() -> None:
+    """Compile walks and the search for closed cycles, or load them from the cache, with a body without loads."""
     graph = Graph()
     zero, one, energy = graph.zero, graph.one, graph.given("kinetic energy", Stage.STATE)
     clock = graph.given("time of a state", Stage.STATE)
     nothing = {"responses": (zero,), "guards": (), "clock": clock}
     system = System("angle", (energy,), {}, (zero,), {"fading": zero}, one, one, zero, zero, (zero,), **nothing)
     body = PrintedSystem(system, graph, zero, one)
-    return body, np.zeros((len(body.functions.rows), 1))
+    task, numbers = body.task(1.0), np.zeros((len(body.functions.rows), 1))
+    one_radian = {"goal": 1.0, "tolerance": 1e-3, "pace": 1.0, "farthest": 1.0}
+    body.run(task, numbers, None, None, one_radian, np.ones((2, 1)))
+    body.close(task, numbers, NO_EDGES, one_radian, np.ones(1))

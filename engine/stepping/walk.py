@@ -10,12 +10,12 @@ its position-dependent values are stored; later cycles repeat it while the error
 """
 
 import math
-from collections.abc import Callable
+from typing import NamedTuple
 
 from engine.compiling.blocks import LANES, gather, in_lanes
-from engine.compiling.decorators import driver, routine
+from engine.compiling.decorators import driver, routine, separate
+from engine.compiling.packed import call_at, unpacked
 from engine.stepping.methods import at_stage, step_end
-from engine.stepping.steps.implicit_stages import find_stages
 from engine.stepping.steps.repeated_steps import NEARLY, cycles_ahead, go_back, remember
 from engine.stepping.steps.stage_rates import keep_place, look, rate, record, stand
 from engine.stepping.steps.step_edges import behind_instant, edge_ahead, find_edge, look_ahead, next_instant, pass_edge
@@ -40,11 +40,9 @@ from engine.stepping.steps.step_lanes import (
     SLOPE,
     SPEED,
     STEEPNESS,
-    Printed,
     Room,
     WalkBatch,
     give_out,
-    rows_of,
 )
 from engine.stepping.walk_task import FADED, FULL, GOAL, GOING, GUARD, LOST, OTHER_GOAL, RANGE, STEEP, WalkTask
 
@@ -59,20 +57,30 @@ STEEPEST, AT_ONCE, NARROW = 5.0, 0.25, 1e-3
 MOST_PARTS = 1e6
 
 
-@routine
-def attempt(kept: int, keeps: bool, printed: Printed, task: WalkTask, room: Room) -> None:
+class StepAddresses(NamedTuple):
+    """Addresses of the functions that all walks share; of `find_stages` only for an implicit method, else 0."""
+
+    find_stages: int
+    attempt: int
+    lay_steps: int
+    repeat_steps: int
+
+
+@separate
+def attempt(kept: int, keeps: bool, addresses: StepAddresses, batch: WalkBatch, task: WalkTask, packed: Room) -> None:
     """Try a step in all lanes: its stages, its end and its error estimate.
 
     The position-dependent values come from slot `kept` unless it is negative; if `keeps`, they are stored.
     """
-    own, k, begin = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin)
-    after, errors = in_lanes(room.after), in_lanes(room.errors)
+    room, printed = unpacked(packed), batch.printed
+    own, k, begin = room.lane, in_lanes(room.rates), room.begin
+    after, errors = room.after, room.errors
     state = in_lanes(room.numbers[task.first_place + task.places :])
     for q in range(task.states):
         for lane in range(LANES):
             state[q, lane] = begin[q, lane]
     if task.implicit:
-        find_stages(printed, task, room)
+        call_at(addresses.find_stages, (printed, task, packed))
     else:
         for s in range(task.stages):
             if s > 0:
@@ -88,7 +96,7 @@ def attempt(kept: int, keeps: bool, printed: Printed, task: WalkTask, room: Room
     if task.implicit:
         count, first = task.stages * task.solved, 1 if task.along_time else 0
         for q in range(first, task.states, 2):
-            last = in_lanes(room.equations)[count * (count + 1) + (task.stages - 1) * task.states + q]
+            last = room.equations[count * (count + 1) + (task.stages - 1) * task.states + q]
             for lane in range(LANES):
                 # The last stage is the end, without the rounding of a steep motor's torque.
                 after[q, lane] = last[lane]
@@ -113,7 +121,7 @@ def choose(edges: int, instants: int, most_steps: int, task: WalkTask, room: Roo
 
     Returns whether any lane makes a step.
     """
-    own, state, goes = rows_of(room.lane), in_lanes(room.begin), False
+    own, state, goes = room.lane, room.begin, False
     for lane in range(LANES):
         own.length[lane] = 0.0
         if own.why[lane] != GOING or not own.at[lane] < own.halt[lane]:
@@ -155,7 +163,7 @@ def choose(edges: int, instants: int, most_steps: int, task: WalkTask, room: Roo
 @routine
 def decide_steps(task: WalkTask, room: Room) -> bool:
     """Set `taken` in lanes that accept the step; other lanes try another length. Returns whether any lane accepts."""
-    own, took = rows_of(room.lane), False
+    own, took = room.lane, False
     fires(task.extremes, task, room)
     for lane in range(LANES):
         own.taken[lane] = 0.0
@@ -170,8 +178,8 @@ def decide_steps(task: WalkTask, room: Room) -> bool:
 @routine
 def advance(task: WalkTask, room: Room) -> None:
     """Accept the states at the end of the step in lanes that take it."""
-    own, watched, begin, after = rows_of(room.lane), in_lanes(room.watched), in_lanes(room.begin), in_lanes(room.after)
-    row, carried_errors = task.watched + SPEED, in_lanes(room.carried_errors)
+    own, watched, begin, after = room.lane, in_lanes(room.watched), room.begin, room.after
+    row, carried_errors = task.watched + SPEED, room.carried_errors
     if task.carries:
         carry_errors(task, room)
     for q in range(task.width):
@@ -194,8 +202,8 @@ def advance(task: WalkTask, room: Room) -> None:
 @routine
 def take(edges: int, task: WalkTask, room: Room) -> None:
     """Accept the step in lanes that take it, and find out what ends there."""
-    own, begin, watched = rows_of(room.lane), in_lanes(room.begin), in_lanes(room.watched)
-    k, ending, last = in_lanes(room.rates), in_lanes(room.ending), (task.stages - 1) * task.width
+    own, begin, watched = room.lane, room.begin, in_lanes(room.watched)
+    k, ending, last = in_lanes(room.rates), room.ending, (task.stages - 1) * task.width
     for q in range(task.width):
         for lane in range(LANES):
             # The last stage is the end of the step.
@@ -257,24 +265,24 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
 
 
 @routine
-def lay(first: int, printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> None:
+def lay(first: int, addresses: StepAddresses, batch: WalkBatch, task: WalkTask, room: Room) -> None:
     """Make new steps: one cycle's, to be stored, in lanes with several cycles ahead; all remaining ones in others.
 
     The lanes are independent.
     """
-    own, slots = rows_of(room.lane), room.lengths.shape[0]
+    own, slots = room.lane, room.lengths.shape[0]
     for lane in range(LANES):
         several = slots > 1 and own.at[lane] + (cycles_ahead(task) + 1.0) * task.cycle <= own.goal[lane]
         later = own.at[lane] < own.free[lane]
         own.halt[lane] = own.free[lane] if later else own.at[lane] + task.cycle if several else math.inf
         own.kept[lane] = 0.0 if several and not later else -1.0
-    lay_steps(first, printed, batch, task, room)
+    call_at(addresses.lay_steps, (first, addresses, batch, task, room))
 
 
-@routine
-def lay_steps(first: int, printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> None:
+@separate
+def lay_steps(first: int, addresses: StepAddresses, batch: WalkBatch, task: WalkTask, room: Room) -> None:
     """Make new steps up to each lane's halt, and store them in lanes that keep them."""
-    own, lengths, limits = rows_of(room.lane), in_lanes(room.lengths), in_lanes(room.limits)
+    own, lengths, limits = room.lane, in_lanes(room.lengths), room.limits
     slots, edges, records = room.lengths.shape[0], batch.edges.shape[0] // 2, batch.recorded.shape[0] > 0
     most_steps = batch.recorded.shape[0] if records else MOST_STEPS
     while choose(edges, batch.instants.shape[0], most_steps, task, room):
@@ -283,10 +291,10 @@ def lay_steps(first: int, printed: Printed, batch: WalkBatch, task: WalkTask, ro
             keeps |= own.kept[lane] >= 0.0 and own.length[lane] > 0.0
             end = own.at[lane] + own.length[lane]
             own.behind[lane], own.ahead[lane] = max(own.low[lane] - own.at[lane], 0.0), max(end - own.high[lane], 0.0)
-        attempt(-1, keeps, printed, task, room)
+        call_at(addresses.attempt, (-1, keeps, addresses, batch, task, room))
         took = decide_steps(task, room)
         if records and took:
-            record(first, printed, batch.recorded, task, room)
+            record(first, batch.printed, batch.recorded, task, room)
         for lane in range(LANES if keeps else 0):
             if own.taken[lane] > 0.0 and own.kept[lane] >= 0.0:
                 slot = int(own.kept[lane])
@@ -300,13 +308,13 @@ def lay_steps(first: int, printed: Printed, batch: WalkBatch, task: WalkTask, ro
 
 
 @routine
-def repeat(printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> None:
+def repeat(addresses: StepAddresses, batch: WalkBatch, task: WalkTask, room: Room) -> None:
     """Repeat the steps of a cycle in lanes with enough cycles ahead, as long as the errors stay small.
 
     The speed curves over the angle of a motion and of the same motion one cycle later never cross. The extremes of a
     walk are therefore those of its first and last cycles, whose steps are computed again.
     """
-    own, first = rows_of(room.lane), True
+    own, first = room.lane, True
     while True:
         able, slots = 0, 0
         for lane in range(LANES):
@@ -321,7 +329,7 @@ def repeat(printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> No
             if own.able[lane] > 0.0:
                 remember(first, lane, task, room)
         first = False
-        repeat_steps(slots, printed, task, room)
+        call_at(addresses.repeat_steps, (slots, addresses, batch, task, room))
         for lane in range(LANES):
             if own.able[lane] > 0.0:
                 own.halt[lane] += task.cycle
@@ -339,10 +347,10 @@ def repeat(printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> No
                 own.halt[lane] = math.inf
 
 
-@routine
-def repeat_steps(slots: int, printed: Printed, task: WalkTask, room: Room) -> None:
+@separate
+def repeat_steps(slots: int, addresses: StepAddresses, batch: WalkBatch, task: WalkTask, room: Room) -> None:
     """Repeat the stored steps in lanes that are `able`; a lane with too large an error no longer is."""
-    own, lengths, limits = rows_of(room.lane), in_lanes(room.lengths), in_lanes(room.limits)
+    own, lengths, limits = room.lane, in_lanes(room.lengths), room.limits
     for lane in range(LANES):
         own.worst[lane], own.top_off[lane] = 0.0, 0.0
     for slot in range(slots):
@@ -350,7 +358,7 @@ def repeat_steps(slots: int, printed: Printed, task: WalkTask, room: Room) -> No
             goes = (own.able[lane] > 0.0) & (slot < own.kept[lane])
             own.length[lane] = lengths[slot, lane] if goes else 0.0
             own.behind[lane], own.ahead[lane] = limits[2 * slot, lane], limits[2 * slot + 1, lane]
-        attempt(slot, False, printed, task, room)
+        call_at(addresses.attempt, (slot, False, addresses, batch, task, room))
         fires(False, task, room)
         for lane in range(LANES):
             sound = (own.length[lane] == 0.0) | ((own.missed[lane] <= ROUGHLY) & (own.fired[lane] == 0.0))
@@ -366,13 +374,13 @@ def repeat_steps(slots: int, printed: Printed, task: WalkTask, room: Room) -> No
 @routine
 def take_in(first: int, batch: WalkBatch, task: WalkTask, room: Room) -> None:
     """Load a block of variants, starting at number `first`, at their initial states."""
-    own, edges, last = rows_of(room.lane), batch.edges.shape[0] // 2, min(LANES, batch.given.shape[1] - first)
+    own, edges, last = room.lane, batch.edges.shape[0] // 2, min(LANES, batch.given.shape[1] - first)
     gather(batch.numbers, first, in_lanes(room.numbers))
-    gather(batch.edges, first, in_lanes(room.edges))
-    gather(batch.instants, first, in_lanes(room.instants))
-    gather(batch.given, first, in_lanes(room.lane))
-    gather(batch.states, first, in_lanes(room.begin))
-    gather(batch.carried_errors, first, in_lanes(room.carried_errors))
+    gather(batch.edges, first, room.edges)
+    gather(batch.instants, first, room.instants)
+    gather(batch.given, first, room.lane)
+    gather(batch.states, first, room.begin)
+    gather(batch.carried_errors, first, room.carried_errors)
     for lane in range(LANES):
         own.at[lane] = 0.0 if task.along_time else own.turned[lane]
         own.slowest[lane], own.fastest[lane], own.slope[lane] = math.inf, -math.inf, math.nan
@@ -385,36 +393,26 @@ def take_in(first: int, batch: WalkBatch, task: WalkTask, room: Room) -> None:
 
 
 @driver
-def walk(
-    begin: int,
-    end: int,
-    places: Callable,
-    rates: Callable,
-    watch: Callable,
-    batch: WalkBatch,
-    task: WalkTask,
-    room: Room,
-) -> None:
+def walk(begin: int, end: int, addresses: StepAddresses, batch: WalkBatch, task: WalkTask, room: Room) -> None:
     """Integrate the variants of blocks begin … end − 1 to the end of their walks.
 
     Parameters
     ----------
     begin, end : int
-    places, rates, watch : callable
-        Printed functions.
+    addresses : StepAddresses
     batch : WalkBatch
     task : WalkTask
     room : Room
     """
-    own, printed = rows_of(room.lane), Printed(places, rates, watch, batch.memory)
+    own = room.lane
     for b in range(begin, end):
         first = b * LANES
         take_in(first, batch, task, room)
         going = True
         while going:
-            lay(first, printed, batch, task, room)
+            lay(first, addresses, batch, task, room)
             if room.lengths.shape[0] > 1:
-                repeat(printed, batch, task, room)
+                repeat(addresses, batch, task, room)
             going = False
             for lane in range(LANES):
                 going = going or own.why[lane] == GOING

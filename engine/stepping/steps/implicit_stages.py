@@ -3,20 +3,20 @@
 import math
 
 from engine.compiling.blocks import LANES, Rows, in_lanes
-from engine.compiling.decorators import inlined, routine
+from engine.compiling.decorators import inlined, routine, separate
 from engine.stepping.steps.stage_rates import FOUND_TO, LEAST_LEFT, MOST_ROUNDS, NEARLY_FOUND, look, rate, stand
-from engine.stepping.steps.step_lanes import Printed, Room, rows_of
+from engine.stepping.steps.step_lanes import Printed, Room
 from engine.stepping.walk_task import WalkTask
 
 
-@routine
+@separate
 def find_stages(printed: Printed, task: WalkTask, room: Room) -> None:
     """Find the stages of an implicit step by Newton's method; without convergence the rates are NaN.
 
     The unknowns are the energy at all stages, or the speeds; angles follow from the rates of the previous iteration.
     """
-    own, k, begin, equations = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin), in_lanes(room.equations)
-    watched, kept, worst = in_lanes(room.watched), in_lanes(room.places), in_lanes(room.errors)[0]
+    own, k, begin, equations = room.lane, in_lanes(room.rates), room.begin, room.equations
+    watched, kept, worst = in_lanes(room.watched), room.places, room.errors[0]
     numbers, stages, width, states = in_lanes(room.numbers), task.stages, task.width, task.states
     each, first = task.solved, 1 if task.along_time else 0
     count = stages * each
@@ -93,7 +93,7 @@ def find_stages(printed: Printed, task: WalkTask, room: Room) -> None:
 @routine
 def turn_stages(task: WalkTask, room: Room) -> None:
     """Angles at the stages of an implicit step along time, from the latest rates."""
-    own, k, begin, equations = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin), in_lanes(room.equations)
+    own, k, begin, equations = room.lane, in_lanes(room.rates), room.begin, room.equations
     count, stages = task.stages * task.solved, task.stages
     for s in range(stages):
         for q in range(0, task.states, 2):
@@ -108,8 +108,8 @@ def turn_stages(task: WalkTask, room: Room) -> None:
 @routine
 def rise_stages(task: WalkTask, room: Room) -> None:
     """Accelerations at the stages of an implicit step from the speeds there, which a steep coupling rounds less."""
-    own, k, begin, equations = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin), in_lanes(room.equations)
-    count, stages, sure = task.stages * task.solved, task.stages, in_lanes(room.errors)[1]
+    own, k, begin, equations = room.lane, in_lanes(room.rates), room.begin, room.equations
+    count, stages, sure = task.stages * task.solved, task.stages, room.errors[1]
     for q in range(1, task.states, 2):
         for s in range(stages):
             for lane in range(LANES):
@@ -126,8 +126,8 @@ def rise_stages(task: WalkTask, room: Room) -> None:
 @inlined
 def rate_found(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
     """Rates of a stage of an implicit step at its current iterate."""
-    kept, numbers, count = in_lanes(room.places), in_lanes(room.numbers), task.stages * task.solved
-    state, own = task.first_place + task.places, in_lanes(room.equations)
+    kept, numbers, count = room.places, in_lanes(room.numbers), task.stages * task.solved
+    state, own = task.first_place + task.places, room.equations
     found = count * (count + 1) + stage * task.states
     for q in range(task.states):
         for lane in range(LANES):

@@ -1,8 +1,7 @@
 """Steps of a cycle that are stored, to be repeated in later cycles."""
 
-from engine.compiling.blocks import in_lanes
 from engine.compiling.decorators import inlined
-from engine.stepping.steps.step_lanes import Room, rows_of
+from engine.stepping.steps.step_lanes import Room
 from engine.stepping.walk_task import WalkTask
 
 # A cycle that ends this close to the goal, as a fraction of the cycle, ends at it.
@@ -18,8 +17,8 @@ def cycles_ahead(task: WalkTask) -> float:
 @inlined
 def remember(first: bool, lane: int, task: WalkTask, room: Room) -> None:
     """Store the state at the start of a lane's cycle, and that of the cycle before unless this is the `first`."""
-    own, before, width = rows_of(room.lane), in_lanes(room.before), task.width
-    begin, carried_errors, one = in_lanes(room.begin), in_lanes(room.carried_errors), 2 * task.width + 1
+    own, before, width = room.lane, room.before, task.width
+    begin, carried_errors, one = room.begin, room.carried_errors, 2 * task.width + 1
     for i in range(one):
         now = own.at[lane] if i == 2 * width else begin[i, lane] if i < width else carried_errors[i - width, lane]
         before[i, lane] = now if first else before[one + i, lane]
@@ -29,8 +28,8 @@ def remember(first: bool, lane: int, task: WalkTask, room: Room) -> None:
 @inlined
 def go_back(lane: int, task: WalkTask, room: Room) -> None:
     """Return a lane to the start of the previous cycle; its steps are new up to the end of the cycle it left."""
-    own, before, width = rows_of(room.lane), in_lanes(room.before), task.width
-    begin, carried_errors = in_lanes(room.begin), in_lanes(room.carried_errors)
+    own, before, width = room.lane, room.before, task.width
+    begin, carried_errors = room.begin, room.carried_errors
     for i in range(width):
         begin[i, lane], carried_errors[i, lane] = before[i, lane], before[width + i, lane]
     own.at[lane], own.free[lane] = before[2 * width, lane], before[4 * width + 1, lane] + task.cycle

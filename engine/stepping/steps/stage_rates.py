@@ -8,7 +8,7 @@ from engine.compiling.blocks import LANES, in_lanes
 from engine.compiling.decorators import inlined, routine
 from engine.laws.elementary import direction_of
 from engine.stepping.methods import at_stage
-from engine.stepping.steps.step_lanes import Printed, Room, rows_of
+from engine.stepping.steps.step_lanes import Printed, Room
 from engine.stepping.walk_task import WalkTask
 
 # Newton iterations for the stages of an implicit step; their tolerance; the tolerance accepted where rounding stalls
@@ -25,7 +25,7 @@ SOLVED_TO, MOST_SECANTS, SURE_SECANTS = 1e-13, 20, 6
 @inlined
 def stand(share: float, stage: int, slot: int, printed: Printed, task: WalkTask, room: Room) -> None:
     """Put the position and the time of a stage into P; a negative `slot` computes the position's values afresh."""
-    own, position, state = rows_of(room.lane), in_lanes(room.position), in_lanes(room.numbers)
+    own, position, state = room.lane, in_lanes(room.position), in_lanes(room.numbers)
     first, count = task.first_place, task.places
     if slot < 0 and count > 0:
         for lane in range(LANES):
@@ -38,7 +38,7 @@ def stand(share: float, stage: int, slot: int, printed: Printed, task: WalkTask,
         tile = room.numbers[first : first + count].reshape(count, 1, LANES)
         printed.places(room.numbers, printed.memory, room.position[0:1], room.position[1:2], room.position[2:3], tile)
     elif count > 0:
-        kept, at = in_lanes(room.places), (slot * (task.stages + 1) + stage) * count
+        kept, at = room.places, (slot * (task.stages + 1) + stage) * count
         # `watch` needs the other rows, but only at the ends of the step.
         for i in range(count if stage == 0 or stage == task.stages else task.rated):
             for lane in range(LANES):
@@ -65,12 +65,10 @@ def solve_rates(stage: int, printed: Printed, task: WalkTask, room: Room) -> Non
 
     Where the iteration fails, the rate is NaN and the step is rejected.
     """
-    own, row = rows_of(room.lane), task.first_place + task.places
+    own, row = room.lane, task.first_place + task.places
     here, state = in_lanes(room.numbers)[row + task.states], in_lanes(room.numbers)[row + task.solves]
     found = in_lanes(room.rates)[stage * task.width + task.solves]
-    # The rows behind the equations of an implicit step.
-    last = room.equations.shape[0] - 1
-    before, left_before = in_lanes(room.equations)[last - 1], in_lanes(room.equations)[last]
+    before, left_before = room.secants[0], room.secants[1]
     for lane in range(LANES):
         here[lane] = here[lane] if abs(here[lane]) < math.inf else 0.0
     for turn in range(MOST_SECANTS):
@@ -111,7 +109,7 @@ def look(end: int, printed: Printed, task: WalkTask, room: Room) -> None:
 @inlined
 def keep_place(stage: int, task: WalkTask, room: Room) -> None:
     """Store the position-dependent values of a stage in the slot of each lane's trial step, behind those it keeps."""
-    own, kept, numbers = rows_of(room.lane), in_lanes(room.places), in_lanes(room.numbers)
+    own, kept, numbers = room.lane, room.places, in_lanes(room.numbers)
     for lane in range(LANES):
         slot = int(own.kept[lane])
         at = (slot * (task.stages + 1) + stage) * task.places
@@ -122,9 +120,9 @@ def keep_place(stage: int, task: WalkTask, room: Room) -> None:
 @routine
 def record(first: int, printed: Printed, recorded: np.ndarray, task: WalkTask, room: Room) -> None:
     """Record accepted steps: start, length, direction, and polynomials at the fractions `shown`."""
-    own, k, begin = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin)
+    own, k, begin = room.lane, in_lanes(room.rates), room.begin
     state, dense = in_lanes(room.numbers[task.first_place + task.places :]), task.nodes.shape[0]
-    carried_errors = in_lanes(room.carried_errors)
+    carried_errors = room.carried_errors
     for s in range(task.stages, dense):
         at_stage(task.method, s, task.states, task.width, begin, own.length, k, state)
         stand(task.nodes[s], s, -1, printed, task, room)

@@ -2,10 +2,9 @@
 
 import math
 
-from engine.compiling.blocks import in_lanes
 from engine.compiling.decorators import inlined
 from engine.stepping.steps.step_errors import ROUNDED
-from engine.stepping.steps.step_lanes import Room, rows_of
+from engine.stepping.steps.step_lanes import Room
 from engine.stepping.walk_task import WalkTask
 
 # Edges: angles at which something jumps or bends
@@ -14,9 +13,9 @@ from engine.stepping.walk_task import WalkTask
 @inlined
 def look_ahead(lane: int, count: int, room: Room) -> None:
     """Limits of the angles at which a lane's step evaluates: its edges, less their margins."""
-    own, edges, sides = rows_of(room.lane), in_lanes(room.edges), in_lanes(room.edges[count:])
+    own, edges = room.lane, room.edges
     k = int(own.edge[lane])
-    low, high = edges[k, lane] + sides[k, lane], edges[k + 1, lane] - sides[k + 1, lane]
+    low, high = edges[k, lane] + edges[count + k, lane], edges[k + 1, lane] - edges[count + k + 1, lane]
     middle = 0.5 * (edges[k, lane] + edges[k + 1, lane])
     own.low[lane] = own.base[lane] + (low if low < middle else middle)
     own.high[lane] = own.base[lane] + (high if high > middle else middle)
@@ -25,14 +24,14 @@ def look_ahead(lane: int, count: int, room: Room) -> None:
 @inlined
 def edge_ahead(lane: int, room: Room) -> float:
     """Angle turned at the edge ahead of a lane."""
-    own = rows_of(room.lane)
-    return own.base[lane] + in_lanes(room.edges)[int(own.edge[lane]) + (1 if own.facing[lane] > 0.0 else 0), lane]
+    own = room.lane
+    return own.base[lane] + room.edges[int(own.edge[lane]) + (1 if own.facing[lane] > 0.0 else 0), lane]
 
 
 @inlined
 def pass_edge(lane: int, count: int, task: WalkTask, room: Room) -> bool:
     """Move a lane past the edge ahead; false where the range ends there."""
-    own, edges = rows_of(room.lane), in_lanes(room.edges)
+    own, edges = room.lane, room.edges
     way, k = (1 if own.facing[lane] > 0.0 else -1), int(own.edge[lane])
     for _ in range(count + 1):
         k += way
@@ -50,7 +49,7 @@ def pass_edge(lane: int, count: int, task: WalkTask, room: Room) -> bool:
 @inlined
 def find_edge(lane: int, count: int, task: WalkTask, room: Room) -> None:
     """Find the edges on either side of a lane; at an edge, take the interval ahead."""
-    own, edges = rows_of(room.lane), in_lanes(room.edges)
+    own, edges = room.lane, room.edges
     cycle, way = task.cycle, own.facing[lane]
     near = way * ROUNDED * (abs(own.turned[lane]) + (cycle if cycle < math.inf else 0.0))
     own.base[lane] = math.floor((own.turned[lane] + near) / cycle) * cycle if cycle < math.inf else 0.0
@@ -63,7 +62,7 @@ def find_edge(lane: int, count: int, task: WalkTask, room: Room) -> None:
 @inlined
 def next_instant(lane: int, count: int, room: Room) -> float:
     """Next instant at which a function of time jumps or bends; set the time limits of the step."""
-    own, instants = rows_of(room.lane), in_lanes(room.instants)
+    own, instants = room.lane, room.instants
     now = own.clock[lane] + own.at[lane]
     now += ROUNDED * abs(now)
     before, after = -math.inf, math.inf
@@ -80,6 +79,6 @@ def next_instant(lane: int, count: int, room: Room) -> float:
 @inlined
 def behind_instant(lane: int, count: int, room: Room) -> bool:
     """Whether a lane's step starts at an instant at which a function of time jumps or bends."""
-    own = rows_of(room.lane)
+    own = room.lane
     now = own.clock[lane] + own.at[lane]
     return count > 0 and now - own.begins[lane] <= ROUNDED * abs(now)

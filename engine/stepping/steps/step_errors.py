@@ -7,7 +7,7 @@ from engine.compiling.decorators import inlined, routine
 from engine.laws.elementary import exponential
 from engine.laws.rounding import EPS
 from engine.stepping.steps.stage_rates import FOUND_TO
-from engine.stepping.steps.step_lanes import RESPONSES, SIZE, SLOPE, STEEPNESS, Room, rows_of
+from engine.stepping.steps.step_lanes import RESPONSES, SIZE, SLOPE, STEEPNESS, Room
 from engine.stepping.walk_task import LOST, STEEP, WalkTask
 
 SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
@@ -34,8 +34,8 @@ def judge_steps(task: WalkTask, room: Room) -> None:
     Along the angle, the scales are the maximum work of a step and the time of a cycle; along time, those of the system,
     or the angle turned in the step, and the speed or its change.
     """
-    own, k, begin = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin)
-    after, errors, width = in_lanes(room.after), in_lanes(room.errors), task.width
+    own, k, begin = room.lane, in_lanes(room.rates), room.begin
+    after, errors, width = room.after, room.errors, task.width
     cycle = task.cycle if task.cycle < math.inf else 2.0 * math.pi
     watched, count = in_lanes(room.watched), task.watched
     rounded = max(ROUNDED, 4.0 * FOUND_TO if task.implicit else 0.0)
@@ -103,7 +103,7 @@ def judge_steps(task: WalkTask, room: Room) -> None:
 @inlined
 def is_rounding(lane: int, room: Room) -> bool:
     """Whether a step's error is rounding: below NOISE, and at least FALLS times that of the step rejected before."""
-    own = rows_of(room.lane)
+    own = room.lane
     before, own.refused[lane] = own.refused[lane], own.missed[lane]
     rounding = own.missed[lane] * own.tolerance[lane] <= NOISE and own.missed[lane] >= FALLS * before
     if rounding:
@@ -114,15 +114,15 @@ def is_rounding(lane: int, room: Room) -> bool:
 @inlined
 def is_short(length: float, lane: int, task: WalkTask, room: Room) -> bool:
     """Whether a step turns by so little that an implicit one pays."""
-    own = rows_of(room.lane)
-    turns = length * abs(in_lanes(room.begin)[1, lane]) if task.along_time else length
+    own = room.lane
+    turns = length * abs(room.begin[1, lane]) if task.along_time else length
     return turns < WORTH_SOLVING * own.farthest[lane]
 
 
 @inlined
 def shorten(lane: int, task: WalkTask, room: Room) -> None:
     """Choose a shorter step in a lane with too large an error; the lane is lost below the minimum length."""
-    own, watched = rows_of(room.lane), in_lanes(room.watched)
+    own, watched = room.lane, in_lanes(room.watched)
     length, share = own.length[lane], SHRINK
     if own.missed[lane] < math.inf:
         share = SAFETY / math.sqrt(math.sqrt(math.sqrt(own.missed[lane])))
@@ -147,11 +147,11 @@ def carry_errors(task: WalkTask, room: Room) -> None:
     they are evaluated. All are magnitudes, so none cancel. Source: E. Hairer, S. P. Nørsett and G. Wanner, Solving
     Ordinary Differential Equations I, section I.14.
     """
-    own, watched, k = rows_of(room.lane), in_lanes(room.watched), in_lanes(room.rates)
+    own, watched, k = room.lane, in_lanes(room.watched), in_lanes(room.rates)
     carried_errors, errors, begin, end = (
-        in_lanes(room.carried_errors),
-        in_lanes(room.errors),
-        in_lanes(room.begin),
+        room.carried_errors,
+        room.errors,
+        room.begin,
         task.watched,
     )
     width, last = task.width, (task.stages - 1) * task.width

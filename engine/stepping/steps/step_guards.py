@@ -7,7 +7,7 @@ from engine.compiling.decorators import inlined, routine
 from engine.stepping.steps.stage_rates import FOUND_TO
 from engine.stepping.steps.step_edges import edge_ahead
 from engine.stepping.steps.step_errors import ROUNDED
-from engine.stepping.steps.step_lanes import EDGE, FIRST, OTHER, RISE, SIZE, SLOPE, SPEED, STEEPNESS, Room, rows_of
+from engine.stepping.steps.step_lanes import EDGE, FIRST, OTHER, RISE, SIZE, SLOPE, SPEED, STEEPNESS, Room
 from engine.stepping.walk_task import WalkTask
 
 # Relative tolerance of the length of the step to a guard's root, and maximum number of trials.
@@ -28,7 +28,7 @@ def next_root(lane: int, task: WalkTask, room: Room) -> float:
 
     Extremes of the speed follow from the cubic through its values and slopes.
     """
-    own, guards, count = rows_of(room.lane), in_lanes(room.guards), FIRST + task.guards
+    own, guards, count = room.lane, room.guards, FIRST + task.guards
     short, long = own.short[lane], own.long[lane]
     best = long
     if long - short > task.root * long and own.trials[lane] <= MOST_TRIALS:
@@ -52,7 +52,7 @@ def top_between(leaves: float, comes: float, lane: int, room: Room) -> float:
 
     Source: Hermite's cubic, whose slope is a quadratic with one root between slopes of different signs.
     """
-    own, watched = rows_of(room.lane), in_lanes(room.watched)
+    own, watched = room.lane, in_lanes(room.watched)
     way = own.long[lane] - own.short[lane]
     a, b = leaves * way, comes * way
     c = math.copysign(1.0, watched[SLOPE, lane]) * (own.long_speed[lane] - own.short_speed[lane])
@@ -67,7 +67,7 @@ def top_between(leaves: float, comes: float, lane: int, room: Room) -> float:
 @inlined
 def speed_slope(lane: int, end: int, task: WalkTask, room: Room) -> float:
     """Derivative of the speed at the start of a step, 0, or its end, 1; along the angle dω/dφ = ω/(2E) · I ω dω/dφ."""
-    watched, energy = in_lanes(room.watched), in_lanes(room.begin) if end == 0 else in_lanes(room.after)
+    watched, energy = in_lanes(room.watched), room.begin if end == 0 else room.after
     slope, speed = watched[end * task.watched + SLOPE, lane], watched[end * task.watched + SPEED, lane]
     return slope if task.along_time else 0.5 * slope * speed / energy[0, lane]
 
@@ -75,8 +75,8 @@ def speed_slope(lane: int, end: int, task: WalkTask, room: Room) -> float:
 @inlined
 def guard(g: int, lane: int, end: int, task: WalkTask, room: Room) -> float:
     """Value of a guard of a lane at the start of a step, 0, or at its end, 1."""
-    own, watched = rows_of(room.lane), in_lanes(room.watched)
-    states = in_lanes(room.begin) if end == 0 else in_lanes(room.after)
+    own, watched = room.lane, in_lanes(room.watched)
+    states = room.begin if end == 0 else room.after
     row = end * task.watched
     if g == EDGE:
         return (edge_ahead(lane, room) - states[0, lane]) * own.facing[lane] if task.along_time else 1.0
@@ -87,7 +87,7 @@ def guard(g: int, lane: int, end: int, task: WalkTask, room: Room) -> float:
     if g == RISE:
         slope, last = watched[SLOPE, lane], task.states - 1
         # In a motion in balance the slope's sign is rounding.
-        off = FOUND_TO * abs(in_lanes(room.begin)[last, lane])
+        off = FOUND_TO * abs(room.begin[last, lane])
         unsure = ROUNDED * watched[SIZE, lane] + abs(watched[STEEPNESS, lane]) * off
         sense = math.copysign(1.0, slope) if abs(slope) > unsure else 0.0
         return sense * speed_slope(lane, end, task, room) if task.extremes else 1.0
@@ -112,7 +112,7 @@ def fires(rises: bool, task: WalkTask, room: Room) -> None:
 
     If `rises`, extremes of the speed count too.
     """
-    own, watched = rows_of(room.lane), in_lanes(room.watched)
+    own, watched = room.lane, in_lanes(room.watched)
     for lane in range(LANES):
         crossed = is_crossed(OTHER, lane, task, room)
         own.fired[lane] = 1.0 if crossed or (task.along_time and is_crossed(EDGE, lane, task, room)) else 0.0
@@ -132,7 +132,7 @@ def may_exceed(lane: int, task: WalkTask, room: Room) -> bool:
 
     It lies roughly within the triangle of the chord and the end tangents, and certainly within twice its height.
     """
-    own, watched = rows_of(room.lane), in_lanes(room.watched)
+    own, watched = room.lane, in_lanes(room.watched)
     near, far = watched[SPEED, lane], watched[task.watched + SPEED, lane]
     leaves, comes = speed_slope(lane, 0, task, room), speed_slope(lane, 1, task, room)
     # Intersection of the tangents.
@@ -155,7 +155,7 @@ def narrow(lane: int, task: WalkTask, room: Room) -> bool:
 
     Source: N. Anderson and Å. Björck, A new high order method of regula falsi type, BIT 13 (1973).
     """
-    own, guards, count = rows_of(room.lane), in_lanes(room.guards), FIRST + task.guards
+    own, guards, count = room.lane, room.guards, FIRST + task.guards
     length, fired, watched = own.length[lane], own.fired[lane] > 0.0, in_lanes(room.watched)
     if own.trials[lane] == 0.0:
         own.short[lane], own.long[lane], own.side[lane] = 0.0, length, 0.0
@@ -186,7 +186,7 @@ def narrow(lane: int, task: WalkTask, room: Room) -> bool:
 @inlined
 def beyond_root(lane: int, task: WalkTask, room: Room) -> bool:
     """Whether a step that ends beyond the roots of guards ends at the first of them, by the secant."""
-    own, guards = rows_of(room.lane), in_lanes(room.guards)
+    own, guards = room.lane, room.guards
     length, off = own.length[lane], 0.0
     for g in range(FIRST + task.guards):
         near, far = guards[g, lane], guard(g, lane, 1, task, room)
@@ -203,14 +203,14 @@ def is_flat(lane: int, task: WalkTask, room: Room) -> bool:
     for g in range(FIRST + task.guards):
         if g != RISE and is_crossed(g, lane, task, room):
             return False
-    flat = FLAT * math.sqrt(rows_of(room.lane).tolerance[lane])
+    flat = FLAT * math.sqrt(room.lane.tolerance[lane])
     return abs(watched[end + SLOPE, lane]) <= flat * (abs(watched[SLOPE, lane]) + watched[SIZE, lane])
 
 
 @inlined
 def missed_top(lane: int, task: WalkTask, room: Room) -> float:
     """Speed by which a step that ends at an extreme of the speed misses it: twice the height of the parabola there."""
-    own, near = rows_of(room.lane), in_lanes(room.guards)[RISE, lane]
+    own, near = room.lane, room.guards[RISE, lane]
     far = guard(RISE, lane, 1, task, room)
     found = own.trials[lane] > 0.0 and near > 0.0 and far < 0.0
     return far * far * (own.length[lane] - own.short[lane]) / (near - far) if found else 0.0
@@ -219,7 +219,7 @@ def missed_top(lane: int, task: WalkTask, room: Room) -> float:
 @inlined
 def switches(lane: int, task: WalkTask, room: Room) -> bool:
     """Whether a guard that doesn't end the walk ended a lane's step."""
-    if rows_of(room.lane).trials[lane] > 0.0:
+    if room.lane.trials[lane] > 0.0:
         for g in range(task.guards):
             if not task.ends[g] and is_crossed(FIRST + g, lane, task, room):
                 return True
@@ -229,7 +229,7 @@ def switches(lane: int, task: WalkTask, room: Room) -> bool:
 @inlined
 def switch(lane: int, task: WalkTask, room: Room) -> None:
     """Set a lane's held numbers to their values after the guard that ended its step."""
-    watched, numbers, begin = in_lanes(room.watched), in_lanes(room.numbers), in_lanes(room.begin)
+    watched, numbers, begin = in_lanes(room.watched), in_lanes(room.numbers), room.begin
     first, count = task.first_place + task.places, task.held.shape[0]
     for i in range(count):
         row, value = task.held[i], watched[2 * task.watched - task.guards - count + i, lane]

@@ -5,9 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import Row, hand_out, in_lanes
+from engine.compiling.blocks import Row, Rows, hand_out, hand_out_row, in_lanes
 from engine.compiling.decorators import routine
-from engine.compiling.memory import memory
 from engine.cycle.panels.lanes import ASIDE, one, rows
 from engine.stepping.walk_task import WalkTask
 
@@ -149,22 +148,23 @@ class Room(NamedTuple):
 
     numbers: np.ndarray
     position: np.ndarray
-    lane: np.ndarray
-    edges: np.ndarray
-    instants: np.ndarray
+    lane: one(Lane)
+    edges: Rows
+    instants: Rows
     rates: np.ndarray
     watched: np.ndarray
-    begin: np.ndarray
-    after: np.ndarray
-    errors: np.ndarray
-    carried_errors: np.ndarray
-    ending: np.ndarray
-    equations: np.ndarray
-    before: np.ndarray
-    guards: np.ndarray
+    begin: Rows
+    after: Rows
+    errors: Rows
+    carried_errors: Rows
+    ending: Rows
+    secants: Rows
+    equations: Rows
+    before: Rows
+    guards: Rows
     lengths: np.ndarray
-    limits: np.ndarray
-    places: np.ndarray
+    limits: Rows
+    places: Rows
 
 
 def new_room(task: WalkTask, numbers: int, edges: int, instants: int, repeats: bool) -> Room:
@@ -184,7 +184,8 @@ def new_room(task: WalkTask, numbers: int, edges: int, instants: int, repeats: b
         rows(task.width),
         rows(task.width),
         rows(task.width),
-        rows((unknown * (unknown + 1) + task.stages * task.states if task.implicit else 0) + 2),
+        rows(2),
+        rows(unknown * (unknown + 1) + task.stages * task.states if task.implicit else 1),
         rows(2 * (2 * task.width + 1)),
         rows(2 * (FIRST + task.guards)),
         rows(laid),
@@ -207,8 +208,7 @@ class WalkBatch(NamedTuple):
 
     Attributes
     ----------
-    memory : ndarray
-        All tables.
+    printed : Printed
     numbers : ndarray (numbers, variants)
         Held numbers are updated in place.
     edges : ndarray (2 × edges, variants)
@@ -227,7 +227,7 @@ class WalkBatch(NamedTuple):
         estimate at the start.
     """
 
-    memory: np.ndarray
+    printed: Printed
     numbers: np.ndarray
     edges: np.ndarray
     instants: np.ndarray
@@ -239,15 +239,13 @@ class WalkBatch(NamedTuple):
     recorded: np.ndarray
 
 
-rows_of = memory(one(Lane))
-
-
 @routine
 def give_out(first: int, batch: WalkBatch, task: WalkTask, room: Room) -> None:
     """Store the final states of a block of variants."""
-    hand_out(in_lanes(room.begin), first, batch.states)
-    hand_out(in_lanes(room.carried_errors), first, batch.carried_errors)
-    hand_out(in_lanes(room.ending), first, batch.ending)
-    hand_out(in_lanes(room.lane[FIRST_FOUND:]), first, batch.found)
+    hand_out(room.begin, first, batch.states)
+    hand_out(room.carried_errors, first, batch.carried_errors)
+    hand_out(room.ending, first, batch.ending)
+    for i in range(batch.found.shape[0]):
+        hand_out_row(room.lane[FIRST_FOUND + i], first, batch.found[i])
     if task.held.shape[0] > 0:
         hand_out(in_lanes(room.numbers), first, batch.numbers)

@@ -13,8 +13,8 @@ from engine.cycle.driver import evaluate_blocks
 from engine.cycle.machine import compile_driver
 from engine.cycle.plan import Kept, Plan
 from engine.stepping.closed_cycle import find_cycles
-from engine.stepping.system import compile_cycles, compile_walk
-from engine.stepping.walk import walk
+from engine.stepping.system import compile_walks
+from engine.stepping.walk import attempt, lay_steps, repeat_steps, walk
 
 
 @driver
@@ -71,9 +71,8 @@ def test_what_is_compiled_ahead__is_what_machines_call():
     plan = Plan((0, 1), 1)
     plan.find_extremes(Kept((0,)))
     compile_driver(plan)
-    compile_walk()
-    compile_cycles()
-    shared = evaluate_blocks, MEASURES["extremes"], walk, find_cycles
+    compile_walks()
+    shared = evaluate_blocks, MEASURES["extremes"], walk, find_cycles, attempt, lay_steps, repeat_steps
     before = [len(function.signatures) for function in shared]
     assert min(before) >= 1
     names = ["input_moment.max", "start.time", "on.mean_speed"]
