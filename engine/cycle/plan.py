@@ -18,11 +18,14 @@ from engine.cycle.events import MOST_ROOTS
 from engine.cycle.measures.extremes import BOTH, LEAST_MAGNITUDE
 from engine.cycle.panels.chebyshev import DEGREE
 
+# Positions at which switching functions are scanned, in a range of up to two turns of the input and in each further
+# turn; doubled for variants that need more.
+SCANNED, SCANNED_PER_TURN = 36, 18
 # Fields that cut the cycle.
 _CUTS = ("landmarks", "levels", "crossings", "cuts")
 # Fields that are equal in a plan and its task: as arrays, and as they are.
 _SHARED = ("ends", "levels", "states", "cuts", "kinks", "rooted")
-_SAME = ("scan", "looks", "intervals", "degree", "longest", "period", "turn")
+_SAME = ("looks", "intervals", "degree", "longest", "period", "turn")
 
 Measure = Literal["integrals", "roots", "extremes", "fluctuations", "averages", "arcs", "spaced"]
 
@@ -104,9 +107,6 @@ class Plan:
         Maximum length of a panel; at most π/2 if the input is an angle.
     period, turn : float
         Length of the input after which the cycle, or the crank's position, recurs; infinite if the range isn't a cycle.
-    scan : int
-        Number of positions over the range at which switching functions are sampled; doubled for variants that need
-        more.
     looks : int
         Number of scans: 2 if some switching functions depend on landmarks of others.
     turns : int
@@ -129,7 +129,6 @@ class Plan:
     longest: float = 1.26
     period: float = math.inf
     turn: float = math.inf
-    scan: int = 36
     looks: int = 1
     turns: int = 1
     # What is wanted, in order, by the measure that finds it; of an extreme also the sides.
@@ -186,6 +185,7 @@ class Plan:
             **{name: getattr(self, name) for name in _SAME},
             landmarks=_integers(self.landmarks, 4),
             crossings=np.array(self.crossings, float).reshape(-1, 3),
+            scan=SCANNED + SCANNED_PER_TURN * max(0, self.turns - 2),
             most_roots=MOST_ROOTS * self.turns,
             integrals=_integers(integrals),
             roots=_integers([curve[c] for c in self.wanted("roots")]),

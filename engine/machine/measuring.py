@@ -64,8 +64,6 @@ LOOSELY = 1e-4
 ROUNDING_OF_RATES = 8.0 * EPS
 # An excess work below this share of its moment's maximum possible work is rounding.
 NEGLIGIBLE = 1e-9
-# Positions at which switching curves are scanned, for a cycle of up to two turns and for each further turn.
-SCANNED, SCANNED_PER_TURN = 36, 18
 # Requested accuracy from which panels of a quarter turn are tried: they usually suffice.
 COARSELY = 1e-4
 # Requested accuracy from which a cycle with cuts has panels of lower degree: its pieces are short.
@@ -213,7 +211,6 @@ class Measuring:
             looks=f.looks,
             kinks=[curve[c] for c in self._kinks],
             rooted=[curve[c] for c in dict.fromkeys(rooted)],
-            scan=SCANNED + SCANNED_PER_TURN * max(0, turns - 2),
             turns=turns,
             longest=0.25 * FULL_TURN if share >= COARSELY else Plan.longest,
             period=FULL_TURN * self.mechanics.scene.input.revolutions if closes else math.inf,

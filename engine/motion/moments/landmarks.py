@@ -20,8 +20,6 @@ from engine.motion.moments.breaks import JUMP, Breaks, watches_of
 from engine.motion.moments.tabulation import Ends, Tabulation
 from engine.scene.scene import Numbers
 
-SCANNED_PER_TURN = 60
-
 # Offsets from a break at which torques are tested [rad]: close to a dead centre the stroke differs from its end by less
 # than rounding, and a load that acts there may seem to vanish.
 BESIDE = (JUMP, 1e-5)
@@ -59,9 +57,14 @@ class Landmarks:
         events = {curve: i for i, (curve, _) in enumerate(functions.events)}
         asked = [watch.crossing for watch in self.watches]
         crossings = [(events[c.curve], functions.rows[c.level], c.offset) for c in asked]
-        looked_at = {"scan": SCANNED_PER_TURN * turns + 1, "looks": functions.looks, "turns": turns}
         plan = Plan(
-            (0, 1), 0, landmarks=functions.landmarks, levels=functions.level_rows, crossings=crossings, **looked_at
+            (0, 1),
+            0,
+            landmarks=functions.landmarks,
+            levels=functions.level_rows,
+            crossings=crossings,
+            looks=functions.looks,
+            turns=turns,
         )
         return plan.task([None] * 4)
 
