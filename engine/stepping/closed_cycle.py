@@ -5,7 +5,7 @@ computed along with it, ln(dP/dE) = ∮ ∂M/∂E dφ. Motions never cross, so P
 some energy stalls from every lower one, and one that is faster after a cycle settles at a higher energy. The search
 starts at an energy at which loads should dominate, and stays within the known bounds. Step lengths are chosen in the
 first cycle and then reused as long as their errors are small enough. A last cycle, from the energy found, has the
-results.
+results; all lanes make it together, so that it can also end steps at the extremes of the speed.
 """
 
 import math
@@ -102,7 +102,11 @@ class CycleBatch(NamedTuple):
     Attributes
     ----------
     walks : WalkBatch
-        From the first trial energies; updated to the ends of the cycles found.
+        From the first trial energies; updated to the ends of the last cycles.
+    last : WalkTask
+        Of the last cycle.
+    farthest : float
+        Its largest step [rad]; infinite if it takes those of the search, 0 if there is none.
     energies : ndarray (variants,)
         At the starts of the cycles found.
     outcome : ndarray (OUTCOME, variants)
@@ -111,6 +115,8 @@ class CycleBatch(NamedTuple):
     """
 
     walks: WalkBatch
+    last: WalkTask
+    farthest: float
     energies: np.ndarray
     outcome: np.ndarray
     fading: int
@@ -216,6 +222,36 @@ def next_energy(
     return lower if least < lower < before else least
 
 
+@routine
+def make_cycles(
+    first: int, last: float, addresses: StepAddresses, batch: CycleBatch, task: WalkTask, room: CycleRoom
+) -> None:
+    """Go through cycles, those of the search or, if `last` is 1, the last ones, until all lanes have made theirs."""
+    walks, own, search = batch.walks, room.walk.lane, room.search
+    edges, slots = walks.edges.shape[0] // 2, room.walk.lengths.shape[0]
+    while True:
+        going, most = False, 0
+        for lane in range(LANES):
+            goes = search.verdict[lane] == SEARCHING and search.last[lane] == last
+            lays = goes and search.laying[lane] > 0.0
+            going = going or goes
+            own.halt[lane] = math.inf if lays else -math.inf
+            own.able[lane] = 1.0 if goes and not lays else 0.0
+            # Nothing repeats the last cycle.
+            stores = slots > 1 and last == 0.0
+            own.kept[lane] = (0.0 if stores else -1.0) if lays else own.kept[lane]
+            own.pace[lane] = own.farthest[lane] if lays else own.pace[lane]
+            most = max(most, int(own.kept[lane]) if own.able[lane] > 0.0 else 0)
+        if not going:
+            break
+        call_at(addresses.lay_steps, (first, addresses, walks, task, room.walk))
+        if most > 0:
+            call_at(addresses.repeat_steps, (most, addresses, walks, task, room.walk))
+        for lane in range(LANES):
+            if search.verdict[lane] == SEARCHING and search.last[lane] == last:
+                judge_cycle(lane, batch.fading, edges, task, room)
+
+
 @driver
 def find_cycles(
     begin: int, end: int, addresses: StepAddresses, batch: CycleBatch, task: WalkTask, room: CycleRoom
@@ -232,7 +268,7 @@ def find_cycles(
     room : CycleRoom
     """
     walks, own, search = batch.walks, room.walk.lane, room.search
-    edges, slots = walks.edges.shape[0] // 2, room.walk.lengths.shape[0]
+    edges = walks.edges.shape[0] // 2
     for b in range(begin, end):
         first = b * LANES
         take_in(first, walks, task, room.walk)
@@ -244,25 +280,14 @@ def find_cycles(
             search.carried_error[lane], search.last[lane] = 0.0, 0.0
             search.verdict[lane] = SEARCHING if own.why[lane] == GOING else OK
             begin_cycle(lane, room.walk.begin[0, lane], edges, task, room)
-        while True:
-            going, most = False, 0
-            for lane in range(LANES):
-                goes = search.verdict[lane] == SEARCHING
-                lays = goes and search.laying[lane] > 0.0
-                going = going or goes
-                own.halt[lane] = math.inf if lays else -math.inf
-                own.able[lane] = 1.0 if goes and not lays else 0.0
-                own.kept[lane] = (0.0 if slots > 1 else -1.0) if lays else own.kept[lane]
-                own.pace[lane] = own.farthest[lane] if lays else own.pace[lane]
-                most = max(most, int(own.kept[lane]) if own.able[lane] > 0.0 else 0)
-            if not going:
-                break
-            call_at(addresses.lay_steps, (first, addresses, walks, task, room.walk))
-            if most > 0:
-                call_at(addresses.repeat_steps, (most, addresses, walks, task, room.walk))
-            for lane in range(LANES):
-                if search.verdict[lane] == SEARCHING:
-                    judge_cycle(lane, batch.fading, edges, task, room)
+        make_cycles(first, 0.0, addresses, batch, task, room)
+        for lane in range(LANES):
+            if search.verdict[lane] == SEARCHING and batch.farthest == 0.0:
+                search.verdict[lane] = OK
+            elif search.verdict[lane] == SEARCHING and batch.farthest < math.inf:
+                own.farthest[lane], search.laying[lane] = batch.farthest, 1.0
+                begin_cycle(lane, search.energy[lane], edges, task, room)
+        make_cycles(first, 1.0, addresses, batch, batch.last, room)
         give_out(first, walks, task, room.walk)
         hand_out_row(search.energy, first, batch.energies)
         for lane in range(min(LANES, batch.energies.shape[0] - first)):

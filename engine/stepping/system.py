@@ -135,7 +135,7 @@ class Closed(NamedTuple):
     energy : ndarray (variants,)
         At the start [J].
     cycle : Walks
-        From there, with the extremes of the speed at the ends of steps.
+        From there; meaningless without a last cycle.
     off : ndarray (variants,)
         |P(E) − E|/E.
     verdict : ndarray (variants,)
@@ -302,13 +302,23 @@ class PrintedSystem:
         edges: np.ndarray,
         given: Mapping[str, np.ndarray],
         energies: np.ndarray,
+        last: WalkTask,
+        farthest: float,
     ) -> Closed:
-        """Find the cycles that return to their own energies, from energies at which loads should dominate."""
+        """Find the cycles that return to their own energies, from energies at which loads should dominate.
+
+        Other parameters are those of `run` and `CycleBatch`.
+        """
         states, nothing = np.zeros((task.width, energies.size)), np.zeros((0, energies.size))
         states[0] = energies
         walks = self._batch(task, numbers, edges, nothing, given, states, np.zeros_like(states), 0)
         batch = CycleBatch(
-            walks, np.empty_like(energies), np.empty((len(OUTCOME), energies.size)), self.names["fading"]
+            walks,
+            last,
+            farthest,
+            np.empty_like(energies),
+            np.empty((len(OUTCOME), energies.size)),
+            self.names["fading"],
         )
 
         def room() -> CycleRoom:
@@ -398,4 +408,4 @@ def compile_walks() -> None:
     task, numbers = body.task(1.0), np.zeros((len(body.functions.rows), 1))
     one_radian = {"goal": 1.0, "tolerance": 1e-3, "pace": 1.0, "farthest": 1.0}
     body.run(task, numbers, None, None, one_radian, np.ones((2, 1)))
-    body.close(task, numbers, NO_EDGES, one_radian, np.ones(1))
+    body.close(task, numbers, NO_EDGES, one_radian, np.ones(1), task, np.inf)

@@ -18,7 +18,7 @@ from engine.stepping.methods import EIGHT, NINE
 from engine.stepping.recorded import RECORDED, states_at
 from engine.stepping.records import put, some
 from engine.stepping.system import Closed, Walks
-from engine.stepping.walk_task import Why
+from engine.stepping.walk_task import WalkTask, Why
 from engine.words.verdicts import Verdict
 
 # Maximum steps: during the search, in the final cycle, and in the final cycle if it is recorded.
@@ -98,7 +98,7 @@ def steady_motion(
         Whether the minimum and maximum speed are also located within steps.
     """
     with np.errstate(all="ignore"):
-        motion = _Motion(dynamics, variants, tolerance)
+        motion = _Motion(dynamics, variants, tolerance, extremes, asked is not None and len(asked) > 0)
         closed = motion.closed(np.arange(variants.count), False)
         verdict = closed.verdict.copy()
         steep = verdict == TOO_STEEP
@@ -106,13 +106,16 @@ def steady_motion(
             put(closed, np.flatnonzero(steep), motion.closed(np.flatnonzero(steep), True))
             verdict = np.where(closed.verdict == TOO_STEEP, Verdict.NOT_FINITE, closed.verdict)
         asked = np.empty((0, variants.count)) if asked is None else asked
-        return motion.gone_through(closed, steep, verdict.astype(np.uint8), asked, extremes)
+        return motion.gone_through(closed, steep, verdict.astype(np.uint8), asked)
 
 
 class _Motion:
     """Machines whose steady running is sought."""
 
-    def __init__(self, dynamics: Dynamics, variants: Variants, tolerance: float) -> None:
+    def __init__(
+        self, dynamics: Dynamics, variants: Variants, tolerance: float, extremes: bool, recorded: bool
+    ) -> None:
+        self.extremes, self.farthest = extremes, 0.0 if recorded else CLOSER if extremes else np.inf
         self.dynamics, self.variants, self.tolerance, self.system = dynamics, variants, tolerance, dynamics.by_angle
         sizes = self.system.sizes
         # No guard ends the cycle while there is any energy. No load depends on time.
@@ -129,11 +132,15 @@ class _Motion:
         """Cycles that return to their own energies; the search starts at the no-load speed, where loads dominate."""
         part = self.variants.some(who)
         top = 0.5 * self.dynamics.inertia(part, np.zeros(who.size)) * self.dynamics.no_load_speed(part)[0] ** 2
-        task = self.system.task(self.dynamics.cycle, NINE if implicit else EIGHT)._replace(clock=-1)
-        return self.system.close(task, self.numbers[:, who], self.edges[:, who], self._lanes(who, FARTHEST), top)
+        task, last = self._task(implicit, False), self._task(implicit, self.extremes)
+        lanes = self._lanes(who, FARTHEST)
+        return self.system.close(task, self.numbers[:, who], self.edges[:, who], lanes, top, last, self.farthest)
+
+    def _task(self, implicit: bool, extremes: bool) -> WalkTask:
+        return self.system.task(self.dynamics.cycle, NINE if implicit else EIGHT, extremes)._replace(clock=-1)
 
     def gone_through(
-        self, closed: Closed, steep: np.ndarray, verdict: np.ndarray, asked: np.ndarray, extremes: bool
+        self, closed: Closed, steep: np.ndarray, verdict: np.ndarray, asked: np.ndarray
     ) -> tuple[Steady, Steady]:
         """The cycles found, computed with all requested results, and their error estimates."""
         count, channels = self.variants.count, len(self.dynamics.channels)
@@ -144,7 +151,7 @@ class _Motion:
             if not who.size:
                 continue
             begin = closed.energy[who], closed.carried_error[who]
-            if extremes or len(asked):
+            if len(asked):
                 gone, record, record_off = self._cycle(who, implicit, *begin, asked[:, who])
             else:
                 gone, record, record_off = some(closed.cycle, who), *np.full((2, 3, 0, who.size), np.nan)
@@ -189,16 +196,12 @@ class _Motion:
         self, who: np.ndarray, implicit: bool, energy: np.ndarray, carried_error: np.ndarray, asked: np.ndarray
     ) -> tuple[Walks, np.ndarray, np.ndarray]:
         """A cycle from given energies; the record at the requested angles, and its error estimates."""
-        task = self.system.task(self.dynamics.cycle, NINE if implicit else EIGHT, True)._replace(clock=-1)
-        nodes, nothing = len(asked), np.zeros((0, who.size))
-        lanes = self._lanes(who, CLOSEST if nodes else CLOSER)
+        task, nothing = self._task(implicit, True), np.zeros((0, who.size))
+        lanes = self._lanes(who, CLOSEST)
         states, carried_errors = np.zeros((2, task.width, who.size))
         states[ENERGY], carried_errors[ENERGY] = energy, carried_error
         numbers, edges = self.numbers[:, who], self.edges[:, who]
-        if not nodes:
-            gone = self.system.run(task, numbers, edges, nothing, lanes, states, carried_errors)
-            return gone, *np.full((2, 3, 0, who.size), np.nan)
-        record, off = np.full((2, 3, nodes, who.size), np.nan)
+        record, off = np.full((2, 3, len(asked), who.size), np.nan)
         whole: Walks | None = None
         left = np.arange(who.size)
         while left.size:
