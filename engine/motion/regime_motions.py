@@ -12,7 +12,7 @@ from engine.motion.asked_regimes import AskedRegimes
 from engine.motion.coupled.coupled_answers import held_moment, run_coupled
 from engine.motion.coupled.coupled_fields import CoupledFields, CycleStates
 from engine.motion.coupled.coupled_run import LOOKS
-from engine.motion.coupled.coupled_steady import CoupledSteady, one_cycle, settled_at_two_speeds
+from engine.motion.coupled.coupled_steady import one_cycle, settled_at_two_speeds
 from engine.motion.moments.dynamics import Variants
 from engine.motion.one_speed import CHANNELS
 from engine.motion.quantities import FieldAnswers
@@ -23,6 +23,7 @@ from engine.motion.runs.run_progress import FARTHEST_STEP, CoupledStanding, Ends
 from engine.motion.runs.spread_errors import spread_errors
 from engine.motion.runs.watching import Observer, RunFields
 from engine.motion.settled.cycle import Cycle, answers_of, cycle_of
+from engine.motion.settled.return_map import Returned
 from engine.motion.settled.rubbing_steady import settled_motion
 from engine.motion.settled.sizing import flywheel_for
 from engine.motion.settled.steady import Steady, steady_motion
@@ -230,7 +231,7 @@ class RegimeMotion:
         standing: Standing,
         longer: float = 1.0,
         record: Callable[[CoupledFields, np.ndarray], Observer] | None = None,
-    ) -> tuple[CoupledSteady, RunOutcome, Standing]:
+    ) -> tuple[Returned, RunOutcome, Standing]:
         """Steady running through a fluid coupling, and one cycle of it; parameters as for `run`.
 
         `record` also receives the indices of the variants in steady running.
@@ -434,7 +435,7 @@ class RegimeMotion:
     def _of_cycle(
         self,
         variants: Variants,
-        steady: Steady | CoupledSteady,
+        steady: Steady | Returned,
         period: np.ndarray,
         gone: RunOutcome | None = None,
     ) -> dict[str, np.ndarray]:

@@ -1,12 +1,9 @@
 """Steady running at two speeds, through a fluid coupling: speeds of both sides that return after a cycle.
 
-They are the fixed point of the map from one cycle of the crank to the next, found by Newton's method. The Jacobian of
-the map follows from differences of cycles that start slightly faster and slower. The initial guess is the pair of
-speeds at which the mean torques over a cycle balance.
+The initial guess is the pair of speeds at which the mean torques over a cycle balance.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -15,42 +12,14 @@ from engine.motion.coupled.coupled_answers import run_coupled
 from engine.motion.coupled.two_sides import FLUID, CoupledSides, Joined, Pull, coupling_pull
 from engine.motion.runs.run_progress import CoupledStanding, Ends, RunOutcome, Standing, Stepping
 from engine.motion.runs.watching import Observer
+from engine.motion.settled.return_map import Returned, returning_speeds
 from engine.words.verdicts import Verdict
 
-# Relative tolerance of the speeds after a cycle; the tolerance accepted where step errors stall the convergence.
-RETURNED, NEARLY = 1e-10, 1e-7
-MOST_ROUNDS = 40
-# Relative speed difference for the Jacobian: curvature of the map and step errors weigh about the same.
-APART = 3e-4
-# Maximum relative change of a speed per iteration.
-FARTHEST = 0.3
-# Relative tolerance within which a multiplier of 1 leaves the speed undetermined.
-UNDECIDED = 1e-6
 # Numbers of speeds and of crank angles at which mean torques are computed; highest speed over the no-load speed.
 SPEEDS, PLACES, HIGHEST = 96, 64, 1.3
 
 
-class CoupledSteady(NamedTuple):
-    """Steady running at two speeds; arrays (variants,).
-
-    Attributes
-    ----------
-    verdict : ndarray of uint8
-    speeds : ndarray (2, variants)
-        Of the crank and of the shaft at φ = 0, reduced to the crank [rad/s].
-    multiplier : ndarray
-        Largest factor by which a small disturbance grows per cycle.
-    residual : ndarray
-        Relative difference of the speeds after a cycle.
-    """
-
-    verdict: np.ndarray
-    speeds: np.ndarray
-    multiplier: np.ndarray
-    residual: np.ndarray
-
-
-def settled_at_two_speeds(sides: CoupledSides, stepping: Stepping) -> CoupledSteady:
+def settled_at_two_speeds(sides: CoupledSides, stepping: Stepping) -> Returned:
     """Find the steady running of machines with a fluid coupling.
 
     Parameters
@@ -58,45 +27,20 @@ def settled_at_two_speeds(sides: CoupledSides, stepping: Stepping) -> CoupledSte
     sides : CoupledSides
         Starting at φ = 0.
     stepping : Stepping
+
+    Returns
+    -------
+    Returned
+        With the speeds of the crank and of the shaft, reduced to the crank.
     """
-    count = sides.count
-    # A cycle from the speeds themselves, and from each of them slightly raised and lowered.
-    begun = np.array([[1.0, 1.0 + APART, 1.0 - APART, 1.0, 1.0], [1.0, 1.0, 1.0, 1.0 + APART, 1.0 - APART]])
-    ways = begun.shape[1]
-    every = sides.some(np.tile(np.arange(count), ways)) if count else sides
+
+    def cycle(who: np.ndarray, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        gone = one_cycle(sides.some(who), speeds, stepping)
+        return np.array([gone.state.omega, gone.coupled.speed]), gone.verdict
+
     with np.errstate(all="ignore"):
-        verdict, x = _in_balance(sides)
-    good, multiplier = x.copy(), np.full(count, np.nan)
-    residual, pending = np.full(count, np.inf), np.flatnonzero(verdict == Verdict.OK)
-    for _ in range(MOST_ROUNDS):
-        if not pending.size:
-            break
-        who = (pending + count * np.arange(ways)[:, None]).ravel()
-        start = (begun[:, :, None] * x[:, None, pending]).reshape(2, -1)
-        gone = one_cycle(every.some(who), start, stepping)
-        after = np.array([gone.state.omega, gone.coupled.speed]).reshape(2, ways, -1)
-        went = (gone.verdict == Verdict.OK).reshape(ways, -1)
-        here = x[:, pending]
-        slopes = np.stack([(after[:, i] - after[:, i + 1]) / (2.0 * APART * here[i // 2]) for i in (1, 3)], axis=1)
-        off = np.abs(after[:, 0] - here).max(axis=0) / np.abs(here).max(axis=0)
-        whole = went.all(axis=0) & np.isfinite(slopes).all(axis=(0, 1))
-        growth, change, undecided = _newton(np.where(whole, slopes, 0.0), after[:, 0] - here)
-        settled = whole & ((off <= RETURNED) | ((off <= NEARLY) & (off >= 0.5 * residual[pending])))
-        residual[pending] = np.where(whole, off, residual[pending])
-        multiplier[pending] = np.where(whole, growth, multiplier[pending])
-        limit = np.abs(change / here).max(axis=0) / FARTHEST
-        change = change / np.maximum(limit, 1.0)
-        good[:, pending] = np.where(whole, here, good[:, pending])
-        # Where a cycle fails, go half of the distance back to speeds where one succeeded.
-        ahead = np.where(whole, here + change, 0.5 * (here + good[:, pending]))
-        x[:, pending] = np.where(settled, here, ahead)
-        verdict[pending[whole & undecided & ~settled]] = Verdict.ANY_SPEED
-        never = ~whole & (good[:, pending] == here).all(axis=0)
-        verdict[pending[never]] = gone.verdict.reshape(ways, -1).max(axis=0)[never]
-        pending = pending[~settled & ~(whole & undecided) & ~never]
-    slower = pending[x[0, pending] < good[0, pending]]
-    verdict[pending], verdict[slower] = Verdict.RUNS_AWAY, Verdict.STALLS
-    return CoupledSteady(verdict, x, multiplier, residual)
+        verdict, guess = _in_balance(sides)
+        return returning_speeds(cycle, guess, verdict)
 
 
 def one_cycle(
@@ -116,16 +60,6 @@ def one_cycle(
     begin = Standing(zero, speeds[0], zero, zero.astype(np.uint8), CoupledStanding(speeds[1], zero))
     ends = Ends.never(sides.count, turned=np.full(sides.count, sides.crank.dynamics.cycle))
     return run_coupled(sides, begin, ends, stepping, observers)
-
-
-def _newton(slopes: np.ndarray, off: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Largest multiplier, Newton's correction of both speeds, and whether the fixed point is undetermined."""
-    (a, b), (c, d) = slopes
-    (p, q), det = (1.0 - a, 1.0 - d), (1.0 - a) * (1.0 - d) - b * c
-    change = np.array([q * off[0] + b * off[1], c * off[0] + p * off[1]]) / det
-    half, root = 0.5 * (a + d), np.sqrt((0.25 * (a - d) ** 2 + b * c).astype(complex))
-    growth = np.maximum(np.abs(half + root), np.abs(half - root))
-    return growth, change, np.abs(det) <= UNDECIDED * (np.abs(p * q) + np.abs(b * c) + UNDECIDED)
 
 
 def _in_balance(sides: CoupledSides) -> tuple[np.ndarray, np.ndarray]:
