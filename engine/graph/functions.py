@@ -95,6 +95,16 @@ class Functions(NamedTuple):
     memory: np.ndarray
     looks: int
 
+    @property
+    def levels(self) -> list[Node]:
+        """Nodes of the rows that `levels` fills."""
+        return [node for node, row in self.rows.items() if row in self.level_rows]
+
+    @property
+    def found_levels(self) -> tuple[int, ...]:
+        """Rows that `levels` fills once extremes are found; none where nothing follows from these."""
+        return self.level_rows if _behind_extremes(self.levels) else ()
+
 
 def functions_of(
     graph: Graph,
@@ -145,7 +155,7 @@ def functions_at(
 ) -> Functions:
     """Print the functions that compute curves at single positions, with held nodes evaluated at the position itself.
 
-    The text has `levels` and `curves_at`, and with `watched` also `events`.
+    The text has `curves_at`, and with `watched` also `events` and, if any of them follows from extremes, `levels`.
 
     Parameters
     ----------
@@ -166,8 +176,7 @@ def functions_at(
         graph,
         title,
         plan._replace(held=[]),
-        *([] if watched is None else [_events(plan)]),
-        _levels(plan),
+        *([] if watched is None else [_events(plan), _levels(plan._replace(cycle=_behind_extremes(plan.cycle)))]),
         _Part("curves_at", "All curves, at one position.", plan.curves),
     )
 
@@ -184,7 +193,7 @@ def functions_in_motion(
     """Print the functions of a motion: `places` for nodes of the position, `rates` and `watch` for nodes of a state.
 
     The last rows of P are those that `places` fills, in the order of `curves`, and then the states; `rates` and `watch`
-    read both. The text has `levels` too.
+    read both.
 
     Parameters
     ----------
@@ -207,7 +216,6 @@ def functions_in_motion(
         graph,
         title,
         plan._replace(held=[], rows=rows),
-        _levels(plan),
         _Part("places", "Nodes of the position that nodes of the state depend on.", places),
         _Part("rates", "Rates of the states and of the integrals.", list(rates), Stage.STATE),
         _Part("watch", "Watched nodes of the state.", list(watched), Stage.STATE),
@@ -261,6 +269,11 @@ def _events(plan: _Plan) -> _Part:
 
 def _levels(plan: _Plan) -> _Part:
     return _Part("levels", "Numbers of the cycle, from extremes of the switching functions.", plan.cycle, Stage.CYCLE)
+
+
+def _behind_extremes(levels: Sequence[Node]) -> list[Node]:
+    """All numbers of the cycle, if any of them follows from extremes of curves; else none."""
+    return list(levels) if _of_kind(levels, Found) else []
 
 
 def _planned(

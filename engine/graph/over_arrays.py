@@ -12,7 +12,7 @@ from engine.compiling.decorators import driver
 from engine.compiling.kept_code import load_printed
 from engine.compiling.running import spread
 from engine.compiling.tiles import TileFunction
-from engine.graph.functions import Functions, number_function
+from engine.graph.functions import number_function
 from engine.graph.nodes import Given, Graph, Node, Number, Stage, reached
 
 
@@ -91,14 +91,6 @@ def over_arrays(law: Callable, *arguments: float | np.ndarray) -> np.ndarray:
     shape = table.shape[1:]
     found = _of_law(law, len(arguments))(table.reshape(len(table), math.prod(shape)))
     return found.reshape(len(found), *shape)
-
-
-def fill_levels(functions: Functions, numbers: np.ndarray) -> None:
-    """Fill the rows of P (numbers, variants) that follow from numbers of the variant, in place."""
-    found = np.empty((len(functions.level_rows), numbers.shape[1]))
-    if found.size:
-        fill_numbers(TileFunction(load_printed(functions.text).levels), numbers, functions.memory, found)
-        numbers[list(functions.level_rows)] = found
 
 
 @cache

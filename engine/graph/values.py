@@ -1,11 +1,12 @@
 """Evaluation of nodes in NumPy, directly on the graph, without printing functions."""
 
 import operator
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import chain
 
 import numpy as np
 
+from engine.graph.functions import Functions
 from engine.graph.nodes import (
     Application,
     Constant,
@@ -110,3 +111,31 @@ class NodeValues:
             case Sum():
                 return sum(found[c] * found[b] for c, b in node.terms)
         return operands[0] if operands else self._cycle_value(node)
+
+
+class LevelValues:
+    """Numbers of the cycle that follow from numbers of the variant.
+
+    Parameters
+    ----------
+    functions : Functions
+    """
+
+    def __init__(self, functions: Functions) -> None:
+        rows = functions.rows
+        self._levels = {node: rows[node] for node in functions.levels}
+        self._behind = set(reached(self._levels))
+        made = Operation, Sum, LawResult
+        self._given = {node: row for node, row in rows.items() if node in self._behind and not isinstance(node, made)}
+        self._values = NodeValues(next(iter(rows)).graph, {})
+
+    def fill(self, numbers: np.ndarray) -> None:
+        """Fill their rows of P (numbers, variants) in place."""
+        known = {node: numbers[row] for node, row in self._given.items()}
+        found = self._values.for_numbers({})(list(self._levels), np.zeros(numbers.shape[1]), known)
+        for row, values in zip(self._levels.values(), found, strict=True):
+            numbers[row] = values
+
+    def depend_on(self, given: Iterable[Node]) -> bool:
+        """Whether any of them follows from given nodes."""
+        return not self._behind.isdisjoint(given)

@@ -16,8 +16,8 @@ from engine.compiling.packed import Packed, PackedRecord
 from engine.compiling.running import address_of, spread
 from engine.compiling.tiles import TileFunction
 from engine.graph.functions import Functions, functions_in_motion, places_of
-from engine.graph.nodes import Given, Graph, Node, Stage, reached
-from engine.graph.over_arrays import fill_levels
+from engine.graph.nodes import Given, Graph, Node, Stage
+from engine.graph.values import LevelValues
 from engine.stepping.at_states import GivenStates, evaluate_states
 from engine.stepping.closed_cycle import OUTCOME, CycleBatch, CycleRoom, find_cycles, new_cycle_room
 from engine.stepping.methods import EIGHT, EIGHT_IN_TIME, METHODS
@@ -180,8 +180,7 @@ class PrintedSystem:
         self.last = (*system.states, *system.unknown.values())
         title = f"Motion along {system.along}."
         self.functions: Functions = functions_in_motion(graph, title, first, last, self.rates, self.watched, self.last)
-        levels = set(self.functions.level_rows)
-        self._behind_levels = set(reached([node for node, row in self.functions.rows.items() if row in levels]))
+        self.levels = LevelValues(self.functions)
         self._rated = len(places_of(self.rates))
         self.names = {name: len(system.states) + i for i, name in enumerate(system.gathered)}
         slope = len(self.rates) + RESPONSES + len(system.responses)
@@ -379,8 +378,8 @@ class PrintedSystem:
         for node, values in limits.items():
             if node in self.functions.rows:
                 numbers[self.functions.rows[node]] = values
-        if not self._behind_levels.isdisjoint(limits):
-            fill_levels(self.functions, numbers)
+        if self.levels.depend_on(limits):
+            self.levels.fill(numbers)
         return numbers
 
 

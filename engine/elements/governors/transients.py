@@ -16,7 +16,6 @@ from engine.elements.governors.equilibria import GovernorVariants, Marks
 from engine.elements.governors.governed_engine import TableThrottle
 from engine.elements.governors.governor_nodes import by_table, numbers
 from engine.graph.nodes import Given, Graph, Number, Stage
-from engine.graph.over_arrays import fill_levels
 from engine.laws.governors.equilibrium import moving_inertia, speed_with_friction
 from engine.laws.governors.motion import (
     BEFORE,
@@ -286,7 +285,7 @@ class _Runs(WalkedRuns):
         for node, row in rows.items():
             if isinstance(node, Number):
                 self.numbers[row] = node.compute(given)
-        fill_levels(self.system.functions, self.numbers)
+        self.system.levels.fill(self.numbers)
         # Views of rows that change between walks, and numbers of rows that change during them.
         self.held = SleeveMode(*(self.numbers[rows[node]] for node in held))
         self.flipped = Flipped(*(rows.get(node, -1) for node in flipped))

@@ -14,6 +14,7 @@ from engine.compiling.tiles import TileFunction
 from engine.cycle.panels.lanes import rows
 from engine.graph.functions import Functions, functions_at
 from engine.graph.nodes import Node, value_of
+from engine.graph.values import LevelValues
 from engine.laws.kinematics.seeds import CLOSE, LEAST_SHARE, PROVES, between_seeds, same_unknowns
 from engine.scene.scene import Numbers
 
@@ -56,17 +57,15 @@ class _Group(NamedTuple):
 
     Attributes
     ----------
-    fill, levels : callable
-    level_rows, given : ndarray of int
-        Rows for the levels and for the unknowns.
+    fill : callable
+    given : ndarray of int
+        Rows for the unknowns.
     table : ndarray (numbers, variants)
     memory : ndarray
         All tables.
     """
 
     fill: Callable
-    levels: Callable
-    level_rows: np.ndarray
     given: np.ndarray
     table: np.ndarray
     memory: np.ndarray
@@ -134,7 +133,6 @@ class _Scratch(NamedTuple):
     at, half_way : ndarray (3, 1, LANES)
         Position after a step, and in its middle, with cosine and sine.
     tile : ndarray (curves, 1, LANES)
-    level_tile : ndarray (levels, 1, LANES)
     now, ahead : ndarray (3 unknowns, LANES)
         At the last seed, and after the step: the unknowns, their first rates, their second rates.
     middle : ndarray (unknowns, LANES)
@@ -146,7 +144,6 @@ class _Scratch(NamedTuple):
     at: np.ndarray
     half_way: np.ndarray
     tile: np.ndarray
-    level_tile: np.ndarray
     now: np.ndarray
     ahead: np.ndarray
     middle: np.ndarray
@@ -159,7 +156,6 @@ def _new_scratch(functions: Functions, unknowns: int) -> _Scratch:
         np.zeros((3, 1, LANES)),
         np.zeros((3, 1, LANES)),
         rows(len(functions.curves), 1),
-        rows(max(len(functions.level_rows), 1), 1),
         rows(3 * unknowns),
         rows(3 * unknowns),
         rows(unknowns),
@@ -170,11 +166,7 @@ def _new_scratch(functions: Functions, unknowns: int) -> _Scratch:
 @routine
 def _load(first: int, group: _Group, scratch: _Scratch) -> None:
     """Load the numbers of a block of variants."""
-    at = scratch.at
     gather(group.table, first, in_lanes(scratch.block))
-    if group.level_rows.size > 0:
-        group.levels(scratch.block, group.memory, at[0], at[1], at[2], scratch.level_tile)
-        copy_rows(in_lanes(scratch.level_tile), group.level_rows, in_lanes(scratch.block))
 
 
 @routine
@@ -353,7 +345,7 @@ class SeedWalk:
     ) -> None:
         self._functions = functions_at(curves[0].graph, title, *span, curves, numbers=given)
         module = load_printed(self._functions.text)
-        self._fill, self._levels = TileFunction(module.curves_at), TileFunction(module.levels)
+        self._fill, self._levels = TileFunction(module.curves_at), LevelValues(self._functions)
         self._given = np.array([self._functions.rows[node] for node in given], np.int64)
         self._slides = slides
 
@@ -363,6 +355,7 @@ class SeedWalk:
         with np.errstate(all="ignore"):
             for node in self._functions.numbers:
                 table[self._functions.rows[node]] = value_of(node, numbers)
+        self._levels.fill(table)
         return table
 
     def __call__(
@@ -390,8 +383,7 @@ class SeedWalk:
         seeds = np.full((intervals + 1, 1 + 3 * count, variants), np.nan)
         seeds[:, 0] = np.inf
         reached = np.empty((2 + count, variants))
-        level_rows = np.array(functions.level_rows, np.int64)
-        group = _Group(self._fill, self._levels, level_rows, given, np.ascontiguousarray(table), functions.memory)
+        group = _Group(self._fill, given, np.ascontiguousarray(table), functions.memory)
         begins = np.ascontiguousarray(start), np.ascontiguousarray(sines)
         paths = _Paths(*begins, intervals, longest, seeds.reshape(-1, variants), reached)
 

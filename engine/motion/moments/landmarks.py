@@ -61,7 +61,7 @@ class Landmarks:
             (0, 1),
             0,
             landmarks=functions.landmarks,
-            levels=functions.level_rows,
+            levels=functions.found_levels,
             crossings=crossings,
             looks=functions.looks,
             turns=turns,

@@ -17,7 +17,7 @@ from engine.compiling.tiles import TileFunction
 from engine.cycle.panels.lanes import rows as lane_rows
 from engine.graph.functions import Functions
 from engine.graph.nodes import Constant, Found, Given
-from engine.graph.over_arrays import fill_levels
+from engine.graph.values import LevelValues
 from engine.laws.elementary import direction_of
 from engine.scene.scene import Numbers
 
@@ -44,6 +44,7 @@ class Tabulation:
         self.functions = functions
         self.given = tuple(node for node in functions.rows if isinstance(node, Given))
         self._compiled: dict[str, TileFunction] = {}
+        self._levels = LevelValues(functions)
         self._found = [(node, row) for node, row in functions.rows.items() if isinstance(node, Found)]
 
     def parameters(
@@ -81,7 +82,7 @@ class Tabulation:
         for node, values in (given or {}).items():
             if node in functions.rows:
                 made[functions.rows[node]] = values
-        fill_levels(functions, made)
+        self._levels.fill(made)
         return made
 
     def __call__(
