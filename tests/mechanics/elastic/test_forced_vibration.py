@@ -169,6 +169,47 @@ def test_orders_without_a_common_period__come_as_near_as_can_be_to_adding_up():
     assert greatest[0] == -least[0] == pytest.approx(2 + math.sqrt(2))
 
 
+def on_circle(waves, amplitudes):
+    """Extremes of a sum of harmonics, from the roots of the polynomial in e^(iφ) that its slope is."""
+    top = max(waves)
+    slope = np.zeros(2 * top + 1, complex)
+    for h, a in zip(waves, amplitudes, strict=True):
+        slope[top - h], slope[top + h] = 0.5j * h * a, -0.5j * h * np.conj(a)
+    phi = np.angle(np.roots(slope))
+    values = (np.array(amplitudes)[:, None] * np.exp(1j * np.multiply.outer(np.array(waves), phi))).real.sum(axis=0)
+    return values.min(), values.max()
+
+
+@some
+@given(
+    st.lists(st.tuples(st.integers(1, 12), st.integers(1, 9)), min_size=2, max_size=6, unique_by=lambda part: part[0]),
+    st.floats(-0.1, 0.1),
+    st.floats(-0.1, 0.1),
+    st.floats(0, math.tau),
+)
+def test_sums_of_orders__reach_the_peaks_of_flat_tops(parts, curvature, lean, at):
+    waves, cosines = np.array([h for h, _ in parts]), np.array([float(a) for _, a in parts])
+    # Without curvature at an angle, but for a share: a flat top, or two peaks closer than samples.
+    cosines[0] = (curvature * np.abs(cosines).sum() - (waves[1:] ** 2 * cosines[1:]).sum()) / waves[0] ** 2
+    amplitudes = (cosines - 1j * lean**3 * cosines.sum()) * np.exp(-1j * waves * at)
+    found = np.array(extremes_of_orders(waves, amplitudes[:, None]))[:, 0]
+    assert found == pytest.approx(on_circle(waves, amplitudes), abs=1e-12 * np.abs(amplitudes).sum())
+
+
+@pytest.mark.parametrize("unit", [1 / 13, 17 / 83, 1.0, math.sqrt(2)])
+def test_orders_of_a_geared_shaft__have_the_peak_of_their_own_period(unit):
+    amplitudes = np.array([1.0, -0.6 + 0.3j, 0.4j])
+    found = np.array(extremes_of_orders([unit, 2 * unit, 5 * unit], amplitudes[:, None]))[:, 0]
+    assert found == pytest.approx(on_circle([1, 2, 5], amplitudes), rel=1e-13)
+
+
+def test_an_order_without_a_common_period__adds_to_the_peak_of_the_others():
+    amplitudes = np.array([1.0, -0.6 + 0.3j, 0.25])
+    found = np.array(extremes_of_orders([1.0, 2.0, math.sqrt(3)], amplitudes[:, None]))[:, 0]
+    least, greatest = on_circle([1, 2], amplitudes[:2])
+    assert found == pytest.approx((least - 0.25, greatest + 0.25), rel=1e-13)
+
+
 ENGINE = {
     "type": "engine",
     "layout": "in-line",
