@@ -284,14 +284,14 @@ class PrintedSystem:
         ndarray (wanted, …, variants)
             NaN where an implicit rate has no solution.
         """
-        found, task = np.empty((len(wanted), places.size)), self.task(np.inf)
+        found = np.empty((len(wanted), places.size))
         rows = (np.array(np.broadcast_to(row, places.shape), float).ravel() for row in (places, clock))
         flat = np.array([np.broadcast_to(state, places.shape) for state in states]).reshape(len(states), places.size)
         numbers = np.require(numbers, requirements="CW")
         batch = GivenStates(self._printed, numbers, *rows, flat, np.array(wanted, int), found)
-        given = Packed(batch), Packed(task)
-        room = partial(new_room, task, len(numbers), 1, 0, False)
-        spread(evaluate_states, -(-places.size // LANES), lambda: (*given, Packed(room())))
+        given, asked = Packed(batch), self._at_states
+        room = partial(new_room, asked.record, len(numbers), 1, 0, False)
+        spread(evaluate_states, -(-places.size // LANES), lambda: (given, asked, Packed(room())))
         return found.reshape(len(wanted), *places.shape)
 
     def close(
@@ -366,6 +366,10 @@ class PrintedSystem:
 
         wait_until_compiled(walk)
         spread(driver, -(-count // LANES), arguments)
+
+    @cached_property
+    def _at_states(self) -> Packed:
+        return Packed(self.task(np.inf))
 
     @cached_property
     def _printed(self) -> Printed:

@@ -21,8 +21,9 @@ MOST_ROUNDS = 60
 APART = 3e-4
 # Maximum relative change of a speed per iteration.
 FARTHEST = 0.3
-# The Jacobian is computed again where a correction exceeds this fraction of the one before.
-CONVERGES = 0.1
+# Differences are taken again where a correction exceeds this fraction of the one before, and to settle, once it is
+# smaller than CLOSE.
+CONVERGES, CLOSE = 0.1, 1e-6
 # A determinant of 1 − P' below the first, relative to its terms, or below the second leaves the speeds undetermined.
 UNDECIDED, ANY = 1e-6, 1e-9
 
@@ -66,26 +67,26 @@ def returning_speeds(
     x, verdict, (size, count) = guess.copy(), verdict.copy(), guess.shape
     # The last speeds from which a cycle was completed, and those after it.
     good, after, slopes = x.copy(), np.full(x.shape, np.nan), np.full((count, size, size), np.nan)
-    left, residual, stale = np.full(count, np.inf), np.full(count, np.nan), np.ones(count, bool)
-    pending = np.flatnonzero(verdict == Verdict.OK)
+    left, residual = np.full((2, count), np.inf)
+    # Which variants take differences in their next cycle; those that settle have taken them.
+    differs, pending = np.ones(count, bool), np.flatnonzero(verdict == Verdict.OK)
     for _ in range(MOST_ROUNDS):
         if not pending.size:
             break
-        here, before = x[:, pending], left[pending]
-        came, gone = cycle(pending, here)
+        here, before, new = x[:, pending], left[pending], differs[pending]
+        came, gone, jacobian = _with_differences(cycle, pending, here, new)
         whole, off = gone == Verdict.OK, came - here
-        new = whole & stale[pending]
         slopes[pending] = _corrected(slopes[pending], here - good[:, pending], came - after[:, pending], whole & ~new)
-        slopes[pending[new]] = _slopes(cycle, pending[new], here[:, new])
+        slopes[pending[new]] = jacobian
         known = whole & np.isfinite(slopes[pending]).all(axis=(1, 2))
         change, undecided = _newton(np.where(known[:, None, None], slopes[pending], 0.0), off)
         now = np.where(known, np.abs(change / here).max(axis=0), np.inf)
         undecided &= new & known
-        settled = ~undecided & ((now <= RETURNED) | ((now <= NEARLY) & (now >= 0.5 * before)))
+        settled = new & ~undecided & ((now <= RETURNED) | ((now <= NEARLY) & (now >= 0.5 * before)))
         never = ~whole & (good[:, pending] == here).all(axis=0)
         # Where a cycle fails, go half of the distance back to speeds where one was completed.
         ahead = np.where(whole, here + change / np.maximum(now / FARTHEST, 1.0), 0.5 * (here + good[:, pending]))
-        stale[pending] = whole & (~known | (now > CONVERGES * before)) & ~new
+        differs[pending] = whole & (~known | (now <= CLOSE) | ((now > CONVERGES * before) & ~new))
         left[pending] = np.where(whole, now, before)
         residual[pending] = np.where(whole, np.abs(off).max(axis=0) / np.abs(here).max(axis=0), residual[pending])
         after[:, pending], good[:, pending] = np.where(whole, (came, here), (after[:, pending], good[:, pending]))
@@ -95,23 +96,21 @@ def returning_speeds(
         verdict[pending[settled]] = Verdict.OK
         pending = pending[~settled & ~undecided & ~never]
     found, multiplier = np.flatnonzero(verdict == Verdict.OK), np.full(count, np.nan)
-    if found.size:
-        slopes = _slopes(cycle, found, x[:, found])
-        sound = np.isfinite(slopes).all(axis=(1, 2))
-        multiplier[found[sound]] = np.abs(np.linalg.eigvals(slopes[sound])).max(axis=1)
+    multiplier[found] = np.abs(np.linalg.eigvals(slopes[found])).max(axis=1, initial=0.0)
     return Returned(verdict, x, multiplier, residual)
 
 
-def _slopes(cycle: Callable, who: np.ndarray, here: np.ndarray) -> np.ndarray:
-    """Jacobian of the map by central differences, (variants, speeds, speeds); NaN where a cycle fails."""
-    size = len(here)
-    if not who.size:
-        return np.empty((0, size, size))
+def _with_differences(
+    cycle: Callable, who: np.ndarray, here: np.ndarray, new: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Speeds after a cycle and verdicts, and the Jacobian of the `new` ones, NaN where one of their cycles fails."""
+    size, count, near = len(here), who.size, here[:, new]
     ways = np.concatenate([np.eye(size), -np.eye(size)])
-    start = np.concatenate([here * (1.0 + APART * way[:, None]) for way in ways], axis=1)
-    came, gone = cycle(np.tile(who, 2 * size), start)
-    came = np.where(gone == Verdict.OK, came, np.nan).reshape(size, 2, size, -1)
-    return np.moveaxis((came[:, 0] - came[:, 1]) / (2.0 * APART * here), 2, 0)
+    starts = [here, *(near * (1.0 + APART * way[:, None]) for way in ways)]
+    came, gone = cycle(np.concatenate([who, np.tile(who[new], 2 * size)]), np.concatenate(starts, axis=1))
+    apart = np.where(gone == Verdict.OK, came, np.nan)[:, count:].reshape(size, 2, size, -1)
+    jacobian = np.moveaxis((apart[:, 0] - apart[:, 1]) / (2.0 * APART * near), 2, 0)
+    return came[:, :count], gone[:count], jacobian
 
 
 def _corrected(slopes: np.ndarray, moved: np.ndarray, changed: np.ndarray, known: np.ndarray) -> np.ndarray:
