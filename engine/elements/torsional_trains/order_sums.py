@@ -150,7 +150,7 @@ def _extremes(
             sampled = -math.inf
             for k in range(samples):
                 sampled = max(sampled, sign * values[k])
-            # A peak may lie beside any sample that is high enough, even where the samples rise throughout.
+            # A peak may lie next to any sample that is high enough, even where the samples rise throughout.
             highest, enough = sampled, sampled - _MISSED * bend
             for k in range(samples):
                 if max(sign * values[k], sign * values[(k + 1) % samples]) >= enough:
