@@ -10,7 +10,7 @@ from press_sweeps import contents as datasets
 from searches import CRANK, NEAREST, ONE, ROD, TWO, best_of, searched, study_of
 
 from engine import Machine
-from sweeps import StoreError, Study, SweepResult, read_study, run_study
+from sweeps import StoreError, Study, SweepResult, read_study
 from sweeps.optimising import searching
 from sweeps.optimising.runner import optimise_study
 from sweeps.store import describe_result
@@ -73,18 +73,6 @@ def test_search_interrupted_in_its_last_phase__doesn_t_repeat_its_generations(tm
     assert sorted(p.name for p in tmp_path.glob("r.*")) == ["r.h5"]
 
 
-def test_spoilt_candidates__are_computed_again(tmp_path):
-    study, path = study_of(tmp_path, ONE), tmp_path / "r.h5"
-    whole = contents(optimise_study(study, tmp_path / "whole.h5"))
-    interrupted(study, path)
-    with h5py.File(tmp_path / "r.candidates.part.h5", "r+") as file:
-        file[CRANK][3] += 1e-6
-    told = []
-    optimise_study(study, path, tell=told.append)
-    assert "was damaged" in told[0]
-    assert contents(path) == whole
-
-
 def test_candidates_of_another_way__are_refused(tmp_path, monkeypatch):
     study, path = study_of(tmp_path, ONE), tmp_path / "r.h5"
     interrupted(study, path)
@@ -118,15 +106,6 @@ def test_every_word_of_a_search__makes_another_one(tmp_path):
     found = {task_of(study_of(tmp_path, asked)).digest for asked in words}
     found |= {task_of(study_of(tmp_path, ONE, rest=f"[tolerances]\n{CRANK} = '{t} mm'")).digest for t in (1, 2)}
     assert len(found) == len(words) + 2
-
-
-def test_interrupted_sweep_of_the_same_name__is_spared(tmp_path):
-    study = study_of(tmp_path, ONE)
-    with pytest.raises(Stop):
-        run_study(study, tmp_path / "r.h5", progress=stopping(1))
-    before = contents(tmp_path / "r.part.h5")
-    optimise_study(study, tmp_path / "r.h5")
-    assert contents(tmp_path / "r.1.part.h5") == before
 
 
 # Tolerances
@@ -165,16 +144,15 @@ def test_tolerances__spread_a_stroke_by_twice_the_crank(tmp_path):
     assert c["excess_work.tolerance_first_order"][best] == pytest.approx(spread, rel=0.025)
 
 
-@pytest.mark.parametrize(("distribution", "share"), [("uniform", 1 / np.sqrt(3)), ("normal", 1 / 3)])
-def test_machines_within_tolerances__that_miss_a_condition_are_counted(distribution, share, tmp_path):
-    rest = f'[tolerances]\n"input.length" = {{plus_minus = "0.1 mm", distribution = "{distribution}"}}\n'
+def test_machines_within_tolerances__that_miss_a_condition_are_counted(tmp_path):
+    rest = '[tolerances]\n"input.length" = {plus_minus = "0.1 mm", distribution = "normal"}\n'
     asked = 'maximise = "ram.stroke"\nwhere = "ram.stroke <= \'100 mm\'"\npopulation = 10\ngenerations = 10'
     result = searched(tmp_path, asked, rest=rest)
     best = result.best()
     # On the limit, half of the machines lie beyond it.
     assert result.columns["tolerance_misses"][best] == pytest.approx(0.5, abs=0.01)
     # Of a normal distribution the tails of the 512th part at each end are drawn by one point each.
-    assert result.columns["ram.stroke.tolerance"][best] == pytest.approx(0.0002 * share, rel=0.01)
+    assert result.columns["ram.stroke.tolerance"][best] == pytest.approx(0.0002 / 3, rel=0.01)
 
 
 # Speed

@@ -24,17 +24,9 @@ def test_animation__asked_frames_small_and_endless(scene, tmp_path):
     assert file.stat().st_size < 12 / 60 * 2e6
 
 
-@pytest.mark.parametrize(
-    ("file", "settings_", "words"),
-    [
-        ("a.mp4", {}, "are .gif files"),
-        ("a.gif", {"frames": 2}, "frames = 2"),
-        ("a.gif", {"frames": 10**12}, "allowed are 4 to 1000"),
-    ],
-)
-def test_animation_with_wrong_settings__refused(file, settings_, words, tmp_path):
-    with pytest.raises(PictureError, match=words):
-        save_animation(lambda count: machine_frames(four_bar(), count), tmp_path / file, **settings_)
+def test_animation_of_another_ending__refused(tmp_path):
+    with pytest.raises(PictureError, match=r"are \.gif files"):
+        save_animation(lambda count: machine_frames(four_bar(), count), tmp_path / "a.mp4")
 
 
 @pytest.mark.parametrize("scene", [four_bar(), sliding_input()], ids=["crank", "sliding input"])

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from commands import done, refused
+from each_case import each
 from PIL import Image
 
 from engine import velocity_picture
@@ -83,8 +84,8 @@ def test_animate__names_what_it_can_show(tmp_path, monkeypatch):
     assert "only machine elements" in refused("animate", "rotor.toml")
 
 
-@pytest.mark.parametrize("follower", ["translating", "oscillating"])
-@pytest.mark.parametrize("contact", ["roller", "knife edge", "flat"])
+@each("follower", ["translating", "oscillating"])
+@each("contact", ["roller", "knife edge", "flat"])
 def test_followers_of_all_kinds__are_drawn(tmp_path, follower, contact):
     own = {
         "translating": 'type = "translating"',

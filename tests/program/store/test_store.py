@@ -103,12 +103,6 @@ def test_restart__old_file_stays_until_the_new_one_is_finished(path: Path) -> No
     assert files(path.parent) == ["out.h5"]
 
 
-def test_restart__throws_away_part_file(path: Path) -> None:
-    begun(path, 0)
-    with Store.open(path, other_study(), restart=True) as store:
-        assert len(store.pending) == 6
-
-
 @pytest.mark.parametrize("content", [b"", b"some text"])
 def test_foreign_file_under_the_name__kept(path: Path, content: bytes) -> None:
     path.write_bytes(content)
@@ -233,14 +227,6 @@ def test_system_error__store_error_with_path_and_mend(error: Exception, words: s
     assert "out.h5" in str(caught.value)
 
 
-def test_part_file_renamed_by_hand__not_taken_for_finished(path: Path, part: Path) -> None:
-    begun(path, 2)
-    part.rename(path)
-    with Store.open(path, layout()) as store:
-        assert not store.finished
-        assert store.sources == (path,)
-
-
 @pytest.mark.parametrize(("name", "words"), [(".", "is a folder"), ("nowhere/out.h5", "its folder does not exist")])
 def test_place_that_cannot_be_written__store_error(tmp_path: Path, name: str, words: str) -> None:
     with pytest.raises(StoreError, match=words):
@@ -262,13 +248,6 @@ def test_arrays_not_of_the_layout__value_error_and_block_pending(path, name, val
         with pytest.raises(ValueError, match=words):
             store.write(0, {**results(store, 0), name: values})
         assert 0 in store.pending
-
-
-def test_write_after_close__store_error(path: Path) -> None:
-    store = Store.open(path, layout())
-    store.close()
-    with pytest.raises(StoreError, match="not open for writing"):
-        fill(store, 0)
 
 
 @settings(deadline=None, max_examples=100)
@@ -304,10 +283,3 @@ def test_bytes__at_least_the_size_of_the_file(path, part, variants, block, posit
 def test_name_of_another_column__refused(name: str) -> None:
     with pytest.raises(StoreError, match=f"result files have other columns named {name}:"):
         layout(columns=(*layout().columns, Column(name, "", "1")))
-
-
-def test_long_texts__kept_whole(path: Path) -> None:
-    # HDF5 keeps short attributes within the dataset's header, which ends at 64 kB.
-    attributes = {"study_hash": "1", "study": "länge = 80 mm\n" * 20_000}
-    complete(path, layout(attributes=attributes))
-    assert describe_result(path).attributes["study"] == attributes["study"]

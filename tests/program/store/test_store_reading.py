@@ -68,12 +68,6 @@ def test_times_in_seconds_under_xarray__stay_numbers(path: Path) -> None:
         assert data.duration.dtype == np.float64
 
 
-def test_part_file_under_xarray__opens(path: Path, part: Path) -> None:
-    Store.open(path, layout()).close()
-    with open_dataset(part) as data:
-        assert np.isnan(data.torque).all()
-
-
 def test_xarray_missing__store_error_names_the_extra(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     complete(path, layout())
     monkeypatch.setitem(sys.modules, "xarray", None)
@@ -98,18 +92,6 @@ def test_pipe__is_refused_without_waiting_for_its_other_end(path: Path) -> None:
     for reader in (MappedResult, describe_result, mapped_columns, open_dataset):
         with pytest.raises(StoreError, match="device or a pipe"):
             reader(path)
-
-
-def test_final_file_missing__part_file_named(path: Path) -> None:
-    Store.open(path, layout()).close()
-    with pytest.raises(StoreError, match=r"not finished.*out\.part\.h5"):
-        read_columns(path)
-
-
-def test_columns_by_default__no_fields(path: Path) -> None:
-    complete(path, layout())
-    assert list(read_columns(path)) == list(NAMES[:-1])
-    assert read_columns(path, ["phi"])["phi"].shape == (5,)
 
 
 def test_unknown_column__suggestion(path: Path) -> None:
