@@ -67,13 +67,6 @@ def test_check_of_a_machine_that_turns_in_part__names_the_ranges(press_folder):
     assert "input.start and input.stop" in line
 
 
-def test_check_of_a_machine_that_nowhere_assembles__says_so(press_folder):
-    text = PRESS.replace('guide = "way"}', 'guide = "way", offset = "2 m"}')
-    Path("press.toml").write_text(text)
-    answer = done("check", "press.toml")
-    assert "can't be assembled at any input position" in answer
-
-
 def test_check_source__is_python_to_read(press_folder):
     answer = done("check", "study.toml", "--source")
     module = ast.parse(answer)
@@ -134,17 +127,11 @@ def test_variants_that_an_estimate_leaves_open__are_counted(count, words):
     "options, words",
     [
         (["--sort", "ram.strok"], ("sort", "did you mean 'ram.stroke'")),
-        (["--columns", "ram.strok"], ("columns", "'ram.strok'", "ram.stroke")),
         (["--where", "ram.strok > 1"], ("where", "did you mean 'ram.stroke'")),
-        (["--where", "ram.stroke >"], ("where", "ram.stroke >")),
         (["--where", "ram.stroke"], ("where", "condition")),
         (["--where", "ram.stroke > '2 kg'"], ("where", "compares a length with a mass")),
-        (["--where", "ram.stroke > 2"], ("where", "no unit: write '2 m'")),
-        (["--where", "ram.stroke > '3 foo'"], ("where", "3 foo")),
         (["--where", "__import__('os').system('touch stolen')"], ("where", "allowed")),
         (["--limit", "0"], ("--limit",)),
-        (["--limit", "x"], ("--limit",)),
-        (["--colour", "red"], ("--colour",)),
     ],
 )
 def test_show_with_a_bad_option__is_refused(options, words, press_result):

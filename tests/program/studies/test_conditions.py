@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from engine import ExpressionError, any_quantity, dimension_of_unit, dimensions_by_unit
 from engine.parts.formulas.expressions import parse
-from sweeps.text.conditions import Condition, UnknownNameError, errors_in, value_with_error
+from sweeps.text.conditions import Condition, UnknownNameError, value_with_error
 
 UNITS = {"stroke": "m", "rod": "m", "mass": "kg", "count": "1", "reach": ""}
 
@@ -102,13 +102,6 @@ def test_errors_of_one_name__go_together():
     assert (value, error) == (10.0, 1.0)
 
 
-@each("text, undefined", [("a < 1", False), ("not (a < 1)", True), ("a != 1", True)])
-def test_undefined_value__is_judged_as_without_figures(text, undefined):
-    judged = condition_of(text).judged({"a": np.full(2, np.nan)}, {"a": np.array([0.1, np.nan])}, 2)
-    assert judged.met.tolist() == [undefined] * 2
-    assert judged.undecided.tolist() == [False] * 2
-
-
 def test_value_without_an_estimate_where_others_have_one__meets_nothing():
     values, figures = np.array([0.0, 0.0, np.inf]), np.array([0.1, np.nan, np.nan])
     judged = condition_of("a < 1").judged({"a": values}, {"a": figures}, 3)
@@ -122,11 +115,6 @@ def test_number_that_all_variants_share__is_judged_beside_one_of_each(text):
     expected = [condition_of(text).expression.evaluate({"a": each, "b": 2.0}) for each in a]
     assert condition_of(text).judged(values, {}, 2).met.tolist() == expected
     assert (condition_of(text).margins(values, {}, 2).max(axis=0) <= 0).tolist() == expected
-
-
-def test_figures__are_found_beside_their_columns():
-    columns = {"stroke": np.zeros(1), "stroke_error": np.ones(1), "rod": np.zeros(1)}
-    assert errors_in(columns) == {"stroke": columns["stroke_error"]}
 
 
 def test_condition__is_checked_when_it_is_read():

@@ -46,20 +46,6 @@ def test_copy__is_what_its_text_says(name):
     assert {p: n.value for p, n in found.items()} == {p: n.value for p, n in expected.items()}
 
 
-def test_copy__shares_what_does_not_change():
-    scene = scene_of("four_bar")
-    copy = with_values(scene, {"groups.swing.first.length": 0.21})
-    assert copy.groups["swing"].second is scene.groups["swing"].second
-    assert copy.bodies is scene.bodies or copy.bodies == scene.bodies
-    assert scene.groups["swing"].first.length == 0.2
-    assert with_values(scene, {}) is scene
-
-
-def test_mode__stays_a_whole_number():
-    scene = with_values(scene_of("four_bar"), {"groups.swing.mode": -1.0})
-    assert type(scene.groups["swing"].mode) is int
-
-
 @pytest.mark.parametrize(
     ("values", "path"),
     [({"input.length": -0.1}, "input.length"), ({"groups.swing.mode": 3.0}, "groups.swing.mode")],

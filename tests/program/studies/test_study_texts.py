@@ -87,12 +87,6 @@ def test_path__may_be_quoted_or_nested(written, study_folder):
     assert column(study, "input.length") == [0.04, 0.06]
 
 
-@each("derived", ['"points.O.x" = "2 * input.length"', 'points.O.x = "2 * input.length"'])
-def test_derived_path__may_be_quoted_or_nested(derived, study_folder):
-    study = varying(study_folder, f'"input.length" = {{values = ["40 mm"]}}\n[derive]\n{derived}')
-    assert column(study, "points.O.x") == [0.08]
-
-
 CSV = '"input.length [mm]",bodies.ram.mass [kg],reach\n40,50,3\n55.5,1e2,4.25\n'
 
 
@@ -161,17 +155,6 @@ def test_require__drops_the_variants_that_fail_any_condition(study_folder):
     light = (values["bodies.ram.mass"] == 50) & (values["reach"] < 4)
     assert drop.tolist() == (long | light).tolist()
     assert 0 < drop.sum() < 18
-
-
-def test_undefined_condition__drops_the_variant_without_a_warning(study_folder):
-    study = varying(
-        study_folder,
-        'reach = {values = [-1, 1]}\n[derive]\n"input.length" = "sqrt(reach) * \'1 m\'"',
-        'require = ["1/reach > 0"]',
-    )
-    values, drop = study.values(0, 2)
-    assert np.isnan(values["input.length"][0])
-    assert drop.tolist() == [True, False]
 
 
 @each("rest", ["", '[sampling]\nmethod = "sobol"\ncount = 37\nseed = 3\n'])

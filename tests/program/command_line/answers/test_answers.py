@@ -147,14 +147,6 @@ def test_helper_numbers__need_all_unless_a_condition_limits_them(jack):
     assert "helper" not in done("show", "r.h5")
 
 
-def test_check_that_a_study_limits__is_shown(press_folder):
-    study = Path("study.toml").read_text().replace('where = "', 'where = "equilibrium_residual < 1 and ')
-    study = study.replace('"excess_work"]', '"excess_work", "equilibrium_residual"]')
-    Path("check.toml").write_text(study)
-    assert "equilibrium_residual" in done("run", "check.toml", "--no-plots", "--out", "c.h5")
-    assert "equilibrium_residual" in done("check", "check.toml")
-
-
 # No answer
 
 
@@ -189,11 +181,6 @@ def test_closest__keeps_to_choices_of_parameters(jack):
     text = no_answer(f"elements.jack.load == '30 kN' and jack.raise_moment < '{moments[0] * 0.9:.6g} N m'")
     assert "Closest: variant 5, which exceeds jack.raise_moment < " in text
     assert "elements.jack.load == '30 kN': 4" in text
-
-
-def test_all_dropped__names_the_closest_to_what_is_required(jack):
-    text = no_answer("jack.raise_moment > '1 N m'", """require = ["elements.jack.load >= '40 kN'"]\n""")
-    assert "Closest: variant 4, which falls short of elements.jack.load ≥ 40 kN by 25 %." in text
 
 
 def test_search_without_an_answer__names_the_closest(jack):

@@ -79,13 +79,6 @@ def test_counterweight__written_to_a_scene_does_what_is_said(folder):
     assert left[1] == left[2]
 
 
-def test_place_on_the_rod__lets_a_slider_crank_be_balanced_fully(folder):
-    places = ["--place", "rod: -80 mm, 0 mm", "--place", "crank: -40 mm, 0 mm"]
-    answer = said("balance", "slider_crank.toml", *places, "--criterion", "full", "--errors").stdout
-    assert "zero shaking force" in answer
-    assert re.search(r"rod\s+[\d.]+ kg·mm\s+180\.0°\s+[\d.]+ k?g\s+80 mm", answer)
-
-
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -126,11 +119,6 @@ def test_engine_without_spacing__gets_shafts_for_its_forces(folder):
     assert "couple " not in answer
     assert len(re.findall(r"secondary\s+2 × crank\s+(with the crank|against it)\s+3.1679 kg·mm at 180.0°", answer)) == 2
     assert "Couples omitted" in answer
-
-
-def test_engine_that_is_balanced__needs_no_shafts(folder):
-    Path("six.toml").write_text(TRIPLE.replace("cylinders = 3", "cylinders = 6"))
-    assert "No balance shafts needed" in said("balance", "six.toml").stdout
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from engine.compiling.kept_code import compiling
-from sweeps.cli.waiting import Waiting, doing, waiting_told
+from sweeps.cli.waiting import Waiting, waiting_told
 
 
 class Terminal(io.StringIO):
@@ -47,13 +47,6 @@ def test_long_wait__is_told_with_its_seconds_and_taken_back(terminal):
     assert terminal.getvalue() == before
 
 
-def test_pause_between_two_waits__begins_anew(terminal):
-    waiting = Waiting()
-    for busy, now in ((True, 0.0), (True, 0.8), (False, 0.9), (True, 1.0), (True, 1.9)):
-        waiting.look(busy, now)
-    assert terminal.getvalue() == ""
-
-
 def test_task__is_told_but_for_what_is_compiled_for_it(terminal):
     waiting = Waiting()
     waiting.name("Drawing")
@@ -81,14 +74,6 @@ def wait_for_words(terminal):
         if terminal.getvalue():
             break
         time.sleep(0.01)
-
-
-def test_command__names_its_task_while_it_is_done(terminal, impatient):
-    with waiting_told():
-        with doing("Writing"):
-            wait_for_words(terminal)
-        assert terminal.getvalue().endswith("\r\x1b[K")
-    assert "Writing: 0 s" in terminal.getvalue()
 
 
 def test_compiling__is_seen_in_the_engine(terminal, impatient):

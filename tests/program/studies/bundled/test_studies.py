@@ -505,13 +505,3 @@ def test_engine_bearings_study__turns_the_work_of_the_gas_into_work_and_friction
     parts = sum(o[f"{pair}.friction_work"] for pair in ("input", "drive.first", "drive.second"))
     # What is left is the gudgeon pin's: little, it only swings.
     assert ((parts < o["friction_loss"]) & (o["friction_loss"] < 1.1 * parts)).all()
-
-
-def test_engine_bearings_scene__carries_the_gas_less_inertia_at_its_peak():
-    values, _ = as_it_is("engine_bearings")
-    area, r, omega = math.pi / 4 * 0.088**2, 0.032, 3000 * 2 * math.pi / 60
-    gas = (59e5 - 1e5) * area
-    # At the top the piston and a third of the rod go down with r omega² (1 + r/l), 1.05 kN for each kg or so.
-    inertia = (0.42 + 0.35 * 0.3) * r * omega**2 * (1 + 32 / 110)
-    # The peak of pressure is passed after some degrees: 5 %.
-    assert values["drive.first.reaction.max"][0] == pytest.approx(gas - inertia, rel=0.05)
