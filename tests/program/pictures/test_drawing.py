@@ -18,7 +18,7 @@ from drawn_machines import (
     sliding_input,
 )
 from each_case import each
-from machines import frame, prp, rrp
+from machines import frame, rrp
 from matplotlib.figure import Figure
 
 from engine import Scene
@@ -211,19 +211,6 @@ def test_slider_on_moving_guide__sleeve_turned_with_its_carrier():
     assert abs(sum(sleeve.points) / 4 - f) < EXACT
     assert is_parallel(long_side(sleeve), along)
     assert sum(p.fill == "solid" and p.layer == "links" for p in drawn) == 2
-
-
-def test_slider_on_a_crank__sleeve_along_the_crank():
-    group = prp("B", ("sleeve", "bar", 0.0), ("slide", "way", 0.0))
-    guides = {"bar": {"link": "crank"}, "way": {"y": 0.12}}
-    scene = slider_crank(guides=guides, input=crank(start=0.9, stop=2.2), groups={"g": group}, bodies={})
-    drawn = primitives(scene, 0.9)
-    sleeve, slide = boxes(drawn)
-    u = complex(math.cos(0.9), math.sin(0.9))
-    assert circle(drawn, "B").points[0] == pytest.approx(0.12 * u / u.imag)
-    assert is_parallel(long_side(sleeve), u)
-    assert abs(long_side(sleeve)) == pytest.approx(2 * HALF_LENGTH * circle(drawn, "B").size, rel=EXACT)
-    assert is_parallel(long_side(slide), 1)
 
 
 def test_gears__pitch_circles_touch_in_the_ratio_of_speeds():

@@ -253,12 +253,6 @@ def test_column_that_cannot_be_shown__refused(asked, words, tmp_path):
         plot_result(grid_data((3, 3)), tmp_path / "a.png", **asked)
 
 
-def test_labels_of_two_lines__with_a_formula_log_nothing(tmp_path):
-    figure = new_figure(90, 60)
-    figure.subplots().set_xlabel("Flywheel inertia\nby Wittenbauer $I_F$")
-    save(figure, tmp_path / "label.png")
-
-
 @pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
 def test_saving__finds_the_layout_and_draws_once(ending, tmp_path):
     figure, drawn = new_figure(60, 60), []

@@ -44,42 +44,27 @@ def part_of(data: dict, path: str) -> tuple[dict, str]:
 # Scene, path, a text there, its value converted by hand, its dimension.
 EXPECTED = [
     ("spring", "gravity", "9.81 m/s2", 9.81, "acceleration"),
-    ("four_bar", "points.D.x", "260 mm", 0.26, "length"),
-    ("spring", "points.K.y", "0 mm", 0.0, "length"),
     ("spring", "guides.way.angle", "-90 deg", -np.pi / 2, "angle"),
-    ("spring", "guides.way.y", "0.4 m", 0.4, "length"),
-    ("spring", "input.length", "50 mm", 0.05, "length"),
     ("spring", "input.speed", "-60 rpm", -2 * np.pi, "angular_speed"),
     ("slider", "input.start", "-10 mm", -0.01, "length"),
-    ("slider", "input.stop", "50 mm", 0.05, "length"),
     ("slider", "input.speed", "1 m/s", 1.0, "speed"),
     ("shaft_on_rod", "shafts.s.ratio", "1/3", 1 / 3, "number"),
     ("bare_shaft", "shafts.s.inertia", "20 kg cm2", 0.002, "inertia"),
     ("four_bar", "groups.bars.mode", -1, -1.0, "number"),
-    ("spring", "groups.g.first.length", "0.3 m", 0.3, "length"),
-    ("spring", "groups.g.second.offset", "12 mm", 0.012, "length"),
-    ("slider", "groups.g.second.offset", "3 mm", 0.003, "length"),
     ("two_guides", "groups.g.second.offset", 0, 0.0, "length"),
     ("yoke", "groups.g.second.slot_angle", "90 deg", np.pi / 2, "angle"),
     ("dense_rod", "bodies.one.density", "7850 kg/m3", 7850.0, "density"),
     ("dense_rod", "bodies.one.shape.area", "6 cm2", 6e-4, "area"),
-    ("dense_ring", "bodies.one.shape.inner_diameter", "0.15 m", 0.15, "length"),
-    ("rod", "bodies.one.mass", "1.5 t", 1500.0, "mass"),
     ("over_stroke", "forces.load.scale", "80 %", 0.8, "number"),
-    ("drag", "forces.load.coefficient", "40 N s/m", 40.0, "damping"),
     ("square_drag", "forces.load.coefficient", "0.8 N s2/m2", 0.8, "quadratic_drag"),
     ("power_drag", "forces.load.at_speed", "2 km/h", 2 / 3.6, "speed"),
     ("torsion", "moments.load.stiffness", "5 N m/deg", 5 * 180 / np.pi, "torsional_stiffness"),
-    ("drag_moment", "moments.load.coefficient", "0.2 N m s/rad", 0.2, "torsional_damping"),
     ("fan", "moments.load.coefficient", "0.003 N m s2/rad2", 0.003, "torsional_quadratic_drag"),
-    ("induction", "moments.load.breakdown_slip", "20 %", 0.2, "number"),
     ("nameplate", "moments.load.power", "1.5 kW", 1500.0, "power"),
     ("spring", "springs.load.stiffness", "5 N/mm", 5000.0, "stiffness"),
-    ("pump", "cylinders.c.ambient", "101.325 kPa", 101_325.0, "pressure"),
     ("two_stroke", "cylinders.c.port", "75 %", 0.75, "number"),
     ("rim", "flywheel.speed_fluctuation", "1/30", 1 / 30, "number"),
     ("heavy_rim", "flywheel.wheel.rim_speed_limit", "35 m/s", 35.0, "speed"),
-    ("arms", "flywheel.wheel.arm_area", "30 cm2", 0.003, "area"),
 ]
 
 
@@ -110,15 +95,11 @@ def test_numbers__leave_out_tables_counts_and_what_is_not_given():
     [
         ("spring", "input.length", [1e-9, 0.0, -0.0, -1.0, np.nan, np.inf], [1, 0, 0, 0, 0, 0]),
         ("four_bar", "points.D.x", [-1.0, 0.0, 1e9, np.nan, -np.inf], [1, 1, 1, 0, 0]),
-        ("rod", "bodies.one.mass", [0.0, 2.0, -1e-12], [1, 1, 0]),
         ("four_bar", "groups.bars.mode", [1.0, -1.0, 0.0, 0.5, 2.0, -1.0 + 1e-12, np.nan], [1, 1, 0, 0, 0, 0, 0]),
         ("rim", "flywheel.speed_fluctuation", [0.0, 1e-6, 1.999, 2.0], [0, 1, 1, 0]),
-        ("whole_wheel", "flywheel.inertia", [0.0, -1.0], [1, 0]),
         ("arms", "flywheel.wheel.thickness_ratio", [0.0, 0.49, 0.5], [0, 1, 0]),
         ("two_stroke", "cylinders.c.port", [0.0, 0.5, 1.0, 1.01], [0, 1, 1, 0]),
         ("nameplate", "moments.load.breakdown_ratio", [1.0, 1.01], [0, 1]),
-        ("spring", "springs.load.free_length", [0.0, -0.1], [1, 0]),
-        ("spring", "input.speed", [-5.0, 5.0], [1, 1]),
     ],
 )
 def test_within_limits__keeps_what_a_text_could_hold(name, path, values, keep):
@@ -148,10 +129,6 @@ def test_within_limits__agrees_with_the_reading_of_texts():
             part[key] = held
 
 
-def test_within_limits__keeps_the_shape():
-    assert within_limits(SceneNumber(1.0, "length", ()), np.zeros((2, 3))).shape == (2, 3)
-
-
 @each("name", EVERY)
 def test_scene_written_and_read__is_the_same_and_has_units(name, tmp_path):
     scene = Scene.model_validate(EVERY[name])
@@ -167,13 +144,6 @@ def test_scene_written_and_read__is_the_same_and_has_units(name, tmp_path):
         if part is not None and number.dimension != "number":
             assert isinstance(part, str), path
             assert " " in part, path
-
-
-def test_tables__are_written_with_units():
-    scenes = (Scene.model_validate(EVERY[name]) for name in ("over_stroke", "range"))
-    stroke, clock = (tomllib.loads(write_scene(scene)) for scene in scenes)
-    assert stroke["forces"]["load"]["over_stroke"] == ["0.16 m", "0.18 m", "0.2 m", "0.22 m"]
-    assert clock["moments"]["clock"]["over_time"] == ["0.1 s", "0.2 s", "0.4 s"]
 
 
 PRESS = {

@@ -43,15 +43,6 @@ def test_inertia_that_is_there__is_taken_off():
     assert inertia_in(less) == pytest.approx(asked - 1.5, rel=1e-4)
 
 
-def test_diagram_in_pound_feet__gives_a_flywheel_in_pounds():
-    """Half a turn at 100 lbf ft is 100 π ft lbf; I = W/(δ ω²), with a slug of 32.174 lb."""
-    Path("pounds.csv").write_text("phi [deg], moment [ft lbf]\n0, 100\n180, 100\n180, -100\n360, -100\n360, 100\n")
-    answer = said("flywheel", "pounds.csv", *ASKED).stdout
-    assert re.search(r"excess work\s+314\.16 ft·lbf", answer)
-    asked = 100 * math.pi / (0.02 * (20 * math.pi) ** 2) * 32.174
-    assert float(re.search(r"flywheel inertia\s+([\d.]+) lb·ft²", answer)[1]) == pytest.approx(asked, rel=1e-4)
-
-
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -39,14 +39,10 @@ def with_input(record: dict) -> None:
 CHANGES = {
     "no best": without("best"),
     "no scene": without("scene"),
-    "no parameters": without("parameters"),
     "no axes": without("vary"),
     "best of nothing": with_value("best", {"minimise": "beauty", "maximise": None, "where": []}),
-    "best of a wrong kind": with_value("best", 7),
     "an unreadable condition": with_value("best", {"minimise": "excess_work", "maximise": None, "where": "a >"}),
-    "a parameter too many": with_value("parameters", {"colour": "1"}),
     "axes of another size": with_value("vary", [{"names": ["input.length"], "size": 3}]),
-    "no text of conditions": with_value("require", [7]),
     "a search without a task": with_value("search", {}),
 }
 
@@ -100,12 +96,6 @@ def test_missing_dataset__is_told(name, press_result):
         del file[name]
     for command, *options in COMMANDS:
         assert press_result in refused(command, press_result, *options)
-
-
-def test_missing_layout__is_told(press_result):
-    with h5py.File(press_result, "r+") as file:
-        file["progress"].attrs["layout"] = "{}"
-    assert press_result in refused("show", press_result)
 
 
 def test_verify__tells_sound_damaged_and_unfinished_files_apart(press_result):
