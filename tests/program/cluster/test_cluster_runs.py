@@ -115,14 +115,13 @@ def test_interrupted_run__goes_on_with_or_without_the_cluster(first, client, tmp
     assert contents(tmp_path / "study.h5") == whole
 
 
-def test_search__is_that_of_one_machine(client, tmp_path, monkeypatch):
+def test_search__is_that_of_one_machine(client, folder):
     asked = searches.ONE.replace("population = 10", "population = 40").replace("generations = 12", "generations = 4")
-    study = searches.study_of(tmp_path, asked)
-    alone = optimise_study(study, tmp_path / "alone.h5")
-    path = optimise_study(study, tmp_path / "on.h5", client=client)
+    study = searches.study_of(folder, asked)
+    alone = optimise_study(study, folder / "alone.h5")
+    path = optimise_study(study, folder / "on.h5", client=client)
     assert contents(path) == contents(alone)
     assert "; computed by 2 workers" in describe_result(path).attributes["outcome"]
-    monkeypatch.chdir(tmp_path)
     address = client.scheduler.address
     done("optimise", "study.toml", "--no-plots", "--out", "told.h5", "--cluster", address)
     assert contents(Path("told.h5")) == contents(alone)
@@ -192,9 +191,8 @@ def test_commands__compute_on_the_cluster(client, press_folder):
     assert contents(Path("results/study.h5")) == contents(Path("alone.h5"))
 
 
-def test_command_whose_block_fails__tells_it_and_ends_with_1(client, tmp_path, monkeypatch):
-    study_of(tmp_path, DISTINCT)
-    monkeypatch.chdir(tmp_path)
+def test_command_whose_block_fails__tells_it_and_ends_with_1(client, folder, monkeypatch):
+    study_of(folder, DISTINCT)
     arguments = ("run", "study.toml", "--no-plots", "--cluster", client.scheduler.address)
     with monkeypatch.context() as patch:
         patch.setattr("sweeps.run.cluster.on_workers.compute_block", cluster_jobs.block_but_one)
@@ -207,7 +205,7 @@ def test_command_whose_block_fails__tells_it_and_ends_with_1(client, tmp_path, m
     )
     assert describe_result(part).blocks_done == 4
     done(*arguments)
-    assert contents(Path("results/study.h5")) == contents(run(tmp_path, DISTINCT, "alone"))
+    assert contents(Path("results/study.h5")) == contents(run(folder, DISTINCT, "alone"))
 
 
 def test_wrong_addresses__are_told_in_a_sentence(press_folder, monkeypatch):

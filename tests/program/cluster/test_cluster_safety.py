@@ -147,11 +147,10 @@ def certified(folder: Path):
         yield client | {"distributed.comm.tls.ca-file": str(folder / "ca")}
 
 
-def test_certificates__let_in_whoever_holds_them(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    study_of(tmp_path, DISTINCT)
-    with certified(tmp_path) as settings:
-        address = address_in(tmp_path)
+def test_certificates__let_in_whoever_holds_them(folder, monkeypatch):
+    study_of(folder, DISTINCT)
+    with certified(folder) as settings:
+        address = address_in(folder)
         assert address.startswith("tls://")
         command = ("run", "study.toml", "--no-plots", "--cluster", address)
         assert "needs tls:// and certificates" in refused(*command)
@@ -164,7 +163,7 @@ def test_certificates__let_in_whoever_holds_them(tmp_path, monkeypatch):
         with dask.config.set(settings):
             answer = said(*command)
         assert answer.exit_code == 0, answer.output
-    assert contents(Path("results/study.h5")) == contents(run(tmp_path, DISTINCT, "alone"))
+    assert contents(Path("results/study.h5")) == contents(run(folder, DISTINCT, "alone"))
 
 
 def test_help__says_who_is_trusted():

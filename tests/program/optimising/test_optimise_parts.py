@@ -43,7 +43,7 @@ def conditions(draw: st.DrawFn, depth: int = 3) -> str:
     return f"({draw(conditions(depth - 1))}) {kind} ({draw(conditions(depth - 1))})"
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=150)
 @given(conditions(), st.lists(st.tuples(NUMBERS, NUMBERS, SIZES, SIZES), min_size=1, max_size=6))
 def test_margin__with_error_estimates_is_below_zero_only_where_the_condition_is_met(text, rows):
     a, b, a_error, b_error = np.array(rows).T
@@ -189,12 +189,6 @@ def test_missing_library__is_named_and_nothing_is_left_behind(tmp_path, monkeypa
 
 
 # The command
-
-
-@pytest.fixture
-def folder(tmp_path, monkeypatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 ASKED = f'minimise = "{NEAREST}"\nwhere = "ram.stroke <= \'90 mm\'"\npopulation = 10\ngenerations = 8'

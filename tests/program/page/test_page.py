@@ -393,8 +393,7 @@ def planted(data: object) -> object:
     return data + ACTING if isinstance(data, str) and " " in data else data
 
 
-def test_acting_characters_of_a_foreign_result__are_spelled_out(result, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_acting_characters_of_a_foreign_result__are_spelled_out(result, folder):
     path = Path(f"foreign{ACTING.replace('/', '')}.h5")
     shutil.copyfile(result, path)
     with h5py.File(path, "r+") as file:
@@ -420,13 +419,13 @@ def test_acting_characters_of_a_foreign_result__are_spelled_out(result, tmp_path
         answer = said(*command)
         assert answer.exit_code == 0, answer.output
         assert not ACTS.search(answer.output), command
-    made = [file for file in tmp_path.iterdir() if file.suffix in (".html", ".svg", ".dxf")]
+    made = [file for file in folder.iterdir() if file.suffix in (".html", ".svg", ".dxf")]
     assert len(made) >= 5
     for file in made:
         text = file.read_text("utf8").replace("\r\n", "\n")
         text = re.sub(r"<script>.*?</script>", "", text, flags=re.S) if file.suffix == ".html" else text
         assert not (found := ACTS.search(text)), (file.name, text[max(found.start() - 60, 0) : found.end() + 20])
-    page = (tmp_path / "page.html").read_text("utf8")
+    page = (folder / "page.html").read_text("utf8")
     assert "\\u202egnp.exe" in page
     (data,) = re.findall(r'<script type="application/json" id="variants">(.*?)</script>', page)
     columns = json.loads(data)["columns"]

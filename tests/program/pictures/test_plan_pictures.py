@@ -235,10 +235,9 @@ def test_values_of_many_points__in_a_strip_under_the_plan_clear_of_the_notes():
         assert not one.overlaps(two)
 
 
-def test_plot_with_plans__made_at_the_first_angle_asked(tmp_path, monkeypatch):
+def test_plot_with_plans__made_at_the_first_angle_asked(folder, monkeypatch):
     asked = []
     monkeypatch.setattr("sweeps.pictures.plans.files.plan_pictures", lambda *arguments: asked.append(arguments) or [])
-    monkeypatch.chdir(tmp_path)
     scene = str(bundled_templates()["four_bar"])
     done("plot", scene, "--plans", "--at", "90,120", "--out", "a.svg")
     ((_, path, at, values),) = asked

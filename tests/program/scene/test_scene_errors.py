@@ -221,7 +221,7 @@ def mutations(draw: st.DrawFn) -> str:
     return "\n".join(lines)
 
 
-@settings(deadline=None, max_examples=400)
+@settings(deadline=None, max_examples=200)
 @given(mutations())
 def test_any_mutation__is_read_or_refused_with_reasons(tmp_path_factory, text):
     path = tmp_path_factory.getbasetemp() / "mutated.toml"

@@ -267,7 +267,7 @@ def exact(text, factor):
     return float(Fraction(text) * factor)
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=150)
 @given(st.sampled_from(sorted(FACTORS)), st.data(), magnitudes)
 def test_any_value_in_simple_unit__is_correctly_rounded(dimension, data, value):
     unit = data.draw(st.sampled_from(sorted(FACTORS[dimension])))
@@ -286,7 +286,7 @@ def spelled(data, parts, join):
     return join.join(texts), factor
 
 
-@settings(deadline=None, max_examples=400)
+@settings(deadline=None, max_examples=150)
 @given(st.sampled_from(sorted(COMPOUNDS)), st.data(), magnitudes)
 def test_any_value_in_compound_unit__is_correctly_rounded(dimension, data, value):
     join = data.draw(st.sampled_from([" ", "*", "·", " * "]))
@@ -322,7 +322,7 @@ anything = st.one_of(
 )
 
 
-@settings(deadline=None, max_examples=1500)
+@settings(deadline=None, max_examples=500)
 @given(anything, st.sampled_from(sorted(DIMENSIONS)))
 @example("1e999999 m", "length")
 @example("1/" + "0" * 50, "number")

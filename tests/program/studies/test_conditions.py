@@ -55,7 +55,7 @@ def box(a: float, b: float, a_error: float, b_error: float) -> dict[str, np.ndar
     return {"a": rows.ravel(), "b": columns.ravel()}
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=150)
 @given(linear_conditions(), NUMBERS, NUMBERS, SIZES, SIZES)
 @example(("1 * a <= b + -1", ("<=", 1, -1)), 0.0, 1.0, 0.0, 0.0)
 def test_sides_that_agree_within_their_estimates__count_as_equal(condition, a, b, a_error, b_error):
@@ -100,6 +100,13 @@ def test_errors_of_one_name__go_together():
     assert judged.met.tolist() == [True]
     value, error = value_with_error(parse("3 * a - a").tree, {"a": 5.0}, {"a": 0.5})
     assert (value, error) == (10.0, 1.0)
+
+
+@each("text, undefined", [("a < 1", False), ("not (a < 1)", True), ("a != 1", True)])
+def test_undefined_value__is_judged_as_without_figures(text, undefined):
+    judged = condition_of(text).judged({"a": np.full(2, np.nan)}, {"a": np.array([0.1, np.nan])}, 2)
+    assert judged.met.tolist() == [undefined] * 2
+    assert judged.undecided.tolist() == [False] * 2
 
 
 def test_value_without_an_estimate_where_others_have_one__meets_nothing():

@@ -92,6 +92,14 @@ def test_latin__has_one_point_per_stratum_in_each_dimension(count, seed):
     np.testing.assert_array_equal(np.sort(strata, axis=0), np.arange(count)[:, None].repeat(6, axis=1))
 
 
+def test_latin__is_uniform_within_the_strata():
+    count = 20_000
+    within = latin_points(4, count, 1, np.arange(count))[:, 0] * count % 1
+    # As for uniform numbers: see the moments below.
+    assert abs(within.mean() - 0.5) < 5 / math.sqrt(12 * count)
+    assert abs(within.var() - 1 / 12) < 5 * math.sqrt((1 / 80 - 1 / 144) / count)
+
+
 @settings(deadline=None, max_examples=60)
 @given(st.integers(1, 5000), st.lists(st.integers(0, 2**64 - 1), min_size=10, max_size=10))
 def test_permuted__is_a_permutation(count, keys):
@@ -126,6 +134,11 @@ def test_moments_and_correlations__are_within_five_sigma(points):
 def test_random__is_numpys_philox():
     generator = np.random.Generator(np.random.Philox(key=np.array([42, 0], dtype=np.uint64)))
     np.testing.assert_array_equal(random_points(42, 50, 4, np.arange(50)), generator.random((50, 4)))
+
+
+def test_random__keeps_a_parameters_numbers_when_another_is_added():
+    indices = np.arange(100)
+    np.testing.assert_array_equal(random_points(1, 100, 9, indices)[:, :5], random_points(1, 100, 5, indices))
 
 
 @each("method", METHODS)

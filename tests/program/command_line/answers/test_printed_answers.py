@@ -135,8 +135,7 @@ def system(request):
 
 
 @each("name", MACHINES)
-def test_machine__is_answered_from_its_file_to_its_report(name, system, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_machine__is_answered_from_its_file_to_its_report(name, system, folder):
     path, by_hand = MACHINES[name]
     Path(f"{name}.toml").write_text(f'units = "{system}"\n{path.read_text("utf8")}', "utf8")
     scene, result = read_scene(Path(f"{name}.toml")), f"results/{name}.h5"

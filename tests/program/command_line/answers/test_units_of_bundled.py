@@ -34,8 +34,7 @@ SHOWN = [*bundled_templates(), "braking_car", "screw_jack", "locomotive", "valve
 
 
 @pytest.mark.parametrize("name", SHOWN)
-def test_bundled__is_shown_in_us_units(name, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_bundled__is_shown_in_us_units(name, folder):
     path = Path("machine.toml")
     if STUDIES in BUNDLED[name].parents:
         shutil.copytree(STUDIES, "studies")

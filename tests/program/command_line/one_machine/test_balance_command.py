@@ -36,13 +36,12 @@ AMPLITUDES = "plane, weight [g], weight_angle [deg], frame [um]\n"
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def folder(folder):
     for name in ("four_bar", "slider_crank", "rotor", "scotch_yoke"):
         Path(f"{name}.toml").write_text(bundled_templates()[name].read_text(encoding="utf8"), encoding="utf8")
     Path("runs.csv").write_text(RAO)
     Path("triple.toml").write_text(TRIPLE)
-    return tmp_path
+    return folder
 
 
 def row_of(answer: str, name: str) -> str:

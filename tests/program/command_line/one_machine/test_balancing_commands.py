@@ -20,11 +20,6 @@ from sweeps.text.templates import bundled_templates
 EPS = np.finfo(float).eps
 
 
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-
-
 def wrote(output):
     return [line.removeprefix("Wrote ") for line in output.splitlines() if line.startswith("Wrote ")]
 

@@ -13,11 +13,10 @@ ASKED = ("--speed", "600 rpm", "--fluctuation", "2 %")
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def folder(folder):
     Path("areas.csv").write_text(AREAS)
     Path("moments.csv").write_text("phi [deg], moment [N m]\n0, 100\n180, 100\n180, -100\n360, -100\n360, 100\n")
-    return tmp_path
+    return folder
 
 
 def inertia_in(answer: str) -> float:

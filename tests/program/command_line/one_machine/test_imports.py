@@ -118,8 +118,7 @@ def test_rows_of_pmks__stand_where_the_file_has_them(tmp_path):
     assert math.degrees(np.angle(-(later - found[1]))) == pytest.approx(10, abs=1e-9)
 
 
-def test_address_of_pmks__is_read_by_the_command(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_address_of_pmks__is_read_by_the_command(folder):
     Path("m.url").write_text(ADDRESS)
     done("import", "m.url", "--unit", "1 cm", "--speed", "90 rpm")
     text = Path("m.toml").read_text()
@@ -204,8 +203,7 @@ def changed(data, kind, **values):
         (shared([(6, "A", 0, 0)], []), "the format is too old"),
     ],
 )
-def test_what_becomes_no_scene__is_refused_in_words(tmp_path, monkeypatch, text, words):
-    monkeypatch.chdir(tmp_path)
+def test_what_becomes_no_scene__is_refused_in_words(folder, text, words):
     Path("l.dat").write_text(text)
     answer = refused("import", "l.dat")
     assert words in answer

@@ -70,11 +70,10 @@ where = "work.speed_fluctuation < 0.1"
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch) -> Path:
-    monkeypatch.chdir(tmp_path)
+def folder(folder) -> Path:
     Path("press.toml").write_text(MOTION)
     Path("study.toml").write_text(STUDY)
-    return tmp_path
+    return folder
 
 
 def change(old: str, new: str) -> None:
@@ -152,14 +151,13 @@ def test_run_of_a_scene__groups_its_answers_by_regime(folder):
     assert "stop.brake_heat" in text
 
 
-def test_torque_of_a_motor__is_given_at_its_own_shaft_beside_the_rated_one(tmp_path, monkeypatch):
+def test_torque_of_a_motor__is_given_at_its_own_shaft_beside_the_rated_one(folder):
     """On a shaft at 24 times the crank's speed the torque is a 24th of that reduced to the crank; the rated P/ω."""
-    monkeypatch.chdir(tmp_path)
-    done("new", "press_with_motor", "--out", "press.toml")
+    done("new", "press_with_motor", "--out", "motor.toml")
     regimes, keys = ("start", "work"), ("peak", "rms")
     own = [f"{regime}.motor_shaft_torque_{key}" for regime in regimes for key in keys]
     reduced = [f"{regime}.motor_moment_{key}" for regime in regimes for key in keys]
-    scene = read_scene("press.toml")
+    scene = read_scene("motor.toml")
     outcome = Machine(scene, [*own, *reduced, "motor.rated_moment"]).evaluate({})
     for one, other in zip(own, reduced, strict=True):
         assert outcome.summaries[one] == pytest.approx(outcome.summaries[other] / 24, rel=1e-15)

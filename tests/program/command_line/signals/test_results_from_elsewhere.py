@@ -122,7 +122,7 @@ def test_flipped_bytes_anywhere__never_a_traceback(press_result):
     """Also in HDF5's own tables, which have no checksums: whatever a command makes of them, it ends in words."""
     whole, rng = Path(press_result).read_bytes(), np.random.default_rng(7)
     # Tables fill the beginning and lie between the data.
-    for at in (*range(0, 96, 7), *rng.integers(96, len(whole), 60)):
+    for at in (*range(0, 96, 7), *rng.integers(96, len(whole), 30)):
         content = bytearray(whole)
         content[at] ^= int(rng.integers(1, 256))
         Path("spoilt.h5").write_bytes(content)

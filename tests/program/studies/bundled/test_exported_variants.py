@@ -68,9 +68,8 @@ summaries = ["upper.swing"]
 COMMANDS = ("show r.h5 --variant 1 --at 10", "export study.toml --variant 1 --to t.toml", "plot r.h5 --variant 1")
 
 
-def test_variant_whose_mode_is_not_reached__is_no_machine_for_any_command(tmp_path, monkeypatch):
+def test_variant_whose_mode_is_not_reached__is_no_machine_for_any_command(folder):
     """Put together by the scene's own near it would be another machine than the one that the sweep refuses."""
-    monkeypatch.chdir(tmp_path)
     Path("triad.toml").write_text(write_scene(Scene.model_validate(triad_data())), encoding="utf8")
     Path("study.toml").write_text(UNREACHED, encoding="utf8")
     result = SweepResult(run_study(read_study(Path("study.toml")), "r.h5"))
