@@ -67,6 +67,13 @@ def test_check_of_a_machine_that_turns_in_part__names_the_ranges(press_folder):
     assert "input.start and input.stop" in line
 
 
+def test_check_of_a_machine_that_nowhere_assembles__says_so(press_folder):
+    text = PRESS.replace('guide = "way"}', 'guide = "way", offset = "2 m"}')
+    Path("press.toml").write_text(text)
+    answer = done("check", "press.toml")
+    assert "can't be assembled at any input position" in answer
+
+
 def test_check_source__is_python_to_read(press_folder):
     answer = done("check", "study.toml", "--source")
     module = ast.parse(answer)

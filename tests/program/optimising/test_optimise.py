@@ -109,6 +109,12 @@ def test_condition_of_the_study__holds_and_is_reached(tmp_path):
     assert (columns["front"] > 0).sum() == 1
 
 
+def test_end_of_a_range__is_reached_and_told(tmp_path):
+    result = searched(tmp_path, 'minimise = "ram.stroke"\npopulation = 20')
+    assert best_of(result)[CRANK] == pytest.approx(0.03, rel=1e-12)
+    assert "lower bound" in optimum_text(result)
+
+
 def test_lists_and_ranges__are_searched_together(tmp_path):
     vary = """
 [vary]

@@ -73,6 +73,18 @@ def test_search_interrupted_in_its_last_phase__doesn_t_repeat_its_generations(tm
     assert sorted(p.name for p in tmp_path.glob("r.*")) == ["r.h5"]
 
 
+def test_spoilt_candidates__are_computed_again(tmp_path):
+    study, path = study_of(tmp_path, ONE), tmp_path / "r.h5"
+    whole = contents(optimise_study(study, tmp_path / "whole.h5"))
+    interrupted(study, path)
+    with h5py.File(tmp_path / "r.candidates.part.h5", "r+") as file:
+        file[CRANK][3] += 1e-6
+    told = []
+    optimise_study(study, path, tell=told.append)
+    assert "was damaged" in told[0]
+    assert contents(path) == whole
+
+
 def test_candidates_of_another_way__are_refused(tmp_path, monkeypatch):
     study, path = study_of(tmp_path, ONE), tmp_path / "r.h5"
     interrupted(study, path)

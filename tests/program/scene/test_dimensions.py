@@ -112,6 +112,7 @@ def test_sound_expression__has_its_unit(text, unit):
         ("1 + log(length)", 4, "log takes a plain number, this is a length"),
         ("cos(length)", 0, "cos takes an angle or a plain number, this is a length"),
         ("length**n", 6, "the power of a length must be a fixed number"),
+        ("2**mass", 1, "a power must be a plain number, this is a mass"),
         ("'1 l' / '1 s' > length", 14, "compares a quantity in m3 s-1 with a length"),
         ("not (length > 0 and length < mass)", 27, "compares a length with a mass"),
     ],

@@ -360,6 +360,11 @@ def test_fractions__are_read_in_columns_and_give_their_unit():
     assert unit_in("1/4") == unit_in("x") == ""
 
 
+def test_flows_of_pumps_and_fans__are_gallons_and_cubic_feet_per_minute():
+    assert to_si("60 gpm", "m3 s-1") == float(231 * INCH**3)
+    assert to_si("60 cfm", "m3 s-1") == float(FOOT**3)
+
+
 @each("text, atmosphere", [("190 psig", "14.696 psi"), ("13 barg", "1.01325 bar")])
 def test_gauge_pressure__is_refused_with_what_to_add(text, atmosphere):
     with pytest.raises(UnitError, match=f"pressures are absolute: add {atmosphere}"):

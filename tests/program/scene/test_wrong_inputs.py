@@ -36,10 +36,12 @@ misspelt table | [input] | [imput] | 9: imput | unknown key | did you mean 'inpu
 unknown point | joint = "A" | joint = "Z" | 19: groups.slide.first.joint | 'Z' is not a point of this scene | A, B, O
 name taken | inner = "B" | inner = "A" | 18: groups.slide.inner | already taken by input.pin; choose another
 choice | [flywheel] | [forces.f]\ntype = "table"\n[flywheel] | 33: forces.f.interpolation | add one of linear, pchip
+table twice | [flywheel] | [flywheel]\n[flywheel] | 34 | the table [flywheel] appears twice, first in line 33
 key twice | mass = | mass = "9 kg"\nmass = | 25 | mass appears twice in its table: remove one
 quote | "100 kg" | "100 kg | 24 | a quotation mark is missing
 curly quotes | "100 kg" | “100 kg” | 24 | write straight quotation marks, ", not typographic ones
 colon | mass = | mass: | 24 | write KEY = VALUE, not KEY: VALUE
+semicolon | "100 kg" | "100 kg"; | 24 | a line holds one KEY = VALUE
 no value | mass = "100 kg" | mass = | 24 | no value after =
 blank in a name | [bodies.ram] | [bodies.the ram] | 22 | a ] is missing after the name of the table, or the name has a
 backslash | Crank press | C:\press | 1 | write \\ for a backslash, or use single quotes
@@ -80,6 +82,7 @@ no such file | press.toml | Press.toml | 3: scene | Press.toml: can't be read: N
 # A table of variants, and its line and column.
 TABLES = cases(r"""
 empty cell | input.length [mm],bodies.ram.mass\n40,\n | 2: column bodies.ram.mass | '' is not a number such as 0.5
+decimal comma | input.length [mm]\n40,5\n | 2 | has 2 cells, the header 1; separate columns by semicolons
 no header | 40\n50\n | 1 | the first line must name the columns, such as 'input.length [mm]'
 round brackets | input.length (mm)\n40\n | 1 | write a name and a unit for each column, such as 'force [kN]'
 open quotation | input.length [mm]\n"40\n | 2 | quotation marks don't match
@@ -90,9 +93,11 @@ COMMANDS = cases(r"""
 no such file | run nope.toml | nope.toml | there is no such file, and no bundled study of that name
 scene for a result | show press.toml | press.toml | For scenes and studies use `sweeps check`
 misspelt command | chekc press.toml | chekc | Did you mean 'check'?
+no value | check press.toml --set input.length | --set | write PATH=VALUE, such as input.length='55 mm'
 words for an angle | show press.toml --at ten | --at | expected an angle such as '30 deg' | for example --at 0,60,120
 no angle | show press.toml --at , | --at | no positions; for example --at 0,60,120
 words for a count | run press.toml --jobs two | --jobs | 'two' is not a whole number of at least 1
+too few frames | animate press.toml --frames 2 | --frames | '2' is not a whole number from 4 to 1000
 unknown field | plot press.toml -y B.speed | 'B.speed' is not a field | known are B.
 accuracy | run press.toml --accuracy high | --accuracy | expected a number such as '0.3'
 ending | export press.toml --to a.xls | --to | ending '.xls': allowed are .csv

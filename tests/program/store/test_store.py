@@ -244,6 +244,13 @@ def test_arrays_not_of_the_layout__value_error_and_block_pending(path, name, val
         assert 0 in store.pending
 
 
+def test_write_after_close__store_error(path: Path) -> None:
+    store = Store.open(path, layout())
+    store.close()
+    with pytest.raises(StoreError, match="not open for writing"):
+        fill(store, 0)
+
+
 @settings(deadline=None, max_examples=100)
 @given(variants=st.integers(1, 3000), block=st.integers(1, 4000))
 def test_blocks__each_variant_in_exactly_one(variants: int, block: int) -> None:

@@ -94,6 +94,12 @@ def test_pipe__is_refused_without_waiting_for_its_other_end(path: Path) -> None:
             reader(path)
 
 
+def test_final_file_missing__part_file_named(path: Path) -> None:
+    Store.open(path, layout()).close()
+    with pytest.raises(StoreError, match=r"not finished.*out\.part\.h5"):
+        read_columns(path)
+
+
 def test_unknown_column__suggestion(path: Path) -> None:
     complete(path, layout())
     with pytest.raises(StoreError, match=r"no column 'peak_torqe'\. Did you mean 'peak_torque'"):

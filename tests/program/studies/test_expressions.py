@@ -219,6 +219,8 @@ REFUSED = {
     "write == instead of =": [("x = 1", 2), ("max(1, key=2)", 10)],
     "write == instead of :=": [("(y := 1)", 3)],
     "write >= instead of =>": [("x => 1", 2)],
+    "write <= instead of =<": [("x =< 1", 2)],
+    "write != instead of <>": [("x <> 1", 2)],
     "write and instead of": [("(a) & b", 4), ("a < 1 && b < 1", 6), ("a; b", 1), ("a < 3 AND b < 2", 6)],
     "write or instead of": [("a | b", 2), ("a < 1 || b < 1", 6), ("a < b Or b < 1", 6)],
     "write not instead of": [("~a", 0), ("!(a < b)", 0), ("NOT a < b", 0)],

@@ -122,3 +122,11 @@ def test_parameters_of_a_result__are_a_table_while_they_are_as_they_were_written
         file["input.length"][7] *= 1.01
     with pytest.raises(InputError, match=r"done\.h5.*is damaged"):
         read_variant_table(result)
+
+
+def test_unfinished_result__is_no_table(tmp_path):
+    result = run(tmp_path, DISTINCT, "done")
+    with h5py.File(result, "r+") as file:
+        file["progress/block_done"][0] = 0
+    with pytest.raises(InputError, match="isn't finished"):
+        read_variant_table(result)

@@ -181,6 +181,11 @@ def test_closest__keeps_to_choices_of_parameters(jack):
     assert "elements.jack.load == '30 kN': 4" in text
 
 
+def test_all_dropped__names_the_closest_to_what_is_required(jack):
+    text = no_answer("jack.raise_moment > '1 N m'", """require = ["elements.jack.load >= '40 kN'"]\n""")
+    assert "Closest: variant 4, which falls short of elements.jack.load ≥ 40 kN by 25 %." in text
+
+
 def test_search_without_an_answer__names_the_closest(jack):
     study = STUDY.format(diameter="30 mm", where="jack.raise_moment < '1 N m'")
     ranges = {'["33 mm", "30 mm"]': '"30 mm", to = "33 mm"', '["10 kN", "20 kN", "30 kN"]': '"9 kN", to = "30 kN"'}

@@ -78,6 +78,13 @@ def test_counterweight__written_to_a_scene_does_what_is_said(folder):
     assert left[1] == left[2]
 
 
+def test_place_on_the_rod__lets_a_slider_crank_be_balanced_fully(folder):
+    places = ["--place", "rod: -80 mm, 0 mm", "--place", "crank: -40 mm, 0 mm"]
+    answer = said("balance", "slider_crank.toml", *places, "--criterion", "full", "--errors").stdout
+    assert "zero shaking force" in answer
+    assert re.search(r"rod\s+[\d.]+ kg·mm\s+180\.0°\s+[\d.]+ k?g\s+80 mm", answer)
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -114,6 +121,11 @@ def test_engine_without_spacing__gets_shafts_for_its_forces(folder):
     assert "couple " not in answer
     assert len(re.findall(r"secondary\s+2 × crank\s+(with the crank|against it)\s+3.1679 kg·mm at 180.0°", answer)) == 2
     assert "Couples omitted" in answer
+
+
+def test_engine_that_is_balanced__needs_no_shafts(folder):
+    Path("six.toml").write_text(TRIPLE.replace("cylinders = 3", "cylinders = 6"))
+    assert "No balance shafts needed" in said("balance", "six.toml").stdout
 
 
 @pytest.mark.parametrize(
@@ -183,6 +195,7 @@ def test_amplitudes_of_four_runs__give_one_plane(tmp_path_factory, seed, order):
         (RAO.replace("weight_angle [deg]", "weight_angle [mm]"), ("weight_angle", "expected an angle")),
         (RAO.replace("1, 0, 0", "1, 1, 0"), ("exactly one run must have no trial weight", "there are 0")),
         (RAO.replace("2, 12", "1, 12"), ("each plane needs exactly one trial run",)),
+        (RAO.replace("2, 12", "1.5, 12"), ("planes must be whole numbers",)),
         (RAO.replace("2, 12, 180, 6.0, 35, 10.5, 160", "2, 12, 180, 8.5, 60, 6.5, 205"), ("separate the planes",)),
         (RAO + "3, 9, 0, 1, 0, 1, 0\n", ("3 planes need at least 3 sensors",)),
         (RAO.replace("8.5", "high"), ("line 2", "high' is not a number")),

@@ -185,10 +185,13 @@ def changed(data, kind, **values):
     "text, words",
     [
         ("hello", "row 1, 'hello'"),
+        ("a,b,R,1,x", "must be numbers"),
         ("ground,a,G,1,1", "G of ground and a is not supported"),
         ("a,b,R,1,1", "no driver"),
+        ("ground,a,R,1,1\nb,c,R,2,2", "moves no other link"),
         ("ground,a,R,0,0\na,b,R,1,1\nb,c,R,2,2", "can't be split into dyads"),
         ("{", "is not JSON"),
+        ("{}", "no list of joints"),
         ('{"joints": [{"type": "Static"}]}', "KeyError 'name'"),
         (changed(JOINTS, "Revolute", distance0=30), "C can't be assembled"),
         (changed(JOINTS, "Revolute", joint0=ref("Q")), "refer to each other in a circle"),

@@ -123,6 +123,18 @@ def test_number_that_varies__is_not_set_anew(press_folder):
     assert "varies in this study" in refused("check", "study.toml", "--set", "input.length=60 mm")
 
 
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--positions", "7"], "an even number of at least 8"),
+        (["--accuracy", "2"], "must be between 0 and 1"),
+        (["--accuracy", "1 mm"], "expected a number"),
+    ],
+)
+def test_wrong_setting__is_refused(arguments, words, press_folder):
+    assert words in refused("check", "press.toml", *arguments)
+
+
 def test_show_json__has_the_best_and_what_is_listed(press_result):
     told = json.loads(said("show", press_result, "--json", "--limit", "2").stdout)
     assert told["variants"] == 8

@@ -182,6 +182,19 @@ def test_table_of_a_spreadsheet__is_read(text, tmp_path):
     }
 
 
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("a [mm];b\n1.234,5;1\n", "line 2: column a: '1.234,5' is not a number"),
+        ('a [mm],b\n"1,2\n3",4\n', "a quoted cell spans several lines"),
+    ],
+)
+def test_table_that_cannot_be_read__is_told_precisely(text, words, tmp_path):
+    (tmp_path / "t.csv").write_text(text)
+    with pytest.raises(InputError, match=re.escape(words)):
+        read_csv(tmp_path / "t.csv")
+
+
 @pytest.mark.parametrize("text", ["root:x:0:0:root:/root:/bin/sh\nsecret:x:1:1\n", "a [mm]\nsecret\n"])
 def test_file_that_is_no_table__is_not_quoted(text, tmp_path):
     (tmp_path / "passwd").write_text(text)

@@ -44,3 +44,10 @@ def test_variant__takes_what_it_takes_once_compiled_where_the_first_is_dropped(c
     # No more than each; less by as many as are dropped.
     assert 0 < found <= EACH
     assert block_size(study, machine, lambda: found) >= 1 / EACH
+
+
+@pytest.mark.parametrize("clock", [2.0], indirect=True)
+def test_trial__takes_a_tenth_of_a_study_at_most_besides_the_first_look(clock, tmp_path):
+    study = study_of(tmp_path, DISTINCT)
+    assert cost.seconds_of_variant(study, study.machine()) == pytest.approx(clock.each)
+    assert clock.now - COMPILING <= clock.each * study.design.size * (1 / cost.WORTH_TWO + 0.1)

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from engine import Verdict
 from sweeps import SweepResult, read_study, run_study
+from sweeps.pictures.sweep import result_pictures
 from sweeps.pictures.sweep.sweep_data import evenly_chosen
 from sweeps.report import sweep_result
 from sweeps.report.result_report import counts_text
@@ -76,6 +77,16 @@ def test_verdicts_piece_by_piece__are_told_as_those_of_all_at_once(tmp_path, mon
     for code in counts:
         assert result.first_with(Verdict(int(code))) == np.flatnonzero(columns["status"] == code)[0]
     assert result.first_with(Verdict.NOT_COMPUTED) is None
+
+
+def test_picture_of_many__holds_the_best_among_variants_chosen_evenly(path, monkeypatch):
+    result = SweepResult(path)
+    best, goal = result.best(), result.goal.goal
+    monkeypatch.setattr(result_pictures, "MOST_DRAWN", result.description.variants // 3)
+    data, marked = result_pictures.sweep_data(result, (), best)
+    assert data.chosen_of == result.description.variants > data.status.size
+    assert data.arrays[goal][marked] == result.columns[goal][best]
+    assert data.grid_parameters() == result_pictures.sweep_data(result, ())[0].grid_parameters()
 
 
 @given(st.lists(st.integers(1, 40), min_size=1, max_size=4), st.integers(1, 5000), st.data())
