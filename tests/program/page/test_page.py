@@ -1,5 +1,6 @@
 """The page of a result: what it tells is what the file holds, and it works in a browser without a network."""
 
+import base64
 import html
 import json
 import re
@@ -8,12 +9,14 @@ import shutil
 import subprocess
 import tomllib
 import tracemalloc
+from io import BytesIO
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 from commands import done, refused, said
+from PIL import Image
 from press_sweeps import ASKED, BEST, SCENE, run, text_of
 from searches import TWO, searched
 
@@ -152,6 +155,14 @@ def test_page__needs_nothing_from_elsewhere(page):
     assert not re.findall(r"https?://[^\s<]*", re.sub(r"<pre>.*?</pre>", "", text, flags=re.S))
     assert "default-src 'none'" in text
     assert "unsafe-eval" not in text
+
+
+def test_page__raster_pictures_have_a_palette(page):
+    pictures = re.findall(r'data:image/png;base64,([^"]*)', page.read_text("utf8"))
+    assert pictures
+    for picture in pictures:
+        with Image.open(BytesIO(base64.b64decode(picture))) as opened:
+            assert opened.mode == "P"
 
 
 def test_page__names_within_it_stand_once(page):

@@ -116,6 +116,11 @@ def test_page__with_regimes_says_what_draws_them(tmp_path):
     assert "sweeps plot press.toml draws the regimes: start, work, stop." in watched(path).text
 
 
+def test_page__of_a_machine_that_cannot_be_assembled_says_so(scene):
+    replaced(scene, '"160 mm"', '"10 mm"')
+    assert "assemble" in watched(scene).message
+
+
 def test_page__follows_the_files_that_the_scene_names(tmp_path, scene):
     table = tmp_path / "punch.csv"
     table.write_text("over_stroke [mm],force [kN]\n120,0\n130,2\n200,1\n")
@@ -187,6 +192,19 @@ def test_server__answers_a_waiting_browser_when_the_file_is_saved(scene):
         waiting.join(10)
         ((status, headers, text),) = found
         assert (status, headers["ETag"] != first, crank_of(text)) == (200, True, pytest.approx(0.05, rel=1e-3))
+
+
+def test_server__bears_a_browser_that_leaves_while_it_waits(scene, capsys):
+    page = watched(scene)
+    with served(page) as server:
+        tag = asked(server)[1]["ETag"]
+        connection = http.client.HTTPConnection("127.0.0.1", server.server_port)
+        connection.request("GET", "/", headers={"If-None-Match": tag})
+        connection.close()
+        replaced(scene, CRANK, 'length = "50 mm"')
+        page.look()
+        assert asked(server)[1]["ETag"] != tag
+    assert capsys.readouterr().err == ""
 
 
 def test_command__follows_the_file_until_it_is_interrupted(scene):

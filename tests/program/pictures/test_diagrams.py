@@ -75,6 +75,16 @@ def test_tangents__touch_the_loop_from_outside_with_the_slopes_of_the_speeds():
         assert above.min() == pytest.approx(0, abs=1e-9 * np.ptp(work))
 
 
+def test_loop__has_arrows_in_the_sense_of_the_cycle():
+    axes = diagrams(COMPRESSOR, Figure()).axes[4]
+    inertia, work = axes.lines[0].get_data()
+    arrows = [text for text in axes.texts if text.arrow_patch is not None]
+    assert len(arrows) == 4
+    for arrow in arrows:
+        tail, tip = (np.argmin(np.hypot(inertia - x, work - y)) for x, y in (arrow.get_position(), arrow.xy))
+        assert 0 < tip - tail < 20
+
+
 def test_dead_centres__marked_where_the_in_line_slider_has_them():
     axes = diagrams(COMPRESSOR, Figure()).axes[0]
     assert main_slider(COMPRESSOR) == "piston"

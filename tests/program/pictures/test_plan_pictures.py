@@ -26,7 +26,7 @@ from sweeps.pictures.plans.forces.force_plan import force_plan, force_polygon
 from sweeps.pictures.plans.forces.free_body import LONGEST, free_body
 from sweeps.pictures.plans.kinematic_plans import draw_plan
 from sweeps.pictures.plans.mechanism_plan import mechanism_plan
-from sweeps.pictures.plans.paper import round_scale
+from sweeps.pictures.plans.paper import Paper, round_scale
 from sweeps.pictures.plans.polygons import accelerations, velocities
 from sweeps.pictures.plans.pose import MachineCycle
 from sweeps.pictures.plans.sheets import kinematic_sheet
@@ -184,6 +184,14 @@ def test_free_body__an_arrow_for_each_load_none_longer_than_the_longest():
     assert {text.get_text() for text in ax.texts} >= {load.text for load in loads}
 
 
+def test_paper__a_vector_too_short_to_be_seen_left_out():
+    ax = axes_on_paper()
+    paper = Paper(ax, [0j, 100 + 0j])
+    paper.arrow(0j, 0.3 * paper.per_mm + 0j, "short", "black")
+    paper.letter()
+    assert not ax.texts
+
+
 # Files
 
 
@@ -194,6 +202,11 @@ def test_plan_pictures__a_sheet_for_each_plan(tmp_path):
     assert [path.name for path in made] == [f"press_{sheet}.svg" for sheet in sheets.split()]
     for path in made:
         ElementTree.parse(path)
+
+
+def test_plan_pictures_of_a_machine_without_masses_and_forces__kinematics_alone(tmp_path):
+    made = plan_pictures(four_bar(), tmp_path / "a.png")
+    assert [path.name for path in made] == ["a_velocity.png", "a_acceleration.png"]
 
 
 def test_reaction_pictures__bearings_of_the_fields_alone(tmp_path):

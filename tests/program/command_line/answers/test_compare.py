@@ -79,6 +79,10 @@ def test_value_just_beyond_its_figure__is_outside(press_result):
     assert words[4] == "1:"
 
 
+def test_what_is_no_result__is_refused(press_result):
+    assert "not a sweep result" in refused("compare", press_result, "press.toml")
+
+
 def test_results_without_a_variant_in_common__are_refused(press_result):
     done("run", "press.toml", "--no-plots", "--quiet", "--out", "b.h5")
     assert "nothing to compare" in refused("compare", press_result, "b.h5")

@@ -15,6 +15,7 @@ from sweeps.pictures.elements.engine_sheet import engine_table
 from sweeps.pictures.style import new_figure
 from sweeps.pictures.sweep.result_pictures import result_pictures
 from sweeps.report.order_table import EngineRow, engine_rows, remaining_orders
+from sweeps.text.scene_text import with_values
 from sweeps.text.templates import bundled_templates
 
 EPS = np.finfo(float).eps
@@ -93,6 +94,14 @@ def test_plot_of_elements_beside_a_mechanism__adds_their_pictures(folder):
     text = slider_crank + rotor.partition("\n\n")[2]
     Path("both.toml").write_text(text.replace('title = "Rotor, balanced in two planes"\n', ""), encoding="utf8")
     assert wrote(done("plot", "both.toml")) == ["both.png", "both_diagrams.png", "both_rotor_plan.png"]
+
+
+def test_throws_of_an_engine__survive_a_text():
+    throws = (0.0, math.pi, math.pi, 0.0)
+    scene = Scene.model_validate({"elements": {"engine": template("engine", throws=throws).model_dump()}})
+    again = with_values(scene, {"elements.engine.stroke": 0.09}).elements["engine"]
+    assert again.throws == throws
+    assert again.stroke == 0.09
 
 
 # The sheet of an engine

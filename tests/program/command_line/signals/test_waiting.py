@@ -47,6 +47,13 @@ def test_long_wait__is_told_with_its_seconds_and_taken_back(terminal):
     assert terminal.getvalue() == before
 
 
+def test_pause_between_two_waits__begins_anew(terminal):
+    waiting = Waiting()
+    for busy, now in ((True, 0.0), (True, 0.8), (False, 0.9), (True, 1.0), (True, 1.9)):
+        waiting.look(busy, now)
+    assert terminal.getvalue() == ""
+
+
 def test_task__is_told_but_for_what_is_compiled_for_it(terminal):
     waiting = Waiting()
     waiting.name("Drawing")
