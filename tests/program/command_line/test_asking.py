@@ -60,3 +60,7 @@ def test_help__knows_every_key_at_the_top():
     for key in {*Scene.model_fields, *StudyText.model_fields}:
         assert f"  {key} " in listed
         assert key_text(key)
+
+
+def test_help__of_an_unknown_key_names_what_is_near():
+    assert "did you mean 'input.length'" in refused("help", "inptu.lenght")

@@ -134,6 +134,7 @@ def test_variants_that_an_estimate_leaves_open__are_counted(count, words):
     "options, words",
     [
         (["--sort", "ram.strok"], ("sort", "did you mean 'ram.stroke'")),
+        (["--columns", "ram.strok"], ("columns", "'ram.strok'", "ram.stroke")),
         (["--where", "ram.strok > 1"], ("where", "did you mean 'ram.stroke'")),
         (["--where", "ram.stroke"], ("where", "condition")),
         (["--where", "ram.stroke > '2 kg'"], ("where", "compares a length with a mass")),

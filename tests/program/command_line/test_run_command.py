@@ -193,6 +193,26 @@ def test_time_left__is_that_of_what_follows_the_first_part(before, monkeypatch, 
     assert f"10 per second, {left:.0f} s left" in capsys.readouterr().err
 
 
+def test_bar__shows_no_time_left_before_the_second_part(monkeypatch, capsys):
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    bar = ProgressBar(1000, quiet=False)
+    bar.update(0, 0)
+    # As if the first part had taken an hour.
+    bar.bar.start_t -= 3600
+    bar.bar.last_print_t -= 3600
+    bar.update(10, 0)
+    assert bar.bar.n == 10
+    assert "<?" in bar.bar.format_meter(**bar.bar.format_dict)
+    bar.bar.start_t -= 2
+    bar.bar.last_print_t -= 2
+    bar.update(30, 0)
+    bar.bar.refresh()
+    # Twenty in two seconds: 97 s are left of 970.
+    remaining = bar.bar.format_dict
+    assert (remaining["n"] - remaining["initial"]) / remaining["elapsed"] == pytest.approx(10, rel=0.2)
+    bar.close()
+
+
 REQUIRE = """require = [
   "bodies.ram.mass < '90 kg'",
   "input.length <= '60 mm'",

@@ -146,6 +146,7 @@ REFUSED = cases(r"""
 nothing to search for | population = 20 |  |  | line 9: optimise: no objective: give minimise or
 unknown output | minimise = "wheel_mas" |  |  | line 10: optimise.minimise: 'wheel_mas' is not a summary of this
 dimension | minimise = "ram.stroke + excess_work" |  |  | optimise.minimise: adds a moment or energy to a length
+no number | minimise = "ram.stroke < 1" |  |  | is a condition; a number is needed here
 no condition | minimise = "ram.stroke"\nwhere = "excess_work" |  |  | is a number; a condition such as
 nothing varies | minimise = "ram.stroke" | nothing |  | vary: nothing varies; give ranges
 lists and local | minimise = "ram.stroke"\nmethod = "local" | lists
@@ -158,9 +159,12 @@ start outside | minimise = "ram.stroke"\nstart = {"input.length" = "90 mm"}
     |  |  | optimise.start.input.length: 90 mm is not allowed by vary.input.length; allowed: 30 mm to 80 mm
 start not listed | minimise = "ram.stroke"\nstart = {"input.length" = "45 mm"} | lists |  | allowed: 40 mm, 50 mm
 start unknown | minimise = "ram.stroke"\nstart = {"input.lenght" = 1} |  |  | did you mean 'input.length'?
+start without unit | minimise = "ram.stroke"\nstart = {"input.length" = 0.04} |  |  | optimise.start.input.
 tolerance unknown | minimise = "ram.stroke" |  | [tolerances]\n"input.lenght" = "1 mm"\n
     | tolerances.input.lenght: is not a number of the scene. unknown name 'input.lenght'; did you mean
 tolerance unit | minimise = "ram.stroke" |  | [tolerances]\n"input.length" = "1 kg"\n | tolerances.input.length:
+tolerance zero | minimise = "ram.stroke" |  | [tolerances]\n"input.length" = {plus_minus = "0 mm"}\n
+    | '0 mm': a tolerance must be greater than 0, such as '0.1 mm'
 """)
 
 

@@ -10,6 +10,7 @@ from geared_links import CRANK
 from plan_machines import HIGHER, cycle_of, poses
 
 from engine import Scene
+from sweeps.pictures.plans.files import plan_pictures
 from sweeps.pictures.plans.forces.loads import loads_on_links
 from sweeps.pictures.plans.polygons import accelerations, velocities
 from sweeps.pictures.plans.pose import MachineCycle
@@ -112,3 +113,11 @@ def test_cam_with_friction__pushes_beside_the_normal_by_the_rollers_friction():
     assert abs((pushing.force.conjugate() * rubbing.force).real) < EXACT * abs(pushing.force) ** 2
     # A roller's friction is that on its pin: f d/D of the pressing force, D its own diameter.
     assert abs(rubbing.force) == pytest.approx(0.1 * 8 / 16 * abs(pushing.force), rel=1e-3)
+
+
+def test_plan_pictures__a_sheet_of_forces_for_what_a_cam_drives(tmp_path):
+    made = [path.name for path in plan_pictures(HIGHER["roller"], tmp_path / "a.svg", 1.0)]
+    assert made == [
+        "a_velocity.svg", "a_acceleration.svg", "a_forces_crank.svg", "a_forces_tappet.svg", "a_reactions.svg",
+        "a_bearing_input.svg",
+    ]  # fmt: skip

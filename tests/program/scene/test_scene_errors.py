@@ -99,6 +99,7 @@ force, not moment | 2 N m | 2 N | "2 N" | moments.friction.moment | a moment suc
 fluctuation | "1/10" | "3" | "3" | flywheel.speed_fluctuation | must be less than 2
 capital letter | on = "C" | on = "c" | on = "c" | forces.punch.on | not a point | did you mean 'C'?
 spring on nothing | "tip"] | "top"] | top | springs.back.between | 'top' | did you mean 'tip'?
+spring with one end | ["D", "tip"] | ["D"] | between | springs.back.between
 spring on one point | ["D", "tip"] | ["D", "D"] | between | springs.back.between | 'D'
 name of two actions | springs.back | springs.punch | [springs.punch] | springs.punch | taken by forces.punch
 bad name | inner = "C" | inner = "my C" | my C | groups.press.inner | 'my C' is not a name | underscores

@@ -134,6 +134,11 @@ def test_more_variants_than_any_disk_holds__are_refused(command, count, press_fo
         assert re.search(r"at most \d+|count 10+", message)
 
 
+def test_positions_beyond_all_bounds__are_told_as_positions(press_folder):
+    Path("many.toml").write_text(f'scene = "press.toml"\npositions = 1{30 * "0"}\n{VARY}')
+    assert "many.toml, line 2: positions: positions = 1000" in refused("check", "many.toml")
+
+
 def test_key_of_many_parts__is_refused_before_it_is_read(press_folder):
     for text in ("a." * 50_000 + "a = 1", "[" + "a . " * 50_000 + "a]", "x = { " + '"a".' * 50_000 + "a = 1 }"):
         Path("long.toml").write_text(f'scene = "press.toml"\n{text}\n')

@@ -15,6 +15,7 @@ SLIPS = cases(r"""
 nested misspelt path | bodies.ram.mass | bodies.ram.maas | maas | vary.bodies.ram.maas | 'bodies.ram.mass'
 path of a text | "input.length" = | "input.pivot" = | input.pivot | vary.input.pivot | not a number
 part of a used name | reach = | rea = {values = [1]}\nreach = | rea = | vary.rea | not a number
+wrong unit | "60 mm" | "60 kg" | 60 kg | vary.input.length | a length such as
 no count | , count = 3 |  | "input.length" | vary.input.length.count | is missing
 count of none | count = 3 | count = 0 | count = 0 | vary.input.length.count | at least 1
 one value for two ends | count = 3 | count = 1 | count = 1 | vary.input.length | input.length
@@ -44,6 +45,8 @@ derived and varied | [derive] | [derive]\n"input.length" = "1" | "input.length" 
     | either varied or derived
 unknown name in an expression | reach * input | reech * input | reech | derive.groups.slide.first.length | 'reach'
 expression unfinished | reach * input.length | reach * | reach * | derive.groups.slide.first.length | reach *
+condition for a number | reach * input | reach < input | reach < input | derive.groups.slide.first.length
+    | is a condition | number
 Python in an expression | reach * input.length | __import__('os').system('touch stolen') | __import__
     | derive.groups.slide.first.length | allowed
 number for a condition | positions | require = ["reach + 1"]\npositions | require | require | condition

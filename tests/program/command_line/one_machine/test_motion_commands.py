@@ -322,6 +322,13 @@ def test_telling_summaries__exist_and_leave_out_what_does_not_act(folder):
     assert by_regime(scene, ["ram.stroke", "stop.time"]) == {"": ["ram.stroke"], "stop": ["stop.time"]}
 
 
+def test_telling_summaries__ask_for_the_flywheel_where_none_is_given(folder):
+    asked = 'speed_fluctuation = "1/20"'
+    for wheel, told in ((asked, True), (f'{asked}\ninertia = "30 kg m2"', False)):
+        change('inertia = "30 kg m2"', wheel)
+        assert ("work.flywheel" in telling_summaries(Machine(read_scene("press.toml")))) == told
+
+
 # A push of 0.1 s when the machine starts: its cycle at constant speed has no reduced moment.
 TIMED = f"""{PRESS}
 [flywheel]

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from engine.compiling.kept_code import compiling
-from sweeps.cli.waiting import Waiting, waiting_told
+from sweeps.cli.waiting import Waiting, doing, waiting_told
 
 
 class Terminal(io.StringIO):
@@ -81,6 +81,14 @@ def wait_for_words(terminal):
         if terminal.getvalue():
             break
         time.sleep(0.01)
+
+
+def test_command__names_its_task_while_it_is_done(terminal, impatient):
+    with waiting_told():
+        with doing("Writing"):
+            wait_for_words(terminal)
+        assert terminal.getvalue().endswith("\r\x1b[K")
+    assert "Writing: 0 s" in terminal.getvalue()
 
 
 def test_compiling__is_seen_in_the_engine(terminal, impatient):
