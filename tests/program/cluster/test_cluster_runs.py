@@ -63,18 +63,17 @@ def test_sweep__is_byte_for_byte_that_of_one_machine(client, tmp_path):
     assert run_study(study, path, client=None) == path
 
 
-def test_motion_study_with_files_in_other_folders__is_that_of_one_machine(client, tmp_path, monkeypatch):
-    shutil.copytree(STUDIES / "motion" / "scenes", tmp_path / "machines" / "presses" / "driven")
+def test_study_with_files_in_other_folders__is_that_of_one_machine(client, tmp_path, monkeypatch):
+    shutil.copytree(STUDIES / "flywheels" / "scenes", tmp_path / "machines" / "presses" / "driven")
     shutil.copytree(STUDIES / "tables", tmp_path / "machines" / "tables")
     folder, elsewhere = tmp_path / "studies", tmp_path / "elsewhere"
     folder.mkdir()
     elsewhere.mkdir()
-    text = (STUDIES / "motion" / "press_start.toml").read_text().replace('"scenes/', '"../machines/presses/driven/')
-    text = text.replace("positions =", 'variants = "motors.csv"\npositions =', 1).replace("count = 7", "count = 2")
-    text = re.sub(r'^"(moments.motor.power|flywheel.inertia)" = .*\n', "", text, flags=re.M)
-    (folder / "press.toml").write_text(text)
-    table = "moments.motor.power [kW],flywheel.inertia [kg m2]\n4,900\n5.5,1100\n7.5,2000\n"
-    (folder / "motors.csv").write_text(table)
+    text = (STUDIES / "flywheels" / "crank_press.toml").read_text().replace('"scenes/', '"../machines/presses/driven/')
+    text = text.replace("positions =", 'variants = "presses.csv"\npositions =', 1)
+    text = re.sub(r'^"(input.speed|forces.punching.scale)" = .*\n', "", text, flags=re.M)
+    (folder / "press.toml").write_text(re.sub(r"count = \d+", "count = 2", text))
+    (folder / "presses.csv").write_text("input.speed [rpm],forces.punching.scale\n30,1\n40,0.75\n60,0.5\n")
     monkeypatch.chdir(elsewhere)
     alone = run_study(read_study("../studies/press.toml"), "alone.h5")
     study = read_study("../studies/press.toml")
@@ -82,7 +81,7 @@ def test_motion_study_with_files_in_other_folders__is_that_of_one_machine(client
     shutil.rmtree(folder)
     path = run_study(study, "on.h5", client=client)
     assert contents(path) == contents(alone)
-    assert describe_result(path).variants == 6
+    assert describe_result(path).variants == 12
 
 
 def test_edited_study__is_extended_as_on_one_machine(client, tmp_path):

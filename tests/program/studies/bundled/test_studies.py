@@ -16,7 +16,6 @@ from engine.laws.friction.journals import friction_circle
 from engine.parts.formulas.expressions import parse
 from sweeps import read_scene, read_study
 from sweeps.study.bundled import bundled_studies
-from sweeps.study.default_summaries import telling_summaries
 from sweeps.text.templates import bundled_templates, template_text, templates
 
 MECHANISMS = """cam_roller_follower crank_shaper dwell_slide elliptical_wheels four_bar geared_five_bar hybrid_five_bar
@@ -66,8 +65,7 @@ def template(name):
     machine = Machine(scene)
     asked = [n for n in machine.available_summaries if not n.rpartition(".")[2].startswith(of_bearings)]
     if name not in WHOLE.split():
-        needed = ("power", "angle", "stroke", "ratio", "swing", "mass", "width", "diameter")
-        needed += tuple(telling_summaries(machine))
+        needed = ("power", "transmission_angle", "stroke", "stroke_time_ratio", "swing", "mass", "width", "diameter")
         asked = [n for n in asked if n.endswith(needed)]
     outcome = Machine(scene, asked, FIELDS.get(name, ())).evaluate({})
     assert outcome.status[0] == Verdict.OK
@@ -113,10 +111,10 @@ def test_template__assembles_with_every_summary_finite(name):
     turning = ("crank", *others.get(name, ()))
     for summary, (value, error) in values.items():
         link, _, kind = summary.partition(".")
-        # Nothing drives a press that is braked: its stop has no efficiency. An end of a swing that is held for a while,
-        # or taken twice a turn, divides the turn anywhere: its ratio of times is undefined.
+        # An end of a swing that is held for a while, or taken twice a turn, divides the turn anywhere: its ratio of
+        # times is undefined.
         undivided = kind.endswith("_time_ratio") and link in TIED_ENDS.get(name, ())
-        if (link in turning and kind.startswith("swing")) or summary == "stop.efficiency" or undivided:
+        if (link in turning and kind.startswith("swing")) or undivided:
             assert math.isnan(value)
         else:
             assert math.isfinite(value)
