@@ -70,6 +70,13 @@ def test_every_format__holds_the_same_numbers(result):
     assert (mat["names"]["B_y"], mat["units"]["B_y"]) == ("B.y", "m")
 
 
+def test_columns_without_a_field__have_a_row_for_each_variant(result):
+    done("export", "r.h5", "--columns", "ram.stroke_error", "--to", "t.csv")
+    lines = Path("t.csv").read_text().splitlines()
+    assert lines[0] == "variant,input.length [m],ram.stroke_error [m]"
+    assert len(lines) == 4
+
+
 def test_table_in_parts__is_the_table_as_a_whole(result, monkeypatch):
     endings = ("csv", "json", "parquet")
     for ending in endings:

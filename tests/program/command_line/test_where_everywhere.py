@@ -55,6 +55,16 @@ def test_results_in_a_condition__are_computed_without_being_listed(press_folder)
     assert read_study("study.toml").summaries == ("excess_work", "B.y.max", "required_power")
 
 
+def test_best__may_be_a_parameter(press_folder):
+    Path("study.toml").write_text(changed(STUDY, 'minimise = "excess_work"', 'maximise = "input.length"'))
+    assert "maximum input.length where ram.stroke > '90 mm': 60 mm" in done(
+        "run", "study.toml", "--no-plots", "--quiet"
+    )
+    read = changed(STUDY, 'minimise = "excess_work"', 'maximise = "input.length"').replace("[best]", "[optimise]")
+    Path("search.toml").write_text(read)
+    assert [objective.name for objective in task_of(read_study("search.toml")).objectives] == ["input.length"]
+
+
 def test_plot_of_chosen_variants__says_what_they_meet(press_result):
     done("plot", press_result, "--where", "ram.stroke < 90 mm", "--out", "chosen.svg")
     assert Path("chosen.svg").exists()

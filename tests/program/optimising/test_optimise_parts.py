@@ -119,6 +119,11 @@ def test_coordinates__of_lists_give_each_entry_its_share():
     assert np.unique(found, return_counts=True)[1].tolist() == [1000, 1000, 1001]
 
 
+def test_coordinates__of_what_is_not_known_or_outside_are_in_the_middle():
+    variables = Variables.of(DESIGN)
+    assert variables.coordinates({"d": 2.0, "a": 17.0, "b": 7.0}).tolist() == [0.5, 0.5, 0.25, 0.5, 0.5, 0.25]
+
+
 # Candidates
 
 

@@ -10,7 +10,7 @@ from press_sweeps import contents as datasets
 from searches import CRANK, NEAREST, ONE, ROD, TWO, best_of, searched, study_of
 
 from engine import Machine
-from sweeps import StoreError, Study, SweepResult, read_study
+from sweeps import StoreError, Study, SweepResult, read_study, run_study
 from sweeps.optimising import searching
 from sweeps.optimising.runner import optimise_study
 from sweeps.store import describe_result
@@ -118,6 +118,15 @@ def test_every_word_of_a_search__makes_another_one(tmp_path):
     found = {task_of(study_of(tmp_path, asked)).digest for asked in words}
     found |= {task_of(study_of(tmp_path, ONE, rest=f"[tolerances]\n{CRANK} = '{t} mm'")).digest for t in (1, 2)}
     assert len(found) == len(words) + 2
+
+
+def test_interrupted_sweep_of_the_same_name__is_spared(tmp_path):
+    study = study_of(tmp_path, ONE)
+    with pytest.raises(Stop):
+        run_study(study, tmp_path / "r.h5", progress=stopping(1))
+    before = contents(tmp_path / "r.part.h5")
+    optimise_study(study, tmp_path / "r.h5")
+    assert contents(tmp_path / "r.1.part.h5") == before
 
 
 # Tolerances

@@ -101,6 +101,12 @@ def test_restart__old_file_stays_until_the_new_one_is_finished(path: Path) -> No
     assert files(path.parent) == ["out.h5"]
 
 
+def test_restart__throws_away_part_file(path: Path) -> None:
+    begun(path, 0)
+    with Store.open(path, other_study(), restart=True) as store:
+        assert len(store.pending) == 6
+
+
 @pytest.mark.parametrize("content", [b"", b"some text"])
 def test_foreign_file_under_the_name__kept(path: Path, content: bytes) -> None:
     path.write_bytes(content)
@@ -221,6 +227,14 @@ def test_system_error__store_error_with_path_and_mend(error: Exception, words: s
         raise error
     assert "cannot write " in str(caught.value)
     assert "out.h5" in str(caught.value)
+
+
+def test_part_file_renamed_by_hand__not_taken_for_finished(path: Path, part: Path) -> None:
+    begun(path, 2)
+    part.rename(path)
+    with Store.open(path, layout()) as store:
+        assert not store.finished
+        assert store.sources == (path,)
 
 
 @pytest.mark.parametrize(("name", "words"), [(".", "is a folder"), ("nowhere/out.h5", "its folder does not exist")])

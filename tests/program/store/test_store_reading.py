@@ -100,6 +100,12 @@ def test_final_file_missing__part_file_named(path: Path) -> None:
         read_columns(path)
 
 
+def test_columns_by_default__no_fields(path: Path) -> None:
+    complete(path, layout())
+    assert list(read_columns(path)) == list(NAMES[:-1])
+    assert read_columns(path, ["phi"])["phi"].shape == (5,)
+
+
 def test_unknown_column__suggestion(path: Path) -> None:
     complete(path, layout())
     with pytest.raises(StoreError, match=r"no column 'peak_torqe'\. Did you mean 'peak_torque'"):

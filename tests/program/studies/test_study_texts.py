@@ -157,6 +157,17 @@ def test_require__drops_the_variants_that_fail_any_condition(study_folder):
     assert 0 < drop.sum() < 18
 
 
+def test_undefined_condition__drops_the_variant_without_a_warning(study_folder):
+    study = varying(
+        study_folder,
+        'reach = {values = [-1, 1]}\n[derive]\n"input.length" = "sqrt(reach) * \'1 m\'"',
+        'require = ["1/reach > 0"]',
+    )
+    values, drop = study.values(0, 2)
+    assert np.isnan(values["input.length"][0])
+    assert drop.tolist() == [True, False]
+
+
 @each("rest", ["", '[sampling]\nmethod = "sobol"\ncount = 37\nseed = 3\n'])
 def test_values__do_not_depend_on_the_blocks(rest, study_folder):
     sampled = '"forces.punch.force" = {low = "1 kN", high = "9 kN"}\n' if rest else ""

@@ -177,6 +177,12 @@ def test_nonlinear_number__error_of_the_band_holds_the_second_order(tmp_path):
     assert 0.999 * exact <= found["ram.stroke.tolerance_worst_case_error"][0] <= 1.02 * exact
 
 
+def test_tolerance_beyond_what_can_be_assembled__no_band(tmp_path):
+    found = swept(tmp_path, one_tolerance("guides.way.y", "160 mm")).columns
+    assert found["ram.stroke"][0] == pytest.approx(0.1)
+    assert np.isnan(found["ram.stroke.tolerance_worst_case"][0])
+
+
 def test_curves__show_bands_about_their_summary(tmp_path):
     vary = '[vary]\n"input.length" = {from = "40 mm", to = "60 mm", count = 5}\n'
     data = sweep_data(swept(tmp_path, vary + one_tolerance("input.length", "1 mm")), ())[0]

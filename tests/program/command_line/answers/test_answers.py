@@ -145,6 +145,14 @@ def test_helper_numbers__need_all_unless_a_condition_limits_them(jack):
     assert "helper" not in done("show", "r.h5")
 
 
+def test_check_that_a_study_limits__is_shown(press_folder):
+    study = Path("study.toml").read_text().replace('where = "', 'where = "equilibrium_residual < 1 and ')
+    study = study.replace('"excess_work"]', '"excess_work", "equilibrium_residual"]')
+    Path("check.toml").write_text(study)
+    assert "equilibrium_residual" in done("run", "check.toml", "--no-plots", "--out", "c.h5")
+    assert "equilibrium_residual" in done("check", "check.toml")
+
+
 # No answer
 
 
