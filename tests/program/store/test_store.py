@@ -103,7 +103,7 @@ def test_restart__old_file_stays_until_the_new_one_is_finished(path: Path) -> No
 
 def test_restart__throws_away_part_file(path: Path) -> None:
     begun(path, 0)
-    with Store.open(path, other_study(), restart=True) as store:
+    with Store.open(path, layout(), restart=True) as store:
         assert len(store.pending) == 6
 
 
