@@ -16,8 +16,8 @@ import psutil
 import pytest
 from cluster_jobs import crew_on
 from commands import ROOT
-from long_runs import AGAIN, LONG, blocks_done, start, wait_for_blocks
-from press_sweeps import DISTINCT, contents, numbers_in, run, study_of
+from long_runs import AGAIN, blocks_done, start, wait_for_blocks
+from press_sweeps import DISTINCT, contents, run, study_of
 
 from sweeps.run import runner
 from sweeps.run.cluster.cluster_errors import ClusterError, UnfinishedError
@@ -86,20 +86,17 @@ def cluster_of_two():
         yield client
 
 
-def test_job_that_kills_its_workers__is_given_up_and_the_others_are_not(tmp_path):
-    """It takes 9 s: processes that load the program are killed and started anew."""
-    with cluster_of_two() as client, crew_on(client, study_of(tmp_path, DISTINCT)) as crew:
-        found = dict(crew.results(cluster_jobs.squared_by_survivors, ((n, (n,)) for n in range(12))))
-        assert found == {n: n**2 for n in range(12) if n != 3}
-        assert list(crew.failures) == [3]
-
-
 @pytest.mark.usefixtures("blocks_of_forty")
-def test_worker_killed_in_a_block__leaves_the_same_bits(tmp_path, monkeypatch):
+def test_job_that_kills_its_workers__is_given_up_and_a_block_that_does_once_leaves_the_same_bits(tmp_path, monkeypatch):
     whole = contents(run(tmp_path, DISTINCT, "alone"))
     monkeypatch.setenv("CLUSTER_TEST_NOTE", str(tmp_path / "killed"))
-    monkeypatch.setattr("sweeps.run.cluster.on_workers.compute_block", cluster_jobs.block_killing_once)
-    with connected("local:2") as client:
+    with cluster_of_two() as client:
+        with crew_on(client, study_of(tmp_path, DISTINCT)) as crew:
+            found = dict(crew.results(cluster_jobs.squared_by_survivors, ((n, (n,)) for n in range(6))))
+            assert found == {n: n**2 for n in range(6) if n != 3}
+            assert list(crew.failures) == [3]
+        monkeypatch.setattr("sweeps.run.cluster.on_workers.compute_block", cluster_jobs.block_killing_once)
+        client.cluster.scheduler.allowed_failures = 3
         path = run_study(study_of(tmp_path, DISTINCT), tmp_path / "study.h5", client=client)
     assert (tmp_path / "killed").exists()
     assert contents(path) == whole
@@ -164,13 +161,8 @@ def test_worker_without_the_program__is_told_what_to_install(tmp_path):
 # Clients
 
 
-@pytest.fixture(scope="module")
-def uninterrupted(tmp_path_factory):
-    return numbers_in(run(tmp_path_factory.mktemp("uninterrupted"), LONG, "long"))
-
-
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -9), (signal.SIGINT, 130)])
-def test_client_that_ends__leaves_what_goes_on(number, code, uninterrupted, tmp_path):
+def test_client_that_ends__leaves_what_goes_on(number, code, tmp_path):
     on_two = ("--cluster", "local:2")
     with start(tmp_path, *on_two) as process:
         wait_for_blocks(process, tmp_path, 2)
@@ -188,4 +180,3 @@ def test_client_that_ends__leaves_what_goes_on(number, code, uninterrupted, tmp_
         assert errors.endswith(f"are done and kept; resume with: sweeps {' '.join(AGAIN + on_two)}\n")
         assert errors.count("\n") == 1
     assert blocks_done(tmp_path) >= 2
-    assert numbers_in(run(tmp_path, LONG, "long")) == uninterrupted

@@ -63,18 +63,17 @@ def test_sweep__is_byte_for_byte_that_of_one_machine(client, tmp_path):
     assert run_study(study, path, client=None) == path
 
 
-def test_motion_study_with_files_in_other_folders__is_that_of_one_machine(client, tmp_path, monkeypatch):
-    shutil.copytree(STUDIES / "motion" / "scenes", tmp_path / "machines" / "presses" / "driven")
+def test_study_with_files_in_other_folders__is_that_of_one_machine(client, tmp_path, monkeypatch):
+    shutil.copytree(STUDIES / "flywheels" / "scenes", tmp_path / "machines" / "presses" / "driven")
     shutil.copytree(STUDIES / "tables", tmp_path / "machines" / "tables")
     folder, elsewhere = tmp_path / "studies", tmp_path / "elsewhere"
     folder.mkdir()
     elsewhere.mkdir()
-    text = (STUDIES / "motion" / "press_start.toml").read_text().replace('"scenes/', '"../machines/presses/driven/')
-    text = text.replace("positions =", 'variants = "motors.csv"\npositions =', 1).replace("count = 7", "count = 2")
-    text = re.sub(r'^"(moments.motor.power|flywheel.inertia)" = .*\n', "", text, flags=re.M)
-    (folder / "press.toml").write_text(text)
-    table = "moments.motor.power [kW],flywheel.inertia [kg m2]\n4,900\n5.5,1100\n7.5,2000\n"
-    (folder / "motors.csv").write_text(table)
+    text = (STUDIES / "flywheels" / "crank_press.toml").read_text().replace('"scenes/', '"../machines/presses/driven/')
+    text = text.replace("positions =", 'variants = "presses.csv"\npositions =', 1)
+    text = re.sub(r'^"(input.speed|forces.punching.scale)" = .*\n', "", text, flags=re.M)
+    (folder / "press.toml").write_text(re.sub(r"count = \d+", "count = 2", text))
+    (folder / "presses.csv").write_text("input.speed [rpm],forces.punching.scale\n30,1\n40,0.75\n60,0.5\n")
     monkeypatch.chdir(elsewhere)
     alone = run_study(read_study("../studies/press.toml"), "alone.h5")
     study = read_study("../studies/press.toml")
@@ -82,7 +81,7 @@ def test_motion_study_with_files_in_other_folders__is_that_of_one_machine(client
     shutil.rmtree(folder)
     path = run_study(study, "on.h5", client=client)
     assert contents(path) == contents(alone)
-    assert describe_result(path).variants == 6
+    assert describe_result(path).variants == 12
 
 
 def test_edited_study__is_extended_as_on_one_machine(client, tmp_path):
@@ -115,14 +114,13 @@ def test_interrupted_run__goes_on_with_or_without_the_cluster(first, client, tmp
     assert contents(tmp_path / "study.h5") == whole
 
 
-def test_search__is_that_of_one_machine(client, tmp_path, monkeypatch):
+def test_search__is_that_of_one_machine(client, folder):
     asked = searches.ONE.replace("population = 10", "population = 40").replace("generations = 12", "generations = 4")
-    study = searches.study_of(tmp_path, asked)
-    alone = optimise_study(study, tmp_path / "alone.h5")
-    path = optimise_study(study, tmp_path / "on.h5", client=client)
+    study = searches.study_of(folder, asked)
+    alone = optimise_study(study, folder / "alone.h5")
+    path = optimise_study(study, folder / "on.h5", client=client)
     assert contents(path) == contents(alone)
     assert "; computed by 2 workers" in describe_result(path).attributes["outcome"]
-    monkeypatch.chdir(tmp_path)
     address = client.scheduler.address
     done("optimise", "study.toml", "--no-plots", "--out", "told.h5", "--cluster", address)
     assert contents(Path("told.h5")) == contents(alone)
@@ -192,9 +190,8 @@ def test_commands__compute_on_the_cluster(client, press_folder):
     assert contents(Path("results/study.h5")) == contents(Path("alone.h5"))
 
 
-def test_command_whose_block_fails__tells_it_and_ends_with_1(client, tmp_path, monkeypatch):
-    study_of(tmp_path, DISTINCT)
-    monkeypatch.chdir(tmp_path)
+def test_command_whose_block_fails__tells_it_and_ends_with_1(client, folder, monkeypatch):
+    study_of(folder, DISTINCT)
     arguments = ("run", "study.toml", "--no-plots", "--cluster", client.scheduler.address)
     with monkeypatch.context() as patch:
         patch.setattr("sweeps.run.cluster.on_workers.compute_block", cluster_jobs.block_but_one)
@@ -207,7 +204,7 @@ def test_command_whose_block_fails__tells_it_and_ends_with_1(client, tmp_path, m
     )
     assert describe_result(part).blocks_done == 4
     done(*arguments)
-    assert contents(Path("results/study.h5")) == contents(run(tmp_path, DISTINCT, "alone"))
+    assert contents(Path("results/study.h5")) == contents(run(folder, DISTINCT, "alone"))
 
 
 def test_wrong_addresses__are_told_in_a_sentence(press_folder, monkeypatch):

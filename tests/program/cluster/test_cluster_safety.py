@@ -103,28 +103,28 @@ from cluster_attack import Bomb
 from distributed.protocol import to_serialize
 
 async def dask_setup(worker):
-    worker.handlers["run"] = lambda **asked: {ANSWER}
+    answers = iter([ANSWERS])
+    worker.handlers["run"] = lambda **asked: next(answers)
 """
-ANSWERS = {
-    "a pickled result": '{"status": "OK", "result": to_serialize(Bomb(MARK))}',
-    "a pickled error": '{"status": "error", "exception": to_serialize(Bomb(MARK)), "exception_text": "no"}',
-    "no greeting": '{"status": "OK", "result": to_serialize("[7]")}',
-    "another kind of answer": '{"status": "OK", "result": 7}',
-}
+# A pickled result, a pickled error, no greeting, another kind of answer.
+ANSWERS = (
+    '{"status": "OK", "result": to_serialize(Bomb(MARK))}',
+    '{"status": "error", "exception": to_serialize(Bomb(MARK)), "exception_text": "no"}',
+    '{"status": "OK", "result": to_serialize("[7]")}',
+    '{"status": "OK", "result": 7}',
+)
 
 
-@pytest.mark.parametrize("kind", ANSWERS)
-def test_greeting__is_not_unpickled(kind, tmp_path):
+def test_greeting__is_not_unpickled(tmp_path):
     mark, preload = tmp_path / "mark", tmp_path / "stranger.py"
-    preload.write_text(PRELOAD.replace("{ANSWER}", ANSWERS[kind].replace("MARK", repr(str(mark)))))
+    preload.write_text(PRELOAD.replace("ANSWERS", ", ".join(ANSWERS).replace("MARK", repr(str(mark)))))
     # The scheduler knows nothing of the class.
     found = {**HERE, "PYTHONPATH": os.pathsep.join([str(SAMPLES), HERE["PYTHONPATH"]])}
-    with (
-        worker_in(tmp_path, "--preload", str(preload), env=found) as client,
-        crew_on(client, study_of(tmp_path, DISTINCT)) as crew,
-        pytest.raises(ClusterError, match=r"the cluster has no usable worker: .*another version of machine-sweeps"),
-    ):
-        crew.assemble()
+    words = r"the cluster has no usable worker: .*another version of machine-sweeps"
+    with worker_in(tmp_path, "--preload", str(preload), env=found) as client:
+        for _ in ANSWERS:
+            with crew_on(client, study_of(tmp_path, DISTINCT)) as crew, pytest.raises(ClusterError, match=words):
+                crew.assemble()
     assert not mark.exists()
 
 
@@ -147,11 +147,10 @@ def certified(folder: Path):
         yield client | {"distributed.comm.tls.ca-file": str(folder / "ca")}
 
 
-def test_certificates__let_in_whoever_holds_them(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    study_of(tmp_path, DISTINCT)
-    with certified(tmp_path) as settings:
-        address = address_in(tmp_path)
+def test_certificates__let_in_whoever_holds_them(folder, monkeypatch):
+    study_of(folder, DISTINCT)
+    with certified(folder) as settings:
+        address = address_in(folder)
         assert address.startswith("tls://")
         command = ("run", "study.toml", "--no-plots", "--cluster", address)
         assert "needs tls:// and certificates" in refused(*command)
@@ -164,7 +163,7 @@ def test_certificates__let_in_whoever_holds_them(tmp_path, monkeypatch):
         with dask.config.set(settings):
             answer = said(*command)
         assert answer.exit_code == 0, answer.output
-    assert contents(Path("results/study.h5")) == contents(run(tmp_path, DISTINCT, "alone"))
+    assert contents(Path("results/study.h5")) == contents(run(folder, DISTINCT, "alone"))
 
 
 def test_help__says_who_is_trusted():

@@ -22,8 +22,7 @@ summaries = ["piston.stroke", "excess_work"]
 
 
 @pytest.fixture
-def study(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def study(folder):
     Path("scene.toml").write_text(bundled_templates()["slider_crank"].read_text(encoding="utf8"), encoding="utf8")
     return lambda accuracy: Path("study.toml").write_text(STUDY.format(accuracy=accuracy), encoding="utf8")
 

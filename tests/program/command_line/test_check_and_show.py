@@ -136,15 +136,10 @@ def test_variants_that_an_estimate_leaves_open__are_counted(count, words):
         (["--sort", "ram.strok"], ("sort", "did you mean 'ram.stroke'")),
         (["--columns", "ram.strok"], ("columns", "'ram.strok'", "ram.stroke")),
         (["--where", "ram.strok > 1"], ("where", "did you mean 'ram.stroke'")),
-        (["--where", "ram.stroke >"], ("where", "ram.stroke >")),
         (["--where", "ram.stroke"], ("where", "condition")),
         (["--where", "ram.stroke > '2 kg'"], ("where", "compares a length with a mass")),
-        (["--where", "ram.stroke > 2"], ("where", "no unit: write '2 m'")),
-        (["--where", "ram.stroke > '3 foo'"], ("where", "3 foo")),
         (["--where", "__import__('os').system('touch stolen')"], ("where", "allowed")),
         (["--limit", "0"], ("--limit",)),
-        (["--limit", "x"], ("--limit",)),
-        (["--colour", "red"], ("--colour",)),
     ],
 )
 def test_show_with_a_bad_option__is_refused(options, words, press_result):

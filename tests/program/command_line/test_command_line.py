@@ -60,14 +60,6 @@ def test_result_under_another_name__is_known_by_its_content(press_result):
     assert len(Path("r.csv").read_text().splitlines()) == 9
 
 
-def test_show_of_another_hdf5_file__is_refused(press_folder):
-    import h5py
-
-    with h5py.File("other.h5", "w") as file:
-        file["x"] = [1, 2]
-    assert "other.h5 is not a sweep result" in refused("show", "other.h5")
-
-
 # new, list, and what belongs to none
 
 

@@ -12,37 +12,26 @@ from sweeps import read_scene
 from sweeps.study.bundled import STUDIES
 
 COMPRESSOR, SHAPER = "flywheels/scenes/compressor.toml", "flywheels/scenes/shaper.toml"
-REDUCER, VALVES = "gears_and_cams/scenes/planetary_reducer.toml", "gears_and_cams/scenes/valve_train.toml"
+REDUCER = "gears_and_cams/scenes/planetary_reducer.toml"
 PRESS_MOTOR, BEARINGS = "motion/scenes/press_drive.toml", "friction/scenes/engine_bearings.toml"
 
 # A machine, what its user types, and a quantity that it finds.
 ASKED = [
     (COMPRESSOR, "torque", "input_moment"),
-    (COMPRESSOR, "couple", "friction.moment"),
-    (COMPRESSOR, "moment", "required_drive_moment"),
-    (COMPRESSOR, "bearing", "drive.first.reaction"),
     (COMPRESSOR, "main bearing", "input.reaction"),
     (COMPRESSOR, "crankpin", "drive.first.reaction"),
     (COMPRESSOR, "wrist pin", "drive.inner.reaction"),
-    (COMPRESSOR, "gudgeon pin", "drive.inner.reaction"),
     (COMPRESSOR, "thrust", "drive.second.reaction"),
-    (COMPRESSOR, "side force", "drive.second.reaction"),
-    (COMPRESSOR, "pressure", "air.pressure"),
     (COMPRESSOR, "efficiency", "air.volumetric_efficiency"),
     (COMPRESSOR, "counterweight", "shaking_force"),
     (COMPRESSOR, "equivalent inertia", "reduced_inertia"),
-    (COMPRESSOR, "effective inertia", "reduced_inertia"),
     (COMPRESSOR, "coefficient of fluctuation", "speed_fluctuation"),
-    (COMPRESSOR, "cyclic irregularity", "speed_fluctuation"),
     (COMPRESSOR, "dead centre", "piston.stroke_low"),
     (SHAPER, "quick return", "ram.stroke_time_ratio"),
-    (SHAPER, "time ratio", "ram.stroke_time_ratio"),
     (SHAPER, "dwell", "ram.stroke"),
     (REDUCER, "Kutzbach", "reducer.mobility"),
     (REDUCER, "Willis", "reducer.arm.basic_ratio_of_sun_to_ring"),
-    (REDUCER, "efficiency", "reducer.efficiency"),
     (PRESS_MOTOR, "motor torque", "start.motor_moment_peak"),
-    (PRESS_MOTOR, "motors", "motor_moment"),
     (BEARINGS, "efficiency", "mechanical_efficiency"),
 ]
 
@@ -53,21 +42,12 @@ def test_word__finds_the_quantity(scene, words, name):
     assert name in found
 
 
-def test_jerk__is_found_at_a_cam():
-    lines = done("quantities", str(STUDIES / VALVES), "jerk")
-    assert "greatest_jerk" in lines
-
-
 @pytest.mark.parametrize(
     ("words", "found"),
     [
         ("torque", "  moments "),
-        ("bearing", "  pins "),
-        ("motor drive", "`sweeps guide motion`"),
         ("quick return", "`sweeps guide gears`"),
         ("counterweight", "`sweeps guide balancing`"),
-        ("coefficient of fluctuation", "  speed_fluctuation "),
-        ("jerk", "`sweeps guide cams`"),
         ("units", 'value: "mm" or "SI" or "US"'),
         ("dwell", 'type = "dwell"'),
     ],
@@ -176,9 +156,7 @@ def test_letter_of_a_joint_of_three_links__is_answered_with_the_pairs_in_it():
     [
         ("input.reaction", "main-bearing force (joint O): frame on crank"),
         ("slide.first.reaction", "crankpin force (joint A): crank on rod"),
-        ("slide.inner.reaction", "wrist-pin force (joint B): ram on rod"),
         ("slide.second.reaction", "side thrust of ram (guide way), positive to the left of its direction"),
-        ("shaking_force", "shaking force at constant speed"),
     ],
 )
 def test_force__has_the_name_of_its_bearing(press_folder, name, words):

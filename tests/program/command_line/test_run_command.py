@@ -51,23 +51,10 @@ def test_run_with_pictures__builds_one_machine_and_draws_what_is_older(press_fol
     again = done("run", "study.toml").partition("Files")[2].splitlines()[1:]
     assert sorted(again) == sorted(listed)
     assert {path: path.stat().st_mtime_ns for path in pictures} == before
-    # What an interruption leaves, and a question asked anew.
-    for change in (lambda: Path("results/study.png").unlink(), lambda: Path("study.toml").touch()):
-        change()
-        done("run", "study.toml")
-        after = {path: path.stat().st_mtime_ns for path in pictures}
-        assert all(after[path] > before[path] for path in pictures)
-        before = after
-
-
-def test_run_of_a_changed_study__keeps_the_former_result(press_result):
-    Path("study.toml").write_text(STUDY.replace('"50 kg"', '"55 kg"'))
-    answer = said("run", "study.toml", "--no-plots", "--out", press_result)
-    assert answer.exit_code == 0
-    former = Path(press_result).with_suffix(".previous.h5")
-    assert answer.stderr == f"The previous {press_result} is kept as {former}.\n"
-    assert SweepResult(Path(press_result)).columns["bodies.ram.mass"][0] == 55
-    assert SweepResult(former).columns["bodies.ram.mass"][0] == 50
+    # What an interruption leaves.
+    Path("results/study.png").unlink()
+    done("run", "study.toml")
+    assert all(path.stat().st_mtime_ns > before[path] for path in pictures)
 
 
 def test_run_with_another_question__answers_that_one(press_result):
@@ -79,30 +66,16 @@ def test_run_with_another_question__answers_that_one(press_result):
     assert SweepResult(Path(press_result)).best() != before
 
 
-@pytest.mark.parametrize("jobs", ["0", "-1", "many"])
-def test_run_with_impossible_jobs__is_refused(jobs, press_folder):
-    assert "--jobs" in refused("run", "study.toml", "--jobs", jobs)
-
-
 def test_run_without_candidates__says_so_and_has_an_exit_code_of_its_own(press_folder):
     Path("study.toml").write_text(STUDY.replace("> '90 mm'", "> '9 m'"))
     answer = said("run", "study.toml", "--no-plots")
     assert answer.exit_code == 1
     assert "No variant meets all conditions" in answer.stdout
-
-
-def test_run_where_nothing_assembles__says_so_and_has_an_exit_code_of_its_own(press_folder):
     Path("study.toml").write_text(STUDY.replace('"40 mm", "60 mm", "250 mm", "50 mm"', '"250 mm"'))
-    answer = said("run", "study.toml", "--no-plots")
+    answer = said("run", "study.toml", "--no-plots", "--replace")
     assert answer.exit_code == 1
     assert "cannot assemble" in answer.stdout
     assert "No variant" in answer.stdout
-
-
-def test_run_of_an_unknown_study__suggests_the_near_one(press_folder):
-    message = refused("run", "crank_pres")
-    assert "no such file" in message
-    assert "did you mean 'crank_press'?" in message
 
 
 def test_run_of_a_bad_study_or_scene__tells_file_line_and_key(press_folder):
@@ -267,14 +240,6 @@ def test_what_each_condition_drops__is_told_by_check_run_and_show(press_folder):
         assert "group slide" not in text
 
 
-def test_what_each_condition_drops__counts_only_what_is_done(press_folder):
-    Path("study.toml").write_text(STUDY.replace("positions", f"{REQUIRE}positions"))
-    interrupted(3)
-    # The first three variants: 40 mm with both masses, 60 mm with 50 kg.
-    assert "bodies.ram.mass < '90 kg': 1, 1 only by this condition" in said("show", "r.part.h5").stdout
-    assert "input.length <= '60 mm': 0, 0 only by this condition" in said("show", "r.part.h5").stdout
-
-
 def test_what_each_condition_drops__is_a_share_by_a_sample_where_variants_are_many(press_folder, monkeypatch):
     from sweeps.report import check_report as report
 
@@ -288,11 +253,6 @@ def test_what_each_condition_drops__is_a_share_by_a_sample_where_variants_are_ma
     share = float(line.split("about ")[1].split(" %")[0])
     # Sixteen samples evenly taken: the border lies within one of them.
     assert abs(share - 25) <= 100 / 15
-
-
-def test_words_of_reports__are_the_engineer_s(press_result):
-    texts = [said(*arguments).stdout for arguments in (("check", "study.toml"), ("show", press_result))]
-    assert not any("block" in text for text in texts)
 
 
 def test_progress_into_a_pipe__is_plain_lines_now_and_then(press_folder, monkeypatch):
@@ -320,7 +280,9 @@ def test_run_of_a_finished_study__says_that_nothing_was_computed(press_result):
 def test_study_that_is_changed_again_and_again__keeps_one_previous_result(press_result):
     for mass in (55, 60):
         Path("study.toml").write_text(STUDY.replace('"50 kg"', f'"{mass} kg"'))
-        assert said("run", "study.toml", "--no-plots", "--out", press_result).exit_code == 0
+        answer = said("run", "study.toml", "--no-plots", "--out", press_result)
+        assert answer.exit_code == 0
     result = Path(press_result)
+    assert answer.stderr == f"The previous {press_result} is kept as {result.with_suffix('.previous.h5')}.\n"
     assert sorted(path.name for path in result.parent.glob("*.h5")) == [result.name, f"{result.stem}.previous.h5"]
     assert SweepResult(result.with_suffix(".previous.h5")).columns["bodies.ram.mass"][0] == 55

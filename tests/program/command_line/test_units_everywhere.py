@@ -48,8 +48,7 @@ def test_pattern__finds_units_of_another_system(shown, system):
 
 
 @pytest.fixture
-def press(tmp_path, monkeypatch, request):
-    monkeypatch.chdir(tmp_path)
+def press(folder, request):
     Path("press.toml").write_text(MACHINE if request.param == "US" else f'units = "{request.param}"\n{MACHINE}')
     Path("study.toml").write_text(STUDY)
     yield request.param
@@ -70,7 +69,7 @@ def written(monkeypatch):
     return found
 
 
-@pytest.mark.parametrize("press", ["US", "SI"], indirect=True)
+@pytest.mark.parametrize("press", ["US"], indirect=True)
 def test_everything_about_a_machine__is_in_its_units(press, written):
     texts = {
         "run": done("run", "study.toml"),
@@ -80,7 +79,6 @@ def test_everything_about_a_machine__is_in_its_units(press, written):
         "at": done("show", "press.toml", "--at", "20,100"),
         "machine": done("run", "press.toml", "--no-plots"),
     }
-    done("plot", "results/study.h5", "--out", "study.svg")
     done("plot", "press.toml", "--out", "press.svg")
     done("report", "results/study.h5", "--out", "page.html")
     done("export", "results/study.h5", "--to", "study.csv", "--columns", "excess_work,reduced_inertia_phi")

@@ -40,7 +40,8 @@ def test_planted_link__is_not_written_through(press_folder, monkeypatch):
     """Even where the name of a draft is known beforehand."""
     monkeypatch.setattr("sweeps.text.whole_files.secrets.token_hex", lambda count: "known")
     target = press_folder / "target"
-    for arguments in WRITES:
+    # All of them write by one function: see the last test.
+    for arguments in WRITES[:1] + WRITES[-2:]:
         link = press_folder / f".known{Path(arguments[-1]).suffix}"
         link.symlink_to(target)
         answer = said(*arguments)

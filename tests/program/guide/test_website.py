@@ -17,7 +17,7 @@ from sweeps.report.help.quantity_families import quantity_families
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
-    """The built site, and what the command prints. Sphinx reads 37 pages in some 12 s."""
+    """The built site, and what the command prints. Sphinx reads 37 pages in some 8 s."""
     pytest.importorskip("furo", reason="pip install -e '.[guide]'")
     folder = tmp_path_factory.mktemp("guide")
     command = [sys.executable, "-m", "sweeps", "guide", "--out", str(folder)]

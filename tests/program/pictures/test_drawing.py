@@ -17,13 +17,14 @@ from drawn_machines import (
     slider_crank,
     sliding_input,
 )
-from machines import frame, prp, rrp
+from each_case import each
+from machines import frame, rrp
 from matplotlib.figure import Figure
 
 from engine import Scene
 from sweeps import read_scene
 from sweeps.pictures.drawing import LAYERS, DrawnMotion, draw, picture, primitives
-from sweeps.pictures.drawing.figures import default_position, figures
+from sweeps.pictures.drawing.figures import figures
 from sweeps.pictures.drawing.frame import frame_parts, stands
 from sweeps.pictures.drawing.guides import rails_of
 from sweeps.pictures.drawing.racks import rack_shapes
@@ -61,14 +62,6 @@ def test_joints_of_slider_crank__closed_form():
     assert abs(circle(drawn, "O").points[0]) < EXACT
     assert abs(circle(drawn, "A").points[0] - pin) < EXACT
     assert abs(circle(drawn, "B").points[0] - (pin.real + math.sqrt(0.2**2 - pin.imag**2))) < EXACT
-
-
-@pytest.mark.parametrize("name", GALLERY)
-def test_stands__never_under_plates(name):
-    drawn = primitives(GALLERY[name], default_position(DrawnMotion(GALLERY[name])))
-    feet = [k for k, p in enumerate(drawn) if p.kind == "polygon" and p.layer == "frame"]
-    plates = [k for k, p in enumerate(drawn) if p.kind == "polygon" and p.fill == "tint"]
-    assert not feet or not plates or min(feet) > max(plates)
 
 
 @pytest.mark.parametrize("mode", [1, -1])
@@ -184,11 +177,6 @@ def test_link_of_three_points__polygon_through_them():
     assert circle(drawn, "B").fill == "paper"
 
 
-def test_values__replace_numbers_of_the_scene():
-    drawn = primitives(DrawnMotion(slider_crank(), {"input.length": 0.08}), 0.0)
-    assert circle(drawn, "A").points[0] == pytest.approx(0.08)
-
-
 @pytest.mark.parametrize("offset", [0.0, 0.05])
 def test_rocker__line_through_its_pivot_and_block_on_it(offset):
     drawn = primitives(quick_return(offset), 1.0)
@@ -232,19 +220,6 @@ def test_slider_beside_a_moving_guide__on_a_rod_through_its_joint():
     bars = [p.points for p in drawn if p.kind == "line" and p.layer == "links"]
     rods = [(a, b) for a, b in bars if is_parallel(b - a, long_side(sleeve))]
     assert any(abs(((f - a) / (b - a)).imag) < 1e-9 and 0 < ((f - a) / (b - a)).real < 1 for a, b in rods)
-
-
-def test_slider_on_a_crank__sleeve_along_the_crank():
-    group = prp("B", ("sleeve", "bar", 0.0), ("slide", "way", 0.0))
-    guides = {"bar": {"link": "crank"}, "way": {"y": 0.12}}
-    scene = slider_crank(guides=guides, input=crank(start=0.9, stop=2.2), groups={"g": group}, bodies={})
-    drawn = primitives(scene, 0.9)
-    sleeve, slide = boxes(drawn)
-    u = complex(math.cos(0.9), math.sin(0.9))
-    assert circle(drawn, "B").points[0] == pytest.approx(0.12 * u / u.imag)
-    assert is_parallel(long_side(sleeve), u)
-    assert abs(long_side(sleeve)) == pytest.approx(2 * HALF_LENGTH * circle(drawn, "B").size, rel=EXACT)
-    assert is_parallel(long_side(slide), 1)
 
 
 def test_gears__pitch_circles_touch_in_the_ratio_of_speeds():
@@ -338,7 +313,7 @@ def test_paths__closed_curve_and_a_to_and_fro_drawn_once():
     assert np.abs(np.diff(arc)).sum() == pytest.approx(0.15 * turned, rel=1e-4)
 
 
-@pytest.mark.parametrize("name", GALLERY)
+@each("name", GALLERY)
 def test_names__every_point_named_and_no_name_on_another(name):
     scene = GALLERY[name]
     motion = DrawnMotion(scene)
@@ -354,11 +329,15 @@ def test_names__every_point_named_and_no_name_on_another(name):
             assert abs(text.points[0] - joint.points[0]) > joint.size
 
 
-@pytest.mark.parametrize("name", GALLERY)
-def test_primitives__finite_in_known_layers_and_convex(name):
+@each("name", GALLERY)
+def test_primitives__finite_in_known_layers_convex_and_stands_never_under_plates(name):
     motion = DrawnMotion(GALLERY[name])
     for k in (0, 240, 600):
-        for p in primitives(GALLERY[name], motion.q[k]):
+        drawn = primitives(GALLERY[name], motion.q[k])
+        feet = [i for i, p in enumerate(drawn) if p.kind == "polygon" and p.layer == "frame"]
+        plates = [i for i, p in enumerate(drawn) if p.kind == "polygon" and p.fill == "tint"]
+        assert min(feet, default=len(drawn)) > max(plates, default=-1)
+        for p in drawn:
             assert p.layer in LAYERS
             assert np.isfinite(p.points).all()
             if p.kind == "polygon":
@@ -383,15 +362,11 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("case", REFUSED)
+@each("case", REFUSED)
 def test_what_cannot_be_drawn__is_refused(case):
     drawn, words = REFUSED[case]
     with pytest.raises(PictureError, match=words):
         drawn()
-
-
-def test_mechanism_that_locks__drawn_where_it_exists():
-    assert primitives(DrawnMotion(four_bar(), LOCKING), 0.0)
 
 
 def test_draw__first_position_black_others_light_axes_equal():
@@ -417,11 +392,6 @@ def test_picture__valid_and_the_same_every_time(ending, tmp_path):
         assert "φ = 57.296°" in {text.text for text in root.iter("{http://www.w3.org/2000/svg}text")}
     else:
         assert files[0].read_bytes()[:4] == {"pdf": b"%PDF", "png": b"\x89PNG"}[ending]
-
-
-def test_picture_of_unknown_ending__refused(tmp_path):
-    with pytest.raises(PictureError, match=r"'\.bmp'.*\.svg, \.pdf, \.png"):
-        picture(four_bar(), tmp_path / "a.bmp")
 
 
 def annotated(scene, phi, *kinds):

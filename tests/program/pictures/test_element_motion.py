@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from commands import done, refused
+from each_case import each
 from PIL import Image
 
 from engine import velocity_picture
@@ -66,25 +67,23 @@ def test_planets__roll_on_sun_and_ring(tmp_path):
     assert len(circles(poses[0], wheels["planet"].radius)) == 3
 
 
-def test_animate__of_elements_and_of_a_rocking_crank(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_animate__of_elements_and_of_a_rocking_crank(folder):
     for name in ("cam", "planetary_train"):
-        (tmp_path / f"{name}.toml").write_text(template_text(name), encoding="utf8")
+        (folder / f"{name}.toml").write_text(template_text(name), encoding="utf8")
         done("animate", f"{name}.toml", "--frames", "8")
-        with Image.open(tmp_path / f"{name}.gif") as gif:
+        with Image.open(folder / f"{name}.gif") as gif:
             assert gif.n_frames == 8
 
 
-def test_animate__names_what_it_can_show(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "cam.toml").write_text(CAM, encoding="utf8")
-    (tmp_path / "rotor.toml").write_text(template_text("rotor"), encoding="utf8")
+def test_animate__names_what_it_can_show(folder):
+    (folder / "cam.toml").write_text(CAM, encoding="utf8")
+    (folder / "rotor.toml").write_text(template_text("rotor"), encoding="utf8")
     assert "name a cam or gear train of this scene: cam" in refused("animate", "cam.toml", "--element", "camm")
     assert "only machine elements" in refused("animate", "rotor.toml")
 
 
-@pytest.mark.parametrize("follower", ["translating", "oscillating"])
-@pytest.mark.parametrize("contact", ["roller", "knife edge", "flat"])
+@each("follower", ["translating", "oscillating"])
+@each("contact", ["roller", "knife edge", "flat"])
 def test_followers_of_all_kinds__are_drawn(tmp_path, follower, contact):
     own = {
         "translating": 'type = "translating"',

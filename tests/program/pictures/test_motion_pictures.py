@@ -11,7 +11,6 @@ from drawn_machines import slider_crank
 from matplotlib.figure import Figure
 
 from engine import Machine, Verdict, history, quantity_text, show_units
-from sweeps import InputError
 from sweeps.pictures.machine.motion_diagrams import MOST_INSTANTS, _thinned, courses, cycle_diagrams, history_diagrams
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.picture_files import machine_pictures
@@ -44,7 +43,7 @@ SCENE = machine()
 
 @cache
 def seen():
-    return history(SCENE)
+    return history(SCENE, fields=["input.reaction"])
 
 
 @cache
@@ -52,9 +51,15 @@ def sheet():
     return history_diagrams(SCENE, seen(), Figure()).axes
 
 
-def summary(scene, name):
-    outcome = Machine(scene, [name]).evaluate({})
-    return float(outcome.summaries[name][0]), float(outcome.errors[name][0])
+TIMES = ("start.time", "work.period", "stop.time")
+STEADY = ("work.mean_speed", "work.speed_fluctuation")
+
+
+@cache
+def summaries():
+    """Values and error estimates of all that is looked at, by one machine."""
+    outcome = Machine(SCENE, [*TIMES, *STEADY]).evaluate({})
+    return {name: (float(value[0]), float(outcome.errors[name][0])) for name, value in outcome.summaries.items()}
 
 
 def lines_of(axes):
@@ -62,10 +67,10 @@ def lines_of(axes):
 
 
 def test_history_sheet__has_a_column_for_each_regime_as_long_as_it_lasts():
-    assert len(sheet()) == 12
+    assert len(sheet()) == 15
     assert [ax.get_title() for ax in sheet()[:3]] == ["start", "work (one cycle)", "stop"]
-    for ax, name in zip(sheet()[:3], ("start.time", "work.period", "stop.time"), strict=True):
-        value, error = summary(SCENE, name)
+    for ax, name in zip(sheet()[:3], TIMES, strict=True):
+        value, error = summaries()[name]
         # The picture goes by 360 positions, the summary by 720: of order four, its error is 16 times as large.
         assert ax.lines[0].get_xdata()[[0, -1]] == pytest.approx([0, value], abs=32 * error + 1e-9)
         assert ax.get_xlim() == pytest.approx((0, value), rel=1e-6)
@@ -101,19 +106,17 @@ def test_history_sheet__shows_only_what_acts():
 
 
 def test_history_sheet__draws_the_reactions_that_the_history_keeps():
-    seen = history(SCENE, fields=["input.reaction"])
-    axes = history_diagrams(SCENE, seen, Figure()).axes
-    assert len(axes) == 15
+    axes = sheet()
     assert axes[12].get_title(loc="left") == "input: joint O"
     for ax, name in zip(axes[12:], REGIMES, strict=True):
         (line,) = ax.lines
         drawn = line.get_ydata()
-        assert drawn == pytest.approx(seen.loads_on_pairs["input.reaction"][seen.regime == name], rel=1e-12)
+        assert drawn == pytest.approx(seen().loads_on_pairs["input.reaction"][seen().regime == name], rel=1e-12)
 
 
 def test_cycle_sheet__marks_mean_speed_and_fluctuation():
     axes = cycle_diagrams(SCENE, seen(), "work", Figure()).axes
-    mean, delta = (summary(SCENE, f"work.{key}")[0] for key in ("mean_speed", "speed_fluctuation"))
+    mean, delta = (summaries()[name][0] for name in STEADY)
     assert axes[0].get_title() == f"δ = {delta:.5g}, mean speed {quantity_text(mean, 'rad s-1')}"
     speed, middle, low, high = (line.get_ydata() for line in axes[0].lines)
     assert middle[0] == pytest.approx(mean * RPM, rel=1e-9)
@@ -143,17 +146,11 @@ def test_machine_that_does_not_start__is_a_page_that_says_why():
     assert "a stronger motor" in text
     with pytest.raises(PictureError, match="no steady motion 'work': regime start: the machine does not start"):
         cycle_diagrams(scene, seen, "work", Figure())
-
-
-def test_regime_that_the_history_has_not__is_no_failure_of_those_it_has():
-    with pytest.raises(PictureError, match=r"no steady motion 'rest': the regimes are start, work, stop$"):
-        cycle_diagrams(SCENE, seen(), "rest", Figure())
-
-
-def test_verdict_that_the_history_does_not_share__keeps_its_own_reason():
     told = failure_text(SCENE, Verdict.STALLS)
     assert told.startswith("the machine stalls")
     assert told.endswith("(with 240 positions and the scene's flywheel it runs)")
+    with pytest.raises(PictureError, match=r"no steady motion 'rest': the regimes are start, work, stop$"):
+        cycle_diagrams(SCENE, history(SCENE), "rest", Figure())
 
 
 def test_machine_that_runs_away__shows_its_start_and_says_where_it_fails(tmp_path):
@@ -219,8 +216,3 @@ def test_table_of_the_history__holds_the_equation_of_motion(tmp_path):
     left = (inertia + 0.5) * epsilon[shared] + 0.5 * slope * omega[shared] ** 2
     # Both sides are sums of a few terms of at most 20 N·m in rounding.
     assert left == pytest.approx(moment[chosen][shared], abs=1e-10)
-
-
-def test_table_of_the_history_without_regimes__is_refused():
-    with pytest.raises(InputError, match=r"a history needs regimes; add \[regimes.NAME\]"):
-        history_table(slider_crank())

@@ -65,26 +65,6 @@ def test_places_of_links__move_as_their_points(name):
             assert abs(found.a - expected.a) <= EXACT * largest(accelerations(pose))
 
 
-@each("name", MACHINES)
-def test_relative_vectors__across_bars_and_along_guides(name):
-    for pose in poses(name):
-        plan, motion, places = velocities(pose), pose.motion, pose.motion.points
-        slides = {s.joint: motion.guide(s.guide)[1][pose.k] for s in motion.sliders}
-        for group in pose.scene.groups.values():
-            if group.type in ("RPR", "RPP"):
-                slides[group.first.joint] = motion.axes(group.first.link)[1][pose.k]
-        for leg in plan.legs:
-            start, end = (n.rstrip("'") for n in (leg.start, leg.end))
-            (step,) = leg.steps
-            if start in places and end in places and start != end:
-                bar = places[end][pose.k] - places[start][pose.k]
-                assert abs((bar.conjugate() * step.vector).real) < EXACT * abs(bar) * largest(plan)
-            elif not leg.end.endswith("'") and sum(other.end == leg.end for other in plan.legs) == 2 and end in slides:
-                # The pin of a yoke's block slides along the slot, a slider's joint along its guide.
-                guides = [slides[end], *(motion.guide(g)[1][pose.k] for g in pose.scene.guides)]
-                assert min(abs((u.conjugate() * step.vector).imag) for u in guides) < EXACT * largest(plan)
-
-
 def test_steps_of_the_crank_slider__closed_form():
     omega, r, rod, phi = 6.0, 0.05, 0.2, math.radians(130.0)
     plan = accelerations(MachineCycle(slider_crank()).at(phi))

@@ -1,15 +1,12 @@
 """Formulas of loads in scenes: what they may say, what is answered where they can't be used, and their numbers."""
 
-import math
-
-import numpy as np
 import pytest
 from each_case import each
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from press_texts import slider_crank_text
 
-from engine import Scene, SceneError, any_quantity, evaluate_tree, order_groups, scene_numbers
+from engine import Scene, SceneError, evaluate_tree, order_groups, scene_numbers
 from engine.parts.formulas.expressions import parse
 from engine.parts.formulas.speed_powers import NoPowerError, powers_of_speed
 from sweeps import InputError, read_scene, write_scene
@@ -79,17 +76,11 @@ def test_formula_that_is_a_force__is_taken_and_written_again(tmp_path, force):
     "force, words",
     [
         ("3 kN/mm", "gives a stiffness, but this is a force"),
-        ("k * v", "gives a quantity in kg m s-3, but this is a force"),
-        ("12 N m", "gives a moment or energy, but this is a force"),
         ("5", "gives a plain number, but this is a force; 5 has no unit: write '5 N' or '5 kN'"),
         ("1 N + ram.slide", "adds a length to a force"),
-        ("1 N * sin(ram.slide)", "sin takes an angle or a plain number, this is a length"),
         ("1 N if v > 3 mm else 0", "compares a speed with a length"),
-        ("1 N if v > 0 else 1 mm", "gives a force or a length"),
         ("1 N * (ram.slide / (1 m))^phi + 1 N * ram.slide^phi", "the power of a length must be a fixed number"),
         ("1 N / 0", "not a finite number"),
-        ("1 N * sqrt(1 - 2)", "not a finite number"),
-        ("1 N / (phi - phi)", "not a finite number, whatever its names mean"),
         ("1 N * log(0 * v / (1 m/s))", "not a finite number, whatever its names mean"),
         ("1 N if phi == 0 else 0", "== holds in single places at most; compare by < or >"),
         ("1 N * ram.slied / (1 mm)", "unknown name 'ram.slied'; did you mean 'ram.slide'"),
@@ -100,9 +91,6 @@ def test_formula_that_is_a_force__is_taken_and_written_again(tmp_path, force):
         ("1 N * input.speed / omega", "'input.speed' is the mean speed alone"),
         ("v > 0", "'v > 0' is a condition; a number is needed: write A if v > 0 else B"),
         ("3 Nn", "'Nn' is not a valid unit here, or an operator is missing before it"),
-        ("3 N/(m q) * x", "an operator is missing here"),
-        ("", "an expression is missing"),
-        ("(3 N", "is never closed"),
         ("ram.angle * 1 N * O.x", "unknown name 'O.x'"),
     ],
 )
@@ -123,8 +111,6 @@ def test_moment_that_is_a_force__is_refused(tmp_path):
     [
         ('k = "3 kN/mm", t = "2 s"', "'t' has a meaning of its own in formulas"),
         ('k = "3 kN/mn"', "unknown unit 'mn': did you mean"),
-        ('k = "kN"', "which does not begin with a number"),
-        ("k = true", "expected a number"),
         ("k = { value = 3.0, dimension = 'length' }", "expected a number"),
         ('k = "3 kN"', "gives a moment or energy, but this is a force"),
         ('"k 2" = "3 kN"', "is not a name"),
@@ -182,14 +168,9 @@ def test_scene_with_formulas__is_written_and_read_again(tmp_path):
 # Nothing is run
 
 ATTACKS = [
-    *("__import__('os').system('true')", "open('/etc/passwd').read()", "().__class__.__bases__[0]", "lambda: 0"),
-    *("[x for x in (1, 2)]", "{}", "f'{1}'", "(y := 1 N)", "exec('1')", "eval('1')", "globals()", "k.__class__"),
-    *("ram.__init__", "print(1)", "1 N; import os", "import os", "1 N\\\\nimport os", "sin.__call__(1)"),
-    *("getattr(k, 'x')", "breakpoint()", "9**9**9**9 * 1 N / 0", "'1 N'.format(k)", "'a' * 10**9", "yield 1"),
-    *("await k", "*k", "**k", "k[:]", "1 N if True else 2 N", "None", "...", "b'1 N'", "1j * 1 N", "k @ k", "k << 3"),
-    *("not k", "~k", "k if k else k", "min(*k)", "max(k=1)", "sqrt()", "numpy.sqrt(k)", "np.load('x')", "1_0 N N"),
-    *("math.inf * 1 N", "T * 1 N", "P[0] * 1 N", "tile * 1 N", "q * 1 N", "cos_q * 1 N", "lane * 1 N", "k\u0000"),
-    *("__builtins__ * 1 N", "\\u202e 1 N"),
+    *("__import__('os').system('true')", "().__class__.__bases__[0]", "[x for x in (1, 2)]", "ram.__init__"),
+    *("1 N; import os", "1 N\\\\nimport os", "9**9**9**9 * 1 N / 0", "*k", "b'1 N'", "max(k=1)", "numpy.sqrt(k)"),
+    *("P[0] * 1 N", "tile * 1 N", "cos_q * 1 N", "k\u0000", "__builtins__ * 1 N", "\\u202e 1 N"),
 ]
 WORDS = """k v t ( ) [ ] { } ' ** ^ if else not . , + - = : ; @ ! # lambda for in os eval __class__ sin 1e999"""
 words = st.sampled_from([*WORDS.split(), "1 N", "import os", "\\", "\n"])
@@ -256,15 +237,12 @@ def test_sum_of_powers__is_the_formula_at_any_speed(text, speed, sense, v, w):
 @each(
     "text, orders",
     [
-        ("x", {0}),
         ("v * abs(v)", {2}),
         ("x + 2 * v + 3 * v^2", {0, 1, 2}),
         ("(x + v)^2", {0, 1, 2}),
         ("abs(v)^1.5 * sign(v)", {1.5}),
         ("x / v", {-1}),
-        ("sqrt(v * w)", {1}),
         ("atan2(v, w) + sign(v)", {0}),
-        ("max(v, 0)^2", {2}),
         ("v^2 if v > 0 else x", {0, 2}),
     ],
 )
@@ -279,10 +257,3 @@ OTHERS = ["exp(v)", "sin(v)", "max(v, x)", "x if v > 1 else 0", "v^x", "2^v", "a
 def test_other_dependence__is_no_sum_of_powers(text):
     with pytest.raises(NoPowerError):
         powers_of_speed(parse(text).tree, VELOCITIES)
-
-
-def test_quantities_of_any_unit__are_numbers_in_si():
-    assert any_quantity("3 N m s2") == 3.0
-    assert any_quantity("4 N/mm3") == pytest.approx(4e9, rel=1e-15)
-    assert any_quantity("60 1/min") == pytest.approx(2 * math.pi)
-    assert np.isclose(any_quantity("2 %"), 0.02)

@@ -55,8 +55,7 @@ def lines_run(count):
     return run
 
 
-def test_reading_and_printing__grow_no_faster_than_n_log_n(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_reading_and_printing__grow_no_faster_than_n_log_n(folder):
     # What is made once for all machines is made.
     lines_run(1)
     few, many = 12, 48
@@ -65,8 +64,7 @@ def test_reading_and_printing__grow_no_faster_than_n_log_n(tmp_path, monkeypatch
     assert lines_run(many) / lines_run(few) < bound
 
 
-def test_check_of_a_long_machine__compiles_nothing_and_says_so(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_check_of_a_long_machine__compiles_nothing_and_says_so(folder, monkeypatch):
     Path("long.toml").write_text(dyads(2))
     lines = len(read_study("long.toml").machine().source().splitlines())
     monkeypatch.setattr(check_report, "MOST_COMPILED", lines - 1)

@@ -93,23 +93,14 @@ def test_good_texts__are_read(tmp_path):
 # Name | what to change in GOOD | what into | a mark of the line to be named | key | words of the message.
 SLIPS = cases(r"""
 no mass | mass = "100 kg"\n |  | [bodies.ram] | bodies.ram | give mass | shape with density
-unknown group | "RRP" | "RPQ" | [groups.press] | groups.press | 'RPQ' | RRR, RRP, RPR, PRP, RPP | 'RRP'
 unknown law | "table" | "tabel" | [forces.punch] | forces.punch | constant, table | did you mean 'table'?
-unknown shape | "rod", length | "rodd", length | shape = | bodies.bar.shape | rod, disc, ring, plate | 'rod'?
 no type | type = "RRP"\n |  | [groups.press] | groups.press | 'type' is missing
-area, not length | 6 cm2 | 6 cm | shape = | bodies.bar.shape.area | area such as '12 cm2' | 'cm'
 force, not moment | 2 N m | 2 N | "2 N" | moments.friction.moment | a moment such as '7 N m'
-no length | "50 mm" | "0 mm" | length = "0 mm" | input.length | must be greater than 0
-not finite | mass = "100 kg" | mass = nan | mass = nan | bodies.ram.mass | not a finite mass
 fluctuation | "1/10" | "3" | "3" | flywheel.speed_fluctuation | must be less than 2
-unknown link | link = "ram"\nmass | link = "rma"\nmass | rma | bodies.ram.link
-    | crank, frame, pitman, ram, rocker, rod | did you mean 'ram'?
 capital letter | on = "C" | on = "c" | on = "c" | forces.punch.on | not a point | did you mean 'C'?
-point on nothing | "rocker"\nx | "lever"\nx | lever | points.tip.link | 'lever' is not a link
 spring on nothing | "tip"] | "top"] | top | springs.back.between | 'top' | did you mean 'tip'?
 spring with one end | ["D", "tip"] | ["D"] | between | springs.back.between
 spring on one point | ["D", "tip"] | ["D", "D"] | between | springs.back.between | 'D'
-name of two kinds | [guides.way] | [guides.D] | [guides.D] | guides.D | 'D' is already taken by points.D
 name of two actions | springs.back | springs.punch | [springs.punch] | springs.punch | taken by forces.punch
 bad name | inner = "C" | inner = "my C" | my C | groups.press.inner | 'my C' is not a name | underscores
 link of two groups | link = "pitman" | link = "rod" | link = "rod", joint = "A", length = "200
@@ -126,18 +117,12 @@ stroke of a rocker | slider = "ram" | slider = "rocker" | slider | forces.punch.
 stroke of nothing | slider = "ram"\n |  | [forces.punch] | forces.punch | over_stroke and slider | name
 table not sorted | "1 mm", "8 mm" | "8 mm", "1 mm" | [forces.punch] | forces.punch | row 3 | sort
 table not equal | "1 mm", "8 mm" | "1 mm" | [forces.punch] | forces.punch | 2 rows | has 3
-table without forces | "0 kN", "100 kN", "60 kN" |  | [forces.punch] | forces.punch | force has 0 | over_stroke
-unknown curve | "linear" | "cubic" | cubic | forces.punch.interpolation | linear, pchip, spline
-unknown word | "against" | "agianst" | agianst | forces.punch.acts | always, along, against | 'against'?
 mass and density | density = | mass = "1 kg"\ndensity = | [bodies.bar] | bodies.bar | either mass or density
 inertia and shape | density = | inertia = "1 kg m2"\ndensity = | [bodies.bar] | bodies.bar | give one of
 start alone | "60 rpm" | "60 rpm"\nstart = "0 deg" | [input] | input | start and stop | full revolutions
-stop before start | "60 rpm" | "60 rpm"\nstart = "9 deg"\nstop = "0 deg" | [input] | input
-    | stop must be greater than start
 flywheel without a cycle | "60 rpm" | "60 rpm"\nstart = "0 deg"\nstop = "9 deg" | [flywheel] | flywheel | turns fully
 revolutions | "60 rpm" | "60 rpm"\nrevolutions = 0 | revolutions | input.revolutions | 0 | at least 1
 mode | inner = "C" | inner = "C"\nmode = 0 | mode = 0 | groups.press.mode | 1 or -1
-text for a table | {link = "ram", guide = "way"} | "ram" | second = "ram" | groups.press.second | table
 list of tables | [input] | [[input]] | [[input]] | input | expected a table of keys
 Python for a number | mass = "100 kg" | mass = "__import__('os').system('touch stolen')" | __import__
     | bodies.ram.mass | a mass such as '1.2 kg' | __import__
@@ -157,20 +142,13 @@ def test_slip__is_refused_with_line_key_and_mend(slip, tmp_path):
 # Name | scene | what to change in it | what into | a mark of the line to be named | key | words of the message.
 STRUCTURES = cases(r"""
 class III | TRIAD |  |  | [groups.one] | groups.one | one waits for F | two waits for corner | class III
-hanging on nothing | FOUR_BAR | joint = "A" | joint = "F" | coupler | groups.bars.first.joint | 'F' is not a point
-    | A, B, D, E, O
 undriven link | FOUR_BAR | [input] | [points.P]\nlink = "lever"\nx = "1 mm"\ny = "0 mm"\n\n[input] | lever
     | points.P.link | 'lever' is not a link | coupler, crank, frame, rocker
 sliding input on a moving guide | SLIDING | guide = "way" | guide = "slot" | guide = "slot" | input.guide
     | moving link | must be on the frame
 shaft on a sliding input | SLIDING | [groups.bars] | [shafts.wheel]\ngeared_to = "ram"\nratio = 2\n\n[groups.bars]
     | geared_to | shafts.wheel.geared_to | sliding input
-motor on a sliding input | SLIDING | [groups.bars]
-    | [moments.drive]\ntype = "dc_motor"\non = "ram"\nstall_moment = "1 N m"\nno_load_speed = "9 rpm"\n\n[groups.bars]
-    | on = "ram" | moments.drive.on | motor
 sliding input that doesn't move | SLIDING | stop = "50 mm" | stop = "0 mm" | [input] | input | stop | start
-shaft on itself | FOUR_BAR | [groups.bars] | [shafts.wheel]\ngeared_to = "wheel"\nratio = 2\n\n[groups.bars]
-    | geared_to | shafts.wheel.geared_to | 'wheel'
 shaft on the frame | FOUR_BAR | [groups.bars] | [shafts.wheel]\ngeared_to = "frame"\nratio = 2\n\n[groups.bars]
     | geared_to | shafts.wheel.geared_to | 'frame'
 shaft with a pivot that moves | FOUR_BAR | [groups.bars]
@@ -198,17 +176,6 @@ def test_several_problems__are_told_at_once(tmp_path):
     keys = {"input.length", "bodies.ram.mass", "forces.punch.interpolation", "moments.friction.moment"}
     assert {key for _, key, _ in error.problems} == keys
     assert str(error).count("press.toml, line ") == 4
-
-
-def test_several_unknown_names__are_told_at_once(tmp_path):
-    text = changed(changed(GOOD, 'joint = "D"', 'joint = "X"'), 'guide = "way"', 'guide = "Y"')
-    keys = {key for _, key, _ in refused(tmp_path, text).problems}
-    assert keys == {"groups.bars.second.joint", "groups.press.second.guide"}
-
-
-def test_unknown_end_of_a_spring__is_told_once(tmp_path):
-    error = refused(tmp_path, changed(GOOD, '"tip"]', '"top"]'))
-    assert [key for _, key, _ in error.problems] == ["springs.back.between"]
 
 
 def test_kinds_of_references__all_have_words():
@@ -255,7 +222,7 @@ def mutations(draw: st.DrawFn) -> str:
     return "\n".join(lines)
 
 
-@settings(deadline=None, max_examples=400)
+@settings(deadline=None, max_examples=200)
 @given(mutations())
 def test_any_mutation__is_read_or_refused_with_reasons(tmp_path_factory, text):
     path = tmp_path_factory.getbasetemp() / "mutated.toml"

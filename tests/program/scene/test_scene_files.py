@@ -14,20 +14,12 @@ from sweeps import InputError, read_scene
 TABLES = cases(r"""
 no unit in brackets | over_stroke mm,force [kN]\n0,0\n1,1\n | line 1 | over_stroke mm | 'force [kN]'
 unknown column | stroke [mm],force [kN]\n0,0\n1,1\n | unknown key | did you mean 'over_stroke'?
-unknown unit | over_stroke [mm],force [kM]\n0,0\n1,1\n | unknown unit 'kM' | a force such as '12 kN'
 column without unit | over_stroke [mm],force\n0,0\n1,1\n | has no unit | "1 kN"
-word for a number | over_stroke [mm],force [kN]\n0,0\n1,much\n | line 3 | 'much' is not a number
-decimal comma | over_stroke [mm],force [kN]\n0,0\n1,"1,5"\n | line 3 | '1,5' | decimal point
 cell too many | over_stroke [mm],force [kN]\n0,0\n1,1,5\n | line 3 | 3 cells, the header 2
-after a comment | # measured\nover_stroke [mm],force [kN]\n\n0,0\n# here\n1,much\n | line 6 | 'much'
-column twice | over_stroke [mm],force [kN],force [kN]\n0,0,0\n1,1,1\n | force
 no rows | over_stroke [mm],force [kN]\n | at least one row
 nothing |  | header line
-unit in the header | over_stroke [mm],force [kg]\n0,0\n1,1 kN\n | punch.csv, line 1: column force: expected a force
 unit in a cell | over_stroke [mm],force [kN]\n0,0\n1,1 mm\n | punch.csv, line 3: column force: expected a force | 'mm'
 unit in no cell | over_stroke [mm],force\n0,0 kN\n1,1\n | punch.csv, line 3: column force: 1 has no unit: write "1 kN"
-misspelt column | over_stroke [mm],forc [kN]\n0,0\n1,1\n | punch.csv, line 1: column forc | did you mean 'force'
-not sorted | over_stroke [mm],force [kN]\n0,0\n8,1\n1,1\n | row 3 | sort
 not finite | over_stroke [mm],force [kN]\n0,0\ninf,1\n | a length | inf
 """)
 

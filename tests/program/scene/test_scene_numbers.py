@@ -110,15 +110,8 @@ def test_numbers__leave_out_tables_counts_and_what_is_not_given():
     [
         ("spring", "input.length", [1e-9, 0.0, -0.0, -1.0, np.nan, np.inf], [1, 0, 0, 0, 0, 0]),
         ("four_bar", "points.D.x", [-1.0, 0.0, 1e9, np.nan, -np.inf], [1, 1, 1, 0, 0]),
-        ("rod", "bodies.one.mass", [0.0, 2.0, -1e-12], [1, 1, 0]),
         ("four_bar", "groups.bars.mode", [1.0, -1.0, 0.0, 0.5, 2.0, -1.0 + 1e-12, np.nan], [1, 1, 0, 0, 0, 0, 0]),
         ("rim", "flywheel.speed_fluctuation", [0.0, 1e-6, 1.999, 2.0], [0, 1, 1, 0]),
-        ("whole_wheel", "flywheel.inertia", [0.0, -1.0], [1, 0]),
-        ("arms", "flywheel.wheel.thickness_ratio", [0.0, 0.49, 0.5], [0, 1, 0]),
-        ("two_stroke", "cylinders.c.port", [0.0, 0.5, 1.0, 1.01], [0, 1, 1, 0]),
-        ("nameplate", "moments.load.breakdown_ratio", [1.0, 1.01], [0, 1]),
-        ("spring", "springs.load.free_length", [0.0, -0.1], [1, 0]),
-        ("spring", "input.speed", [-5.0, 5.0], [1, 1]),
     ],
 )
 def test_within_limits__keeps_what_a_text_could_hold(name, path, values, keep):
@@ -148,10 +141,6 @@ def test_within_limits__agrees_with_the_reading_of_texts():
             part[key] = held
 
 
-def test_within_limits__keeps_the_shape():
-    assert within_limits(SceneNumber(1.0, "length", ()), np.zeros((2, 3))).shape == (2, 3)
-
-
 @each("name", EVERY)
 def test_scene_written_and_read__is_the_same_and_has_units(name, tmp_path):
     scene = Scene.model_validate(EVERY[name])
@@ -167,35 +156,6 @@ def test_scene_written_and_read__is_the_same_and_has_units(name, tmp_path):
         if part is not None and number.dimension != "number":
             assert isinstance(part, str), path
             assert " " in part, path
-
-
-def test_tables__are_written_with_units():
-    scenes = (Scene.model_validate(EVERY[name]) for name in ("over_stroke", "range"))
-    stroke, clock = (tomllib.loads(write_scene(scene)) for scene in scenes)
-    assert stroke["forces"]["load"]["over_stroke"] == ["0.16 m", "0.18 m", "0.2 m", "0.22 m"]
-    assert clock["moments"]["clock"]["over_time"] == ["0.1 s", "0.2 s", "0.4 s"]
-
-
-PRESS = {
-    **{"input.length": 0.0625, "groups.bars.mode": -1.0, "gravity": 0.0, "points.O.x": 0.125, "guides.way.y": 0.001},
-    **{"bodies.bar.y": 0.25, "bodies.bar.shape.area": 7e-4, "forces.punch.scale": 3.0, "groups.press.mode": -1.0},
-}
-
-
-def test_written_variant__has_its_numbers_and_all_others_unchanged(tmp_path):
-    scenes = {"press": (read(GOOD, tmp_path), PRESS)}
-    for name, path, value in (
-        ("pump", "cylinders.c.ambient", 2e5),
-        ("compressor", "cylinders.c.n_expansion", 1.25),
-        ("arms", "flywheel.wheel.ratio", 1.0),
-        ("shaft", "shafts.s.phase", 0.1),
-    ):
-        scenes[name] = Scene.model_validate(EVERY[name]), {path: value}
-    for scene, values in scenes.values():
-        before = {path: number.value for path, number in scene_numbers(scene).items()}
-        after = {path: n.value for path, n in scene_numbers(read(write_scene(scene, values), tmp_path)).items()}
-        assert values.keys() <= before.keys()
-        assert after == before | values
 
 
 NUMBERS = ("input.length", "groups.press.second.offset", "bodies.ram.mass", "moments.friction.moment", "gravity")

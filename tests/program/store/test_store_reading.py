@@ -68,12 +68,6 @@ def test_times_in_seconds_under_xarray__stay_numbers(path: Path) -> None:
         assert data.duration.dtype == np.float64
 
 
-def test_part_file_under_xarray__opens(path: Path, part: Path) -> None:
-    Store.open(path, layout()).close()
-    with open_dataset(part) as data:
-        assert np.isnan(data.torque).all()
-
-
 def test_xarray_missing__store_error_names_the_extra(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     complete(path, layout())
     monkeypatch.setitem(sys.modules, "xarray", None)

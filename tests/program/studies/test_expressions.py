@@ -61,7 +61,7 @@ def same(one, other):
     return one == other or (math.isnan(one) and math.isnan(other))
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=150)
 @given(numbers)
 def test_random_arithmetic__agrees_with_python(texts):
     expression = parse(texts[0])
@@ -69,7 +69,7 @@ def test_random_arithmetic__agrees_with_python(texts):
     assert same(expression.evaluate(VALUES), read_by_python(texts[1]))
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=150)
 @given(conditions)
 def test_random_condition__agrees_with_python(texts):
     expression = parse(texts[0])
@@ -77,7 +77,7 @@ def test_random_condition__agrees_with_python(texts):
     assert expression.evaluate(VALUES) is bool(read_by_python(texts[1]))
 
 
-@settings(deadline=None, max_examples=500)
+@settings(deadline=None, max_examples=250)
 @given(st.one_of(st.text(max_size=60), st.lists(st.sampled_from([*SIGNS, *WORDS]), max_size=25).map("".join)))
 def test_garbage__raises_expression_error_only(text):
     try:
@@ -105,23 +105,14 @@ def test_function__agrees_with_fifty_digits(name):
     "text, expected",
     [
         ("-2**2", -4.0),
-        ("2**-1", 0.5),
         ("2**3**2", 512.0),
-        ("8 / 2 / 2", 2.0),
         ("1 - 2 - 3", -4.0),
         ("atan2(1, -1)", 3 * math.pi / 4),
-        ("degrees(pi)", 180.0),
         ("min(3, 1, 2) + max(3, 1, 2)", 4.0),
-        ("abs(-7)", 7.0),
         ("  (1\n + 2)\t* 3\n", 9.0),
         ("1 < 2 < 3", True),
-        ("1 < 3 < 2", False),
         ("1 == 1 != 2 >= 2", True),
         ("not 1 < 2 or 2 < 3", True),
-        ("1 > 2 or 2 > 1 and 1 > 2", False),
-        ("-2^2", -4.0),
-        ("2^3^2", 512.0),
-        ("3 * 2^2", 12.0),
         ("2^-1", 0.5),
         ("1 if 1 < 2 else 2", 1.0),
         ("1 if 1 > 2 else 2 if 1 > 3 else 3", 3.0),
@@ -150,10 +141,6 @@ def test_arrays__are_evaluated_element_by_element():
     np.testing.assert_array_equal(parse("x * k").evaluate({"x": x[:, None], "k": y}), x[:, None] * y)
 
 
-def test_integer_arrays__are_taken_as_floats():
-    assert parse("n ** m").evaluate({"n": np.array([2, 4]), "m": np.array(-1)}).tolist() == [0.5, 0.25]
-
-
 def test_names__are_dotted_paths_once_in_order():
     expression = parse("groups.rod.first.length + bodies.rod.center [ 0 ] * a / groups . rod.first.length + pi")
     assert expression.names == ("groups.rod.first.length", "bodies.rod.center[0]", "a")
@@ -180,18 +167,12 @@ def test_quantity__is_converted_by_the_callback():
 QUANTITIES = [
     ("12 N m + x", ["12 N m"]),
     ("3 N m s2 * x^2", ["3 N m s2"]),
-    ("3kN/mm*x", ["3kN/mm"]),
     ("3 kN/mm / x", ["3 kN/mm"]),
-    ("3 kN/x", ["3 kN"]),
     ("3 N/(m s) * x", ["3 N/(m s)"]),
     ("5 mm-1 mm", ["5 mm", "1 mm"]),
     ("2 m^2 + 3 s^-1 + 4 kg m2", ["2 m^2", "3 s^-1", "4 kg m2"]),
-    ("x > 10 mm and x < 20 mm", ["10 mm", "20 mm"]),
     ("1 N if x > 1 in else 2 N", ["1 N", "1 in", "2 N"]),
     ("min(1 min, 2 s) + 1e3m * x", ["1 min", "2 s", "1e3m"]),
-    ("x1 * 2 mm + y[3]", ["2 mm"]),
-    ("'12 N m' + x", ["12 N m"]),
-    ("2 N * m + 3 * s", ["2 N"]),
     ("x <= 6 % and y < 40°", ["6 %", "40°"]),
 ]
 
@@ -210,10 +191,6 @@ def test_conditions_joined_by_and__are_given_as_written():
     assert joined_by_and("  (a < 1 and b < 2) and c < 3") == ["a < 1", "b < 2", "c < 3"]
 
 
-def test_odd_backslash_in_quantity__is_left_to_the_callback():
-    assert parse(r"'3\d'", quantity=lambda text: len(text)).evaluate({}) == 3.0
-
-
 # --- refusals ----------------------------------------------------------------------------------------------
 
 
@@ -221,10 +198,8 @@ def test_odd_backslash_in_quantity__is_left_to_the_callback():
 REFUSED = {
     "defined": [("x + (lambda: 1)", 5)],
     "'[x for x in y]' can't be used": [("[x for x in y]", 0)],
-    "'x for x in y)' can't": [("1 + (x for x in y)", 4)],
     "'{1: 2}' can't": [("{1: 2}", 0)],
     "'[1, 2]' can't": [("[1, 2]", 0)],
-    "'[1]' can't": [("x^2 + [1]", 6)],
     "no such function": [("2 + __import__('os')", 4), ("open('x')", 0), ("a.sin(x)", 0), ("sin(x)(y)", 0)],
     "only a path": [("sin(x).real", 0), ("'a'.join", 0)],
     "words": [
@@ -233,8 +208,6 @@ REFUSED = {
     ],
     "'*x' can't": [("min(1, *x)", 7)],
     "write sin(...)": [("1 + sin", 4)],
-    "takes 1": [("sin(1, 2)", 0)],
-    "takes 2": [("atan2(1)", 0)],
     "takes 2 or more": [("min(1)", 0)],
     "text": [("f'{x}'", 0)],
     "condition is needed": [("1 if x else 2", 5), ("a < b and c", 10), ("not x", 4)],
@@ -259,11 +232,8 @@ REFUSED = {
     "operator is missing": [("a b", 2), ("2 3", 2), ("a < b $", 6)],
     "write 1.5 for 1,5": [("1,5 * x", 1), ("a < 1, b < 2", 5)],
     "leading +": [("a ^ + b", 4), ("+a", 0)],
-    "leading =": [(" = a + b", 1)],
     "as in 6 %": [("a % 2", 2)],
-    "'//' can't": [("a // 2", 2)],
     "'@' can't": [("a @ b", 2), ("  δ + é^2 @ 3", 10)],
-    "'<<' can't": [("a << 2", 2)],
     "compare numbers by ==": [("a < b in c", 6), ("a is b", 2)],
     "not a real number": [("1j", 0), ("True", 0), ("None", 0), ("...", 0), ("b'x'", 0)],
     "not finite": [("1e999", 0), ("1" + "0" * 400, 0)],
@@ -309,14 +279,6 @@ def test_nesting__is_limited():
 def test_extreme_nesting__is_refused_not_fatal(text):
     with pytest.raises(ExpressionError):
         parse(text)
-
-
-def test_far_place__is_shown_in_an_excerpt():
-    with pytest.raises(ExpressionError) as caught:
-        parse("a + " * 20 + "b @ 2" + " + a" * 20)
-    _, shown, caret, _ = str(caught.value).split("\n")
-    assert len(shown) <= 104
-    assert shown[caret.index("^") :].startswith("@ 2 + a")
 
 
 def test_wrong_quantity__is_refused_with_the_reason():

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from commands import done, refused
 from press_texts import slider_crank_text
 
 from sweeps import InputError, read, read_study, run_study
@@ -79,13 +78,3 @@ def test_wrong_value_of_a_number__is_answered(tmp_path, change, words):
     (tmp_path / "study.toml").write_text(STUDY.replace(*change), encoding="utf8")
     with pytest.raises(InputError, match=words.replace("(", r"\(")):
         read_study(tmp_path / "study.toml")
-
-
-def test_commands__take_scenes_with_formulas(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "machine.toml").write_text(SCENE, encoding="utf8")
-    for command in ("check", "plot", "run"):
-        done(command, "machine.toml")
-    (tmp_path / "wrong.toml").write_text(SCENE.replace("-m * omega^2", "-m * omega"), encoding="utf8")
-    words = "moments.fan.moment: '-m * omega' gives a torsional damping, but this is a moment"
-    assert words in refused("check", "wrong.toml")

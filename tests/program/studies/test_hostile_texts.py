@@ -10,6 +10,7 @@ from pathlib import Path
 import h5py
 import pytest
 from commands import refused
+from each_case import each
 
 from engine import ExpressionError, UnitError, any_quantity, in_text, parse_expression
 from sweeps import InputError, import_scene, read_study
@@ -64,6 +65,11 @@ def seconds(read: Callable[[str], object], text: str) -> float:
     return time.process_time() - begin
 
 
+def is_soon(read: Callable[[str], object], text: str, most: float) -> bool:
+    """Whether a text is read in so many seconds; once more if another program took the processor meanwhile."""
+    return any(seconds(read, text) < most for _ in range(2))
+
+
 @pytest.mark.parametrize("reader", READERS)
 def test_time__grows_with_the_length_of_a_text(reader, press_folder):
     read = READERS[reader]
@@ -72,8 +78,7 @@ def test_time__grows_with_the_length_of_a_text(reader, press_folder):
         short = seconds(read, text)
         # A cubic reader would take minutes over the longer text.
         assert short < 10 * NOISE, (piece, short)
-        longer = min(seconds(read, text * TIMES) for _ in range(2))
-        assert longer < max(MOST * short, NOISE), (piece, short, longer)
+        assert is_soon(read, text * TIMES, max(MOST * short, NOISE)), (piece, short)
 
 
 VARY = '[vary]\n"input.length" = ["40 mm", "50 mm"]\n'
@@ -100,20 +105,20 @@ def test_many_wrong_keys__take_a_time_in_proportion(kind, press_folder):
     press = Path("press.toml").read_text(encoding="utf8")
     head, line = WRONG_LINES.get(kind, (press, GROUP))
     read = (lambda text: read_study(written("hostile.toml", text))) if kind == "groups" else study
-    few = 250 if kind == "groups" else 5000
+    few = 250 if kind == "groups" else 2500
 
-    def of(count: int) -> float:
-        return seconds(read, head + "\n".join(line.format(i=i) for i in range(count)))
+    def of(count: int) -> str:
+        return head + "\n".join(line.format(i=i) for i in range(count))
 
-    short = of(few)
-    assert min(of(4 * few) for _ in range(2)) < max(MOST * short, 2 * NOISE)
+    short = seconds(read, of(few))
+    assert is_soon(read, of(4 * few), max(MOST * short, 2 * NOISE))
 
 
 # Sizes that no memory holds
 
 
-@pytest.mark.parametrize("command", [("check",), ("run", "--no-plots", "--quiet")])
-@pytest.mark.parametrize("count", ["1000000000001", "1000000000000000", "1000000000000000000", "1" + 30 * "0"])
+@each("command", [("check",), ("run", "--no-plots", "--quiet")])
+@each("count", ["1000000000001", "1" + 30 * "0"])
 def test_more_variants_than_any_disk_holds__are_refused(command, count, press_folder):
     axes = {
         "one": f'"input.length" = "40 mm to 60 mm, {count}"',
@@ -129,11 +134,6 @@ def test_more_variants_than_any_disk_holds__are_refused(command, count, press_fo
         assert re.search(r"at most \d+|count 10+", message)
 
 
-def test_more_pictures_than_memory_holds__are_refused(press_folder):
-    for count in ("1001", "1000000000000"):
-        assert "from 4 to 1000" in refused("animate", "press.toml", "--frames", count)
-
-
 def test_positions_beyond_all_bounds__are_told_as_positions(press_folder):
     Path("many.toml").write_text(f'scene = "press.toml"\npositions = 1{30 * "0"}\n{VARY}')
     assert "many.toml, line 2: positions: positions = 1000" in refused("check", "many.toml")
@@ -147,7 +147,7 @@ def test_key_of_many_parts__is_refused_before_it_is_read(press_folder):
     assert read_study("press.toml").design.size == 1
 
 
-@pytest.mark.parametrize("text", ["[" * 100_000, '{"a":' * 100_000, "[" * 100_000 + "]" * 100_000])
+@each("text", ["[" * 100_000, '{"a":' * 100_000, "[" * 100_000 + "]" * 100_000])
 def test_nested_json__is_refused(text, press_folder):
     Path("linkage.json").write_text(text)
     assert "is not JSON: " in refused("import", "linkage.json", "--unit", "1 cm")

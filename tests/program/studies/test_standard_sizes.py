@@ -17,12 +17,8 @@ PREFERRED = [5, 10, 20, 40]
 R20 = "10 11.2 12.5 14 16 18 20 22.4 25 28 31.5 35.5 40 45 50 56 63 71 80 90 100"
 
 
-def column(study: Study, name: str) -> list[float]:
-    return study.values(0, study.design.size)[0][name].tolist()
-
-
 def sizes_of(study: Study, name: str) -> list[float]:
-    return np.unique(column(study, name)).tolist()
+    return np.unique(study.values(0, study.design.size)[0][name]).tolist()
 
 
 # The series
@@ -41,12 +37,6 @@ def test_preferred_numbers__divide_a_decade_into_equal_ratios_within_rounding(se
 def test_preferred_numbers__are_those_of_the_table_and_as_written():
     wanted = [in_text(f"{number} mm", "length") for number in R20.split()]
     assert STANDARD_SIZES["R20"].between(0.01, 0.1) == wanted
-
-
-@each("coarse, fine", [*pairwise(PREFERRED)])
-def test_preferred_numbers__are_every_second_of_the_next_series(coarse, fine):
-    both = [STANDARD_SIZES[f"R{series}"].between(1e-3, 1.0) for series in (coarse, fine)]
-    assert both[0] == both[1][::2]
 
 
 @settings(deadline=None)
@@ -86,26 +76,6 @@ def test_chosen_sizes__are_a_grid_or_sampled(axis, expected, sampling, study_fol
     study = varying(study_folder, f'"input.length" = {axis}\n{sampling}')
     assert study.design.size == (64 if sampling else len(expected))
     assert sizes_of(study, "input.length") == expected
-
-
-def test_chosen_sizes__are_sampled_together_with_ranges(study_folder):
-    study = varying(
-        study_folder,
-        '"input.length" = {choose = "R10", low = "40 mm", high = "80 mm"}\n'
-        '"bodies.ram.mass" = {low = "1 kg", high = "1 t", spacing = "log"}\n[sampling]\ncount = 64\n',
-    )
-    assert study.design.size == len(sizes_of(study, "bodies.ram.mass")) == 64
-    assert sizes_of(study, "input.length") == [0.04, 0.05, 0.063, 0.08]
-
-
-def test_powers_of_motors__may_be_a_free_parameter(study_folder):
-    study = varying(
-        study_folder,
-        'rated = {choose = "IEC", low = "3 kW", high = "10 kW"}\n'
-        '[derive]\n"forces.punch.force" = "rated / \'0.5 m/s\'"',
-    )
-    assert study.unit("rated") == "W"
-    assert column(study, "forces.punch.force") == [6e3, 8e3, 11e3, 15e3]
 
 
 @given(st.sampled_from(["random", "sobol", "latin"]), st.integers(1, 9), st.integers(0, 99))

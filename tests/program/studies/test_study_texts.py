@@ -87,12 +87,6 @@ def test_path__may_be_quoted_or_nested(written, study_folder):
     assert column(study, "input.length") == [0.04, 0.06]
 
 
-@each("derived", ['"points.O.x" = "2 * input.length"', 'points.O.x = "2 * input.length"'])
-def test_derived_path__may_be_quoted_or_nested(derived, study_folder):
-    study = varying(study_folder, f'"input.length" = {{values = ["40 mm"]}}\n[derive]\n{derived}')
-    assert column(study, "points.O.x") == [0.08]
-
-
 CSV = '"input.length [mm]",bodies.ram.mass [kg],reach\n40,50,3\n55.5,1e2,4.25\n'
 
 

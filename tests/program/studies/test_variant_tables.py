@@ -108,19 +108,10 @@ def test_table_cut_off__is_refused_in_words(name, tmp_path):
     written(tmp_path / name, GOOD)
     whole = (tmp_path / name).read_bytes()
     # Libraries look for the end of a file first.
-    for cut in np.linspace(0, len(whole) - 1, 100).astype(int):
+    for cut in np.linspace(0, len(whole) - 1, 30).astype(int):
         (tmp_path / name).write_bytes(whole[:cut])
         with pytest.raises(InputError, match=f"{name}: is damaged, or not {MADE_OF[name]}"):
             read_variant_table(tmp_path / name)
-
-
-def test_bytes_changed_in_names_of_columns__are_refused_in_words(tmp_path):
-    written(tmp_path / "t.h5", GOOD)
-    whole = (tmp_path / "t.h5").read_bytes()
-    # HDF5 keeps its names in a heap, of which it tells by errors of other types than other damage.
-    (tmp_path / "t.h5").write_bytes(whole.replace(b"HEAP", b"HEAT"))
-    with pytest.raises(InputError, match="is damaged"):
-        read_variant_table(tmp_path / "t.h5")
 
 
 def test_parameters_of_a_result__are_a_table_while_they_are_as_they_were_written(tmp_path):

@@ -35,9 +35,8 @@ where = "{where}"
 
 
 @pytest.fixture
-def jack(tmp_path, monkeypatch):
+def jack(folder):
     """A function that runs the study of a jack, and returns the answer."""
-    monkeypatch.chdir(tmp_path)
     Path("jack.toml").write_text(SCENE)
 
     def run(diameter: str, where: str, *options: str) -> str:
@@ -84,9 +83,8 @@ def test_errors__are_shown_of_a_tie(jack):
     assert ["±" in line for line in listed if re.match(r"\d +\d", line)][:3] == [True, True, False]
 
 
-def test_errors__are_shown_where_a_condition_depends_on_them(tmp_path, monkeypatch):
+def test_errors__are_shown_where_a_condition_depends_on_them(folder):
     """A slot's block presses square on it: 90° to the rounding of an inverse cosine, √ε, far below a millionth."""
-    monkeypatch.chdir(tmp_path)
     done("new", "crank_shaper", "--out", "shaper.toml")
     study = """scene = "shaper.toml"
 [vary]

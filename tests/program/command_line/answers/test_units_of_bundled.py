@@ -29,9 +29,12 @@ def units_of(name: str) -> frozenset[str]:
     return frozenset(quantity.units for quantity in known.values())
 
 
-@pytest.mark.parametrize("name", BUNDLED)
-def test_bundled__is_shown_in_us_units(name, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+# Templates, and studies of elements that no template has.
+SHOWN = [*bundled_templates(), "braking_car", "screw_jack", "locomotive", "valve_train"]
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_bundled__is_shown_in_us_units(name, folder):
     path = Path("machine.toml")
     if STUDIES in BUNDLED[name].parents:
         shutil.copytree(STUDIES, "studies")

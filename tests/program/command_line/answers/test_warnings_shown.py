@@ -50,12 +50,6 @@ def test_run__names_those_of_the_only_machine(gas_folder):
     assert CLEARANCE in json.loads(done("run", "press.toml", "--no-plots", "--quiet", "--json"))["warnings"]
 
 
-def test_show__names_those_of_the_answer(gas_folder):
-    done("run", "press.toml", "--no-plots", "--quiet")
-    assert f"Warning: {CLEARANCE}" in done("show", "results/press.h5")
-    assert CLEARANCE in json.loads(done("show", "results/press.h5", "--json"))["warnings"]
-
-
 def test_limits__of_a_scene_replace_the_usual_ones(gas_folder):
     Path("press.toml").write_text(PRESS + COMPRESSOR + "[limits]\nclearance = 0.61\n")
     assert "clearance" not in done("check", "press.toml").partition("Variants")[0]

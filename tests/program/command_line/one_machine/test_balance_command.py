@@ -36,13 +36,12 @@ AMPLITUDES = "plane, weight [g], weight_angle [deg], frame [um]\n"
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def folder(folder):
     for name in ("four_bar", "slider_crank", "rotor", "scotch_yoke"):
         Path(f"{name}.toml").write_text(bundled_templates()[name].read_text(encoding="utf8"), encoding="utf8")
     Path("runs.csv").write_text(RAO)
     Path("triple.toml").write_text(TRIPLE)
-    return tmp_path
+    return folder
 
 
 def row_of(answer: str, name: str) -> str:
@@ -92,11 +91,7 @@ def test_place_on_the_rod__lets_a_slider_crank_be_balanced_fully(folder):
         (["slider_crank.toml", "--criterion", "full"], "don't balance this machine fully"),
         (["slider_crank.toml", "--links", "cramk"], "did you mean 'crank'"),
         (["slider_crank.toml", "--place", "rod"], "--place: 'rod': write a link and a place on it"),
-        (["slider_crank.toml", "--place", "rod: 3, 0"], "3 has no unit"),
-        (["slider_crank.toml", "--radius", "60"], "--radius: 60 has no unit"),
-        (["slider_crank.toml", "--most", "3 N"], "--most: expected a mass"),
         (["rotor.toml"], "there are no links to balance"),
-        (["none.toml"], "there is no such file"),
         ([], "give either a scene, study or result to balance, or --trial-runs"),
         (["slider_crank.toml", "--trial-runs", "runs.csv"], "give either"),
     ],
@@ -197,8 +192,6 @@ def test_amplitudes_of_four_runs__give_one_plane(tmp_path_factory, seed, order):
         (RAO.replace("plane,", "level,"), ("line 1", "no column 'plane'", "the header is such as")),
         (RAO.replace("left_phase", "phase_left"), ("line 1", "every sensor needs an amplitude")),
         (RAO.replace("right [mm/s]", "right [um]"), ("line 1", "must use one unit", "mm/s, um")),
-        (RAO.replace("right [mm/s]", "right [mm/z]"), ("line 1", "all sensors must use one unit")),
-        (RAO.replace("[g]", "[gg]"), ("line 1", "unknown unit 'gg'")),
         (RAO.replace("weight_angle [deg]", "weight_angle [mm]"), ("weight_angle", "expected an angle")),
         (RAO.replace("1, 0, 0", "1, 1, 0"), ("exactly one run must have no trial weight", "there are 0")),
         (RAO.replace("2, 12", "1, 12"), ("each plane needs exactly one trial run",)),

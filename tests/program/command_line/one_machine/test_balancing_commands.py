@@ -21,11 +21,6 @@ from sweeps.text.templates import bundled_templates
 EPS = np.finfo(float).eps
 
 
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-
-
 def wrote(output):
     return [line.removeprefix("Wrote ") for line in output.splitlines() if line.startswith("Wrote ")]
 
@@ -99,21 +94,6 @@ def test_plot_of_elements_beside_a_mechanism__adds_their_pictures(folder):
     text = slider_crank + rotor.partition("\n\n")[2]
     Path("both.toml").write_text(text.replace('title = "Rotor, balanced in two planes"\n', ""), encoding="utf8")
     assert wrote(done("plot", "both.toml")) == ["both.png", "both_diagrams.png", "both_rotor_plan.png"]
-
-
-def test_best_rotor_of_a_study__is_drawn_with_its_sweep(folder):
-    answer = done("run", "v_twin", "--quiet")
-    assert "v_twin_best_twin_orders.png" in answer
-
-
-@pytest.mark.parametrize("name", ["engine", "rotor"])
-def test_element_template__runs_with_every_number_finite(name, folder):
-    done("new", name)
-    done("run", f"{name}.toml", "--quiet", "--no-plots")
-    result = SweepResult(Path(f"results/{name}.h5"))
-    assert result.columns["status"].tolist() == [0]
-    for summary in result.summaries:
-        assert np.isfinite(result.columns[summary]).all(), summary
 
 
 def test_throws_of_an_engine__survive_a_text():

@@ -118,8 +118,7 @@ def test_rows_of_pmks__stand_where_the_file_has_them(tmp_path):
     assert math.degrees(np.angle(-(later - found[1]))) == pytest.approx(10, abs=1e-9)
 
 
-def test_address_of_pmks__is_read_by_the_command(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_address_of_pmks__is_read_by_the_command(folder):
     Path("m.url").write_text(ADDRESS)
     done("import", "m.url", "--unit", "1 cm", "--speed", "90 rpm")
     text = Path("m.toml").read_text()
@@ -191,31 +190,23 @@ def changed(data, kind, **values):
         ("a,b,R,1,1", "no driver"),
         ("ground,a,R,1,1\nb,c,R,2,2", "moves no other link"),
         ("ground,a,R,0,0\na,b,R,1,1\nb,c,R,2,2", "can't be split into dyads"),
-        ("ground,a,R,0,0\na,b,R,1,1\nb,ground,R,2,2", "b can't be split into dyads"),
         ("{", "is not JSON"),
         ("{}", "no list of joints"),
         ('{"joints": [{"type": "Static"}]}', "KeyError 'name'"),
-        ('{"joints": [3]}', "is incomplete"),
-        ('{"joints": []}', "0 cranks"),
         (changed(JOINTS, "Revolute", distance0=30), "C can't be assembled"),
-        (changed(JOINTS, "Revolute", distance0=-3), "is not a length"),
         (changed(JOINTS, "Revolute", joint0=ref("Q")), "refer to each other in a circle"),
-        (changed(JOINTS, "Fixed", joint0=ref("A")), "don't share a link"),
         (changed(JOINTS, "Prismatic", joint1=ref("B")), "a moving line"),
         (changed(JOINTS, "Prismatic", type="Screw"), "'Screw' is not one of"),
         (changed(LINKS, "tracker", type="prismatic"), "is not supported; supported: ground, revolute, tracker"),
-        (shared([*HINGES, GUIDE], BARS, check=False), "is incomplete"),
         (shared([*HINGES, GUIDE], BARS, choices="901"), "(choice 9); give --unit"),
         (shared([*HINGES, (1, *GUIDE[1:])], BARS), "is not on a single guide of the frame"),
         (shared([*HINGES, (*GUIDE, 3)], BARS), "supported: joints, and sliders on the frame"),
         (shared([*HINGES, GUIDE], [("YR", "AQ", "AQ")]), "a joint 'Q' that is not in the address"),
-        (shared([*HINGES, (7, *GUIDE[1:])], BARS), "it has 2 inputs"),
         (shared([(4, *HINGES[0][1:]), *HINGES[1:], (7, *GUIDE[1:])], BARS), "it must be a crank"),
         (shared([(6, "A", 0, 0)], []), "the format is too old"),
     ],
 )
-def test_what_becomes_no_scene__is_refused_in_words(tmp_path, monkeypatch, text, words):
-    monkeypatch.chdir(tmp_path)
+def test_what_becomes_no_scene__is_refused_in_words(folder, text, words):
     Path("l.dat").write_text(text)
     answer = refused("import", "l.dat")
     assert words in answer

@@ -22,7 +22,7 @@ def path(tmp_path_factory):
 
 @pytest.fixture
 def in_pieces(path, monkeypatch):
-    monkeypatch.setattr(sweep_result, "VARIANTS_AT_A_TIME", 7)
+    monkeypatch.setattr(sweep_result, "VARIANTS_AT_A_TIME", 97)
     monkeypatch.setattr(sweep_result, "CHOSEN_AT_A_TIME", 5)
     return SweepResult(path)
 
@@ -30,7 +30,7 @@ def in_pieces(path, monkeypatch):
 def test_choosing_piece_by_piece__is_that_of_all_at_once(path, in_pieces):
     whole = SweepResult(path)
     columns, ok = whole.columns, whole.columns["status"] == Verdict.OK
-    assert whole.description.variants > 3 * 7
+    assert whole.description.variants > 3 * 97
     where, name = whole.goal.where, whole.goal.goal
     met = whole.meeting(where)
     assert 0 < met.sum() < ok.sum()

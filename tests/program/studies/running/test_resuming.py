@@ -1,7 +1,6 @@
 """Runs that are interrupted, killed and taken up again; and how much memory they need."""
 
 import signal
-import time
 from pathlib import Path
 
 import h5py
@@ -49,19 +48,6 @@ def test_restart__computes_everything_again(tmp_path):
     before = contents(path)
     assert counted(GOOD, tmp_path, restart=True) == [(0, 0), (4, 0)]
     assert contents(path) == before
-
-
-def test_edited_words__are_taken_over_without_computing(tmp_path):
-    path = run(tmp_path, GOOD)
-    before = contents(path)
-    edited = GOOD.replace("How short", "How long").replace("minimise", "maximise").replace("'80 mm'", "'70 mm'")
-    assert counted(edited, tmp_path) == []
-    result = SweepResult(path)
-    told = (result.question, result.goal.maximise, result.condition)
-    assert told == ("How long?", "excess_work", "ram.stroke > '70 mm'")
-    assert result.description.attributes["study"] == edited
-    assert contents(path) == before
-    assert [p.name for p in tmp_path.glob("*.h5")] == ["study.h5"]
 
 
 def evaluated(monkeypatch, study_text: str, folder: Path, **options: object) -> tuple[int, list[str]]:
@@ -197,51 +183,28 @@ def test_file_of_another_version__stands_while_nothing_is_to_be_computed(monkeyp
 # Real processes
 
 
-@pytest.fixture(scope="module")
-def uninterrupted(tmp_path_factory) -> dict:
-    folder = tmp_path_factory.mktemp("uninterrupted")
-    return numbers_in(run(folder, LONG, "long"))
-
-
-def test_killed_runs__go_on_to_the_same_bits(uninterrupted, tmp_path):
-    """It takes 14 s: three programs start, compute, and are killed but for the last."""
-    rng = np.random.default_rng(3)
-    done, kills = 0, 0
-    for _ in range(2):
-        process = start(tmp_path)
-        wait_for_blocks(process, tmp_path, done + int(rng.integers(1, 4)))
-        time.sleep(rng.uniform(0, 0.03))
-        process.kill()
-        process.communicate()
-        if (tmp_path / "long.h5").exists():
-            break
-        kills += 1
-        assert blocks_done(tmp_path) >= done
-        done = blocks_done(tmp_path)
-    assert kills >= 2
-    process = start(tmp_path, "--jobs", "1")
-    output, errors = process.communicate()
-    assert process.returncode == 0, errors
-    assert f"{COUNT} variants" in output
-    assert numbers_in(tmp_path / "long.h5") == uninterrupted
-    assert [p.name for p in tmp_path.glob("*.h5*")] == ["long.h5"]
-
-
-def test_interrupt__keeps_the_blocks_and_says_how_to_go_on(uninterrupted, tmp_path):
+def test_killed_and_interrupted_run__goes_on_to_the_same_bits_and_says_how(tmp_path):
     """Other signals end the program alike: `test_interruption.py`."""
     process = start(tmp_path)
     wait_for_blocks(process, tmp_path, 2)
+    process.kill()
+    process.communicate()
+    killed_at = blocks_done(tmp_path)
+    process = start(tmp_path)
+    wait_for_blocks(process, tmp_path, killed_at + 2)
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate()
     assert process.returncode == 130
     assert errors.startswith("Interrupted: ")
     assert errors.endswith(f" of {COUNT} variants are done and kept; resume with: sweeps {' '.join(AGAIN)}\n")
     assert errors.count("\n") == 1
-    assert blocks_done(tmp_path) >= 2
+    assert blocks_done(tmp_path) >= killed_at + 2 >= 4
     calls: list[tuple[int, int]] = []
     run_study(read_study(tmp_path / "long.toml"), tmp_path / "long.h5", progress=lambda *call: calls.append(call))
     assert calls[0][1] > 0
-    assert numbers_in(tmp_path / "long.h5") == uninterrupted
+    assert [p.name for p in tmp_path.glob("*.h5*")] == ["long.h5"]
+    (tmp_path / "whole").mkdir()
+    assert numbers_in(tmp_path / "long.h5") == numbers_in(run(tmp_path / "whole", LONG, "long"))
 
 
 MEASURED = """
