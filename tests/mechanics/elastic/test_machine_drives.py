@@ -6,8 +6,6 @@ from time import perf_counter
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from machines import crank, frame, rpp
 from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
@@ -45,7 +43,16 @@ def yoke(drive: dict = {}, speed: float = 20.0, **parts: dict) -> Scene:  # noqa
     )
 
 
-def asked(scene: Scene, names: list[str], **varied: list) -> tuple[np.ndarray, dict, dict]:
+# Asked together, so that scenes of one structure share what is compiled.
+STEADY = [
+    *("period", "greatest_moment", "least_moment", "mean_moment", "position_error", "motor_fluctuation"),
+    *("machine_fluctuation", "multiplier", "second_multiplier", "third_multiplier", "power_residual"),
+    *("alternating_moment", "motor_power", "damping_power", "dynamic_factor", "mean_speed", "growth_rate"),
+    "rigid_moment",
+]
+
+
+def asked(scene: Scene, names: list[str] = STEADY, **varied: list) -> tuple[np.ndarray, dict, dict]:
     """Status, values and error estimates by the last parts of their names; double underscores stand for dots."""
     paths = {key.replace("__", "."): values for key, values in varied.items()}
     return answers(Machine(scene, [f"d.{name}" for name in names], varied=paths), *paths.values())
@@ -120,15 +127,10 @@ def shot(k: float, b: float, first: float) -> dict:
 @pytest.fixture(scope="module")
 def machine() -> Machine:
     paths = [f"elements.d.{key}" for key in ("stiffness", "damping", "motor_inertia")]
-    names = [
-        *("period", "greatest_moment", "least_moment", "mean_moment", "position_error", "motor_fluctuation"),
-        *("machine_fluctuation", "multiplier", "second_multiplier", "third_multiplier", "power_residual"),
-        *("alternating_moment", "motor_power", "damping_power", "dynamic_factor"),
-    ]
-    return Machine(yoke(), [f"d.{name}" for name in names], varied=paths)
+    return Machine(yoke(), [f"d.{name}" for name in STEADY], varied=paths)
 
 
-@pytest.mark.parametrize("drive", [(400.0, 0.4, 0.2), (150.0, 1.0, 0.05), (5000.0, 0.1, 0.5)])
+@pytest.mark.parametrize("drive", [(150.0, 1.0, 0.05), (5000.0, 0.1, 0.5)])
 def test_steady_motion__is_that_of_shooting_in_time(machine, drive):
     status, values, errors = answers(machine, *([x] for x in drive))
     assert status[0] == Verdict.OK
@@ -144,21 +146,22 @@ def test_steady_motion__is_that_of_shooting_in_time(machine, drive):
     np.testing.assert_allclose(found, others, rtol=1e-6, atol=1e-9)
 
 
-@settings(max_examples=30, deadline=None)
-@given(st.floats(2.0, 7.0), st.floats(-3.0, 0.5), st.floats(-2.0, 1.0))
-def test_power__is_balanced_over_the_cycle_and_error_figures_hold(machine, k, b, first):
-    numbers = [[10.0**k] * 2, [10.0**b] * 2, [10.0**first] * 2]
+def test_power__is_balanced_over_the_cycle_and_error_figures_hold(machine):
+    rng = np.random.default_rng(5)
+    numbers = [10.0 ** rng.uniform(*ends, 40) for ends in ((2.0, 7.0), (-3.0, 0.5), (-2.0, 1.0))]
     status, values, errors = answers(machine, *numbers)
-    if status[0] in (Verdict.TURNS_BACK, Verdict.GROWS, Verdict.STALLS, Verdict.NOT_FINITE):
-        return
-    assert status[0] == Verdict.OK
+    found = status == Verdict.OK
+    assert found.mean() > 0.5
+    assert set(status[~found]) <= {Verdict.TURNS_BACK, Verdict.GROWS, Verdict.STALLS, Verdict.NOT_FINITE}
     # Collocation at Gauss' points keeps quadratic sums of the state: what is left is rounding, more of stiffer shafts.
-    assert abs(values["power_residual"][0]) < 1e-11
-    assert values["motor_power"][0] > values["damping_power"][0] >= 0.0
+    assert (np.abs(values["power_residual"][found]) < 1e-11).all()
+    assert (values["motor_power"][found] > values["damping_power"][found]).all()
+    assert (values["damping_power"][found] >= 0.0).all()
+    # Variants don't depend on their neighbours.
+    _, others, _ = answers(machine, *(row[::-1] for row in numbers))
     for name, row in values.items():
-        # Variants don't depend on their neighbours.
-        assert row[0] == row[1], name
-        assert np.isfinite(errors[name][0]), name
+        np.testing.assert_array_equal(row, others[name][::-1], err_msg=name)
+        assert np.isfinite(errors[name][found]).all(), name
 
 
 def test_stiff_shaft__moves_as_the_rigid_regime_does(machine):
@@ -177,26 +180,27 @@ def test_stiff_shaft__moves_as_the_rigid_regime_does(machine):
         assert values["dynamic_factor"][k] == pytest.approx(1.0, abs=10 * tolerance)
 
 
-def test_driver__is_taken_from_the_scene_and_reduced_to_the_crank():
-    shafts = {
-        "wheel": {"geared_to": "crank", "ratio": 1.0, "inertia": WHEEL},
-        "rotor": {"geared_to": "crank", "ratio": -4.0, "inertia": 0.2 / 16},
-    }
-    names = ["greatest_moment", "machine_fluctuation", "multiplier"]
-    scene = yoke(shafts=shafts, elements={"d": DRIVE | {"motor_inertia": None, "driver": "rotor"}})
-    _, values, _ = asked(scene, names)
-    _, expected, _ = asked(yoke(), names)
-    for name in names:
+WITH_ROTOR = {
+    "wheel": {"geared_to": "crank", "ratio": 1.0, "inertia": WHEEL},
+    "rotor": {"geared_to": "crank", "ratio": -4.0, "inertia": 0.2 / 16},
+}
+
+
+@pytest.mark.parametrize(
+    "same",
+    [
+        yoke(speed=-20.0),
+        yoke(shafts=WITH_ROTOR, elements={"d": DRIVE | {"motor_inertia": None, "driver": "rotor"}}),
+    ],
+    ids=["turning backwards", "rotor of the scene, reduced to the crank"],
+)
+def test_mirror_image_and_driver_of_the_scene__move_alike(machine, same):
+    _, expected, _ = answers(machine, [DRIVE["stiffness"]], [DRIVE["damping"]], [DRIVE["motor_inertia"]])
+    status, values, _ = asked(same)
+    assert status[0] == Verdict.OK
+    for name in ("greatest_moment", "machine_fluctuation", "multiplier"):
         # Two ways to the same inertia round differently, and so do the first guesses.
         assert values[name][0] == pytest.approx(expected[name][0], rel=1e-11), name
-
-
-def test_turning_backwards__is_the_mirror_image():
-    names = ["greatest_moment", "machine_fluctuation", "multiplier"]
-    (_, one, _), (status, other, _) = asked(yoke(), names), asked(yoke(speed=-20.0), names)
-    assert status[0] == Verdict.OK
-    for name in names:
-        assert other[name][0] == pytest.approx(one[name][0], rel=1e-11), name
 
 
 # Closed forms
@@ -220,7 +224,7 @@ def test_constant_inertia__vibrates_as_two_linear_masses():
         },
         elements={"d": DRIVE | {"motor_inertia": first, "stiffness": k, "damping": b}},
     )
-    status, values, _ = asked(scene, ["mean_moment", "alternating_moment", "mean_speed", "multiplier", "growth_rate"])
+    status, values, _ = asked(scene)
     assert status[0] == Verdict.OK
     w = 3 * mean
     coupled = k + 1j * w * b
@@ -247,7 +251,7 @@ def parametric(shares: np.ndarray, ratio: float, swing: float) -> tuple[np.ndarr
         shafts={"wheel": {"geared_to": "crank", "ratio": 1.0, "inertia": size - swing}},
         moments={"motor": {"type": "dc_motor", "on": "crank", "stall_moment": 1e9, "no_load_speed": omega}},
     )
-    return *asked(scene, ["growth_rate", "multiplier", "mean_speed"], elements__d__stiffness=list(stiffness))[:2], omega
+    return *asked(scene, elements__d__stiffness=list(stiffness))[:2], omega
 
 
 def test_parametric_tongue__has_its_width_and_growth():
@@ -280,7 +284,7 @@ SOFT = {"forces": {"load": {"type": "constant", "on": "P", "angle": 0.0, "force"
 
 def test_load_too_great_for_a_soft_shaft__turns_back():
     drive = {"motor_inertia": 5.0, "stiffness": 200.0, "damping": 0.05}
-    status, values, _ = asked(yoke(drive, **SOFT), ["multiplier"], elements__d__stiffness=[200.0, 1e6])
+    status, values, _ = asked(yoke(drive, **SOFT), elements__d__stiffness=[200.0, 1e6])
     assert list(status) == [Verdict.TURNS_BACK, Verdict.OK]
     assert np.isnan(values["multiplier"][0])
 
@@ -288,14 +292,14 @@ def test_load_too_great_for_a_soft_shaft__turns_back():
 @pytest.mark.parametrize("driver", [{}, {"motor_inertia": None, "driver": "wheel"}])
 def test_machine_without_inertia_at_dead_centres__says_so(driver):
     shafts = {"shafts": {"wheel": {"geared_to": "crank", "ratio": 1.0, "inertia": 0.5}}} if driver else {"shafts": {}}
-    status, _, _ = asked(yoke(driver, **shafts), ["multiplier"])
+    status, _, _ = asked(yoke(driver, **shafts))
     assert status[0] == Verdict.NO_INERTIA
 
 
 def test_motor_too_weak_for_the_load__stalls():
     moments = {"motor": {"type": "dc_motor", "on": "crank", "stall_moment": 0.5, "no_load_speed": NO_LOAD}}
     load = {"load": {"type": "constant", "on": "P", "angle": 0.0, "force": 200.0, "acts": "against"}}
-    status, values, _ = asked(yoke(moments=moments, forces=load), ["greatest_moment"])
+    status, values, _ = asked(yoke(moments=moments, forces=load))
     assert status[0] == Verdict.STALLS
     assert np.isnan(values["greatest_moment"][0])
 
@@ -344,7 +348,7 @@ def test_drive_of_a_machine_that_cannot_be__says_what_to_mend(drive, parts, said
 def test_picture__draws_the_summaries_and_refuses_what_has_no_motion():
     scene = yoke()
     cycle = drive_cycle(scene, "d")
-    _, values, _ = asked(scene, ["greatest_moment", "machine_fluctuation"])
+    _, values, _ = asked(scene)
     # Of ends of 128 steps the highest may miss a top of a wave of an eighth turn by 1/2 (2π 8/256)², 2 % of it.
     assert cycle.moment.max() == pytest.approx(values["greatest_moment"][0], rel=1e-2)
     speed = cycle.machine_speed
@@ -395,8 +399,7 @@ def test_shaft_too_stiff_for_its_run__is_told_at_once():
 
 def test_run_out_of_steady_motion__goes_on_in_it():
     scene = yoke({"run": {"begin": "steady", "time": 1.0}})
-    names = ["period", "greatest_moment", "mean_speed"]
-    _, values, _ = asked(scene, names)
+    _, values, _ = asked(scene)
     cycles = 3
     scene = yoke({"run": {"begin": "steady", "time": cycles * values["period"][0]}})
     found, errors = run_of(scene)
@@ -424,18 +427,6 @@ def test_stop_with_dry_friction__ends_at_rest_with_a_twist_that_it_holds():
     assert figure.axes[2].get_xlim() == (0.0, 1.5)
 
 
-def test_sudden_load__is_on_from_the_begin_of_the_run():
-    load = {"load": {"type": "constant", "on": "crank", "moment": -20.0}}
-    motor = {"motor": {"type": "dc_motor", "on": "crank", "stall_moment": STALL, "no_load_speed": NO_LOAD}}
-    parts = {"moments": motor | load, "bodies": {}, "forces": {}}
-    parts["shafts"] = {"wheel": {"geared_to": "crank", "ratio": 1.0, "inertia": 0.5}}
-    drive = {"off": ["load"], "stiffness": 3000.0, "damping": 0.0, "motor_inertia": 2.0}
-    found, errors = run_of(yoke(drive | {"run": {"begin": "steady", "time": 0.1}}, **parts))
-    # Twice what a free pair would carry, M I₁/(I₁ + I₂), but for what the motor's own fall damps in a swing, a percent.
-    assert found["greatest_moment"] == pytest.approx(2 * 20.0 * 2.0 / 2.5, rel=0.05)
-    assert errors["greatest_moment"] < 1e-3 * found["greatest_moment"]
-
-
 def test_angle_with_a_steady_begin__is_refused():
     with pytest.raises(SceneError, match="angle goes with begin = 'at rest'"):
         yoke({"run": {"begin": "steady", "time": 1.0, "angle": 0.5}})
@@ -444,8 +435,9 @@ def test_angle_with_a_steady_begin__is_refused():
 # Backlash
 
 
-@pytest.mark.parametrize("gap", [0.0, 0.03])
-@pytest.mark.parametrize(("damping", "load"), [(0.0, 25.0), (1.5, 25.0), (6.0, 0.0), (0.0, 45.0)])
+@pytest.mark.parametrize(
+    ("damping", "load", "gap"), [(0.0, 25.0, 0.03), (1.5, 25.0, 0.03), (6.0, 0.0, 0.0), (0.0, 45.0, 0.03)]
+)
 def test_start__is_that_of_two_masses_phase_by_phase(damping, load, gap):
     """Impacts, parting and meeting again, the load held and let go: exact phases, with a constant moment."""
     first, second, k, moment, time = 0.2, 0.5, 3000.0, 40.0, 0.35
@@ -507,7 +499,7 @@ def test_template__answers_everything_of_its_drive():
 
 
 def test_run_on_a_stiff_shaft__takes_about_as_long_as_forecast(tmp_path):
-    scene = yoke({"stiffness": 4e5, "run": {"begin": "steady", "time": 1.0}})
+    scene = yoke({"stiffness": 4e5, "run": {"begin": "steady", "time": 0.3}})
     machine = Machine(scene, ["d.run_greatest_moment"], varied=["elements.d.stiffness"])
     stiffness = {"elements.d.stiffness": np.array([4e5])}
     # What is compiled first takes its time, too.
@@ -523,13 +515,12 @@ def test_run_on_a_stiff_shaft__takes_about_as_long_as_forecast(tmp_path):
     assert on_shafts_text(study, study.machine()).startswith("Runs on elastic shafts: about ")
 
 
-@pytest.mark.parametrize("stroke", [0.0, 0.06])
-def test_moment_of_a_rigid_shaft__is_that_of_its_own_steady_running(stroke):
-    """Another method: dω/dφ by DOP853 over a turn that returns; the load may set in at a cut, where the peak lies."""
+def test_moment_of_a_rigid_shaft__is_that_of_its_own_steady_running():
+    """Another method: dω/dφ by DOP853 over a turn that returns; the load sets in at a cut, where the peak lies."""
     own, blow = 0.2, {"type": "table", "on": "P", "angle": math.pi, "slider": "yoke", "interpolation": "linear"}
     blow |= {"over_stroke": [0.0, 0.01], "force": [300.0, 900.0], "outside": "zero", "acts": "against"}
-    forces = {"load": {"type": "linear_drag", "on": "P", "coefficient": DRAG}} | ({"blow": blow} if stroke else {})
-    status, values, errors = asked(yoke(forces=forces), ["rigid_moment", "dynamic_factor", "greatest_moment"])
+    forces = {"load": {"type": "linear_drag", "on": "P", "coefficient": DRAG}} | {"blow": blow}
+    status, values, errors = asked(yoke(forces=forces))
 
     def rates(phi: float, omega: float, acts: bool) -> tuple[float, float]:
         """Dω/dφ and the torque of the shaft."""
@@ -542,8 +533,8 @@ def test_moment_of_a_rigid_shaft__is_that_of_its_own_steady_running(stroke):
         return epsilon / omega, motor - own * epsilon
 
     within = [math.tau - math.acos(0.1 * share) for share in (1.0, 0.0)]
-    cuts = [0.0, math.pi, within[1], within[0], math.tau] if stroke else [0.0, math.pi, math.tau]
-    rows = [(a, b, stroke > 0.0 and a == within[1]) for a, b in pairwise(cuts)]
+    cuts = [0.0, math.pi, within[1], within[0], math.tau]
+    rows = [(a, b, a == within[1]) for a, b in pairwise(cuts)]
 
     def turn(begin: float) -> tuple[float, float]:
         """Speed after a turn, and the peak torque."""
