@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from driving_cams import changed
+from driving_cams import BALANCE, asked, changed
 from geared_links import CRANK
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -14,7 +14,6 @@ from test_wheels_on_groups import WATT
 from engine import Machine, Scene, SceneError, Verdict
 
 EPS = np.finfo(float).eps
-BALANCE = ["input_moment_disagreement", "equilibrium_residual"]
 LOAD = {"load": {"type": "constant", "on": "second", "moment": -12.0}}
 PAIR_OF_WHEELS = {
     "points": {"O": {"x": 0, "y": 0}, "C": {"x": 0.3, "y": 0.1}},
@@ -39,8 +38,8 @@ def rows_of(data: dict, fields: list[str], summaries: list[str], **values: float
 def test_two_wheels__lose_what_their_efficiency_says(efficiency, load, ratio, teeth):
     data = changed(PAIR_OF_WHEELS, shafts__second__ratio=ratio, moments__load__moment=12.0 * load)
     data = changed(data, **({"shafts__second__pressure_angle": "20 deg"} if teeth else {}))
-    asked = ["friction_loss", "second.mesh_work", "mechanical_efficiency"]
-    rows = rows_of(data, FIELDS, asked, **{"shafts.second.efficiency": efficiency})
+    summaries = ["friction_loss", "second.mesh_work", "mechanical_efficiency"]
+    rows = rows_of(data, FIELDS, summaries, **{"shafts.second.efficiency": efficiency})
     taken = -12.0 * load * ratio
     driven = taken / efficiency if taken > 0 else taken * efficiency
     if 1.0 - ratio * (1 / efficiency if taken > 0 else efficiency) == 0.0:
@@ -72,7 +71,7 @@ def test_planet__loses_power_of_its_motion_against_the_carrier():
         "moments": {"drive": {"type": "constant", "on": "sun", "moment": 2.0, "role": "driving"}},
     }
     # The sun drives: the crank, its carrier, takes what the train gives.
-    rows = rows_of(data, ["input_moment_with_friction", "input_moment"], ["friction_loss"])
+    _, rows = asked(data, ["input_moment_with_friction", "input_moment"], 48)
     np.testing.assert_allclose(rows["input_moment"], -2.0 * (1 + teeth), rtol=64 * EPS)
     np.testing.assert_allclose(rows["input_moment_with_friction"], -2.0 * (1 + first * second * teeth), rtol=64 * EPS)
 
@@ -87,7 +86,7 @@ def test_wheel_on_a_rocker__loses_in_both_senses_of_its_swing(teeth, speed):
     data = WATT | {"shafts": shafts, "points": points, "bodies": bodies, "input": WATT["input"] | {"speed": speed}}
     wheel = ["counter.angle_phi", "counter.angle_phiphi", "counter.angle"]
     moments = ["input_moment_with_friction", "input_moment", "counter.mesh_loss"]
-    rows = rows_of(data, [*wheel, *moments], ["friction_loss"])
+    _, rows = asked(data, [*wheel, *moments], 48)
     angle = rows["counter.angle"]
     # About its own axis: 0.02 kg m² and 0.8 kg at 0.01 m, with 0.001 kg m² of that body.
     own = (0.02 + 0.001 + 0.8e-4) * speed**2 * rows["counter.angle_phiphi"] + 0.8 * 9.81 * 0.01 * np.cos(angle)
@@ -115,7 +114,7 @@ def test_rack__takes_more_of_its_pinion_or_gives_it_less_as_power_goes(angle, ra
     """F r/η where the pinion drives against a force F, η F r where the force drives the pinion."""
     data = changed(RACK, forces__load__angle=angle, racks__bar__radius=radius)
     names = ["input_moment_with_friction", "input_moment", "bar.mesh_loss", "bar.tangential_force"]
-    rows = rows_of(data, [*names, "bar.reaction_moment"], ["friction_loss"])
+    _, rows = asked(data, [*names, "bar.reaction_moment"], 48)
     ideal = -50.0 * math.cos(angle) * radius
     driven = ideal / 0.9 if ideal > 0 else ideal * 0.9
     np.testing.assert_allclose(rows["input_moment"], ideal, rtol=64 * EPS)
@@ -142,7 +141,7 @@ def test_pinion_that_rolls_on_a_rack__is_driven_by_what_losses_leave():
         moments={"drag": {"type": "linear_drag", "on": "wheel", "coefficient": 0.5}},
     )  # fmt: skip
     names = ["wheel.angle_phi", "wheel.tangential_force", "wheel.mesh_loss", "input_moment_with_friction"]
-    rows = rows_of(data, [*names, "input_moment"], ["friction_loss"])
+    _, rows = asked(data, [*names, "input_moment"], 48)
     turning = rows["wheel.angle_phi"] * 4 * math.pi
     np.testing.assert_allclose(rows["wheel.tangential_force"], 0.5 * turning / (0.8 * 0.03), atol=1e-12 * 500)
     loss = 0.5 * turning**2 * (1 / 0.8 - 1)
@@ -158,7 +157,8 @@ def test_noncircular_wheels__lose_a_share_of_what_rolls_through_them(teeth):
         noncircular_wheels__second__efficiency=0.85, noncircular_wheels__second__pressure_angle=teeth,
         moments={"drag": {"type": "linear_drag", "on": "second", "coefficient": 0.5}},
     )  # fmt: skip
-    rows = rows_of(data, ["second.angle_phi", "second.mesh_loss", "input_moment_with_friction", "input_moment"], [])
+    fields = ["second.angle_phi", "second.mesh_loss", "input_moment_with_friction", "input_moment"]
+    _, rows = asked(data, fields, 48)
     power = 0.5 * (4 * math.pi * rows["second.angle_phi"]) ** 2
     np.testing.assert_allclose(rows["input_moment"] * 4 * math.pi, power, rtol=256 * EPS)
     np.testing.assert_allclose(rows["input_moment_with_friction"] * 4 * math.pi, power / 0.85, rtol=256 * EPS)
