@@ -340,13 +340,6 @@ def test_study_of_a_four_bar__has_full_balance_as_it_is():
     assert weights["bodies.rocker_weight.mass"][0] == pytest.approx(swinging / 0.07, rel=1e-12)
 
 
-def test_study_of_a_four_bar__asks_one_question_and_chooses_by_columns_that_it_has():
-    study = read_study(bundled_studies()["four_bar_counterweights"])
-    assert study.question.count("?") == 1
-    assert study.best.goal in study.summaries
-    assert set(study.optimise.minimise) <= set(study.summaries)
-
-
 def test_front_of_a_four_bar__begins_at_full_balance_and_no_grid_surpasses_it(tmp_path):
     pytest.importorskip("pymoo")
     study = read_study(bundled_studies()["four_bar_counterweights"])

@@ -4,32 +4,22 @@ import math
 
 import numpy as np
 import pytest
-from driving_cams import SLIDING, SWINGING, changed
+from driving_cams import SLIDING, SWINGING, asked, changed
 
-from engine import Machine, Scene, SceneError, Verdict
+from engine import Scene, SceneError
 from engine.scene.structure.ordering import order
 
 EPS = np.finfo(float).eps
-BALANCE = ["input_moment_disagreement", "equilibrium_residual"]
 CONTACT = {"pair": "cam.contact", "coefficient": 0.12}
 FLAT = {"type": "translating", "link": "tappet", "guide": "way", "contact": "flat"}
 MOMENTS = ["input_moment", "input_moment_with_friction", "cam.contact_force", "cam.closing_force"]
-
-
-def rows_of(data: dict, fields: list[str], summaries: tuple[str, ...] = ()) -> dict[str, np.ndarray]:
-    machine = Machine(Scene.model_validate(data), [*BALANCE, *summaries], fields, positions=96)
-    outcome = machine.evaluate({})
-    assert outcome.status[0] == Verdict.OK
-    # A few roundings of what a handful of links pass on, against the greatest.
-    assert all(outcome.summaries[name][0] < 1e-12 for name in BALANCE)
-    return {name: outcome.fields[name][0] for name in fields} | {n: outcome.summaries[n][0] for n in summaries}
 
 
 def test_flat_face__is_dragged_along_by_what_presses():
     """The face is square to the guide: the force stays P, and the cam needs μ P at the height of the contact."""
     data = changed(SLIDING, cams__cam__follower=FLAT, friction={"face": CONTACT})
     wanted = [*MOMENTS, "cam.contact.friction_force", "cam.contact_y", "cam.contact.friction_power"]
-    rows = rows_of(data, wanted, ("friction_loss",))
+    _, rows = asked(data, wanted, 96)
     pressing = rows["cam.contact_force"]
     assert pressing.min() > 0.0
     np.testing.assert_allclose(pressing, rows["cam.closing_force"], rtol=64 * EPS)
@@ -38,13 +28,12 @@ def test_flat_face__is_dragged_along_by_what_presses():
     np.testing.assert_allclose(extra, 0.12 * pressing * rows["cam.contact_y"], rtol=1e-11)
     omega = Scene.model_validate(data).input.speed
     np.testing.assert_allclose(rows["cam.contact.friction_power"], extra * abs(omega), rtol=1e-11)
-    assert rows["friction_loss"] > 0.0
 
 
 def test_guide_of_a_roller__leans_against_its_motion():
     """N cos α = P ± μ N sin α, by the sense of the follower; nothing presses on the guide but the roller."""
     data = changed(SLIDING, friction={"stem": {"pair": "cam.guide", "coefficient": 0.2}})
-    rows = rows_of(data, [*MOMENTS, "cam.pressure_angle", "tappet.slide_phi", "cam.guide.friction_force"])
+    _, rows = asked(data, [*MOMENTS, "cam.pressure_angle", "tappet.slide_phi", "cam.guide.friction_force"], 96)
     lean, way = np.abs(np.sin(rows["cam.pressure_angle"])), np.sign(np.round(rows["tappet.slide_phi"], 12))
     known = rows["cam.closing_force"] / (np.cos(rows["cam.pressure_angle"]) - 0.2 * lean * way)
     np.testing.assert_allclose(rows["cam.contact_force"], known, rtol=1e-11)
@@ -59,7 +48,7 @@ def test_roller__rubs_on_its_pin(sample):
     held = "guide" if sample is SLIDING else "pivot"
     other = {"pair": f"cam.{held}", "coefficient": 0.1} | ({"diameter": 0.01} if held == "pivot" else {})
     fields = [*MOMENTS, "cam.contact.friction_force", "cam.contact.friction_power", f"cam.{held}.friction_power"]
-    rows = rows_of(changed(sample, friction={"pin": pin, "other": other}), fields)
+    _, rows = asked(changed(sample, friction={"pin": pin, "other": other}), fields, 96)
     share = 0.12 * 0.3
     np.testing.assert_allclose(
         np.abs(rows["cam.contact.friction_force"]), share * np.abs(rows["cam.contact_force"]), rtol=1e-12

@@ -130,12 +130,11 @@ def test_drives__are_those_of_scipy_from_event_to_event(motor, begin):
 
 @pytest.mark.parametrize("motor", [LINE, TABLE, KLOSS])
 def test_stiff_shaft__turns_as_a_rigid_one_in_the_end(motor):
-    """Several seconds: 30 000 radians of vibration are followed."""
     given = {"motor": motor, "backlash": 0.0, "load_moment": 10.0, "time": 2.0, "damping_ratio": 0.0}
     rigid = scipy.integrate.solve_ivp(
         lambda t, w: (motor_moment(motor, w[0]) - 10.0) / 3.5, (0, 2), [0], "DOP853", rtol=1e-12, max_step=1e-3
     )
-    k, ratio = (grid.ravel() for grid in np.meshgrid([1e6, 1e8], [0.0, 0.1, 1.5]))
+    k, ratio = (grid.ravel() for grid in np.meshgrid([1e6, 1e7], [0.0, 0.1, 1.5]))
     names = "it.motor_speed", "it.load_speed"
     speeds, outcome = asked({"it": DRIVE | given}, *names, it__stiffness=k, it__damping_ratio=ratio)
     assert (outcome.status == Verdict.OK).all()
@@ -169,8 +168,8 @@ def test_shaft_too_stiff_for_its_time__is_refused_with_its_natural_frequency(mot
 
 
 def test_most_vibrations_that_are_followed__keep_their_error_estimates():
-    """Several seconds: 60 000 radians of vibration are followed."""
-    k = np.array([1e4, 1e7, 0.999 * MOST_RADIANS**2 * 0.5 * 3.0 / 3.5])
+    """The stiffest vibrates by nearly as many radians as are followed at all."""
+    k = np.array([1e4, 0.999 * MOST_RADIANS**2 * 0.5 * 3.0 / 3.5])
     drive = DRIVE | {"motor": LINE, "backlash": 0.0, "load_moment": 0.0, "time": 1.0}
     names = "it.motor_speed", "it.load_speed"
     found, outcome = asked({"it": drive}, *names, it__stiffness=k)

@@ -20,9 +20,9 @@ EPS = np.finfo(float).eps
 def test_ellipses__turn_and_curve_as_their_closed_forms_say():
     """tan(ψ/2) = (1 + e)/(1 − e) tan(θ/2); ellipses of the half axes a/2, b curve by a b /(a² sin² + b² cos²)^(3/2)."""
     names = ["angle", "pitch_radius", "driver_pitch_radius", "curvature", "driver_curvature", "ratio"]
-    machine, outcome = asked(ELLIPSES, [f"second.{name}" for name in names])
-    angle, own, other, curvature, driver_curvature, ratio = (outcome.fields[f"second.{n}"][0] for n in names)
-    theta, e, a = machine.nodes - 0.3, 0.4, math.hypot(0.2, 0.05) / 2
+    q, rows = asked(ELLIPSES, [f"second.{name}" for name in names])
+    angle, own, other, curvature, driver_curvature, ratio = (rows[f"second.{n}"] for n in names)
+    theta, e, a = q - 0.3, 0.4, math.hypot(0.2, 0.05) / 2
     psi = 2 * np.arctan2((1 + e) * np.sin(theta / 2), (1 - e) * np.cos(theta / 2))
     np.testing.assert_allclose(np.exp(1j * angle), np.exp(1j * (1.0 - psi)), atol=32 * EPS)
     b = a * math.sqrt(1 - e * e)
@@ -54,16 +54,16 @@ def exact_chain(phi: float) -> list[float]:
 
 def test_wheels_after_each_other__turn_as_50_digits_say():
     fields = [f"{of}.angle{rate}" for of in ("middle", "last") for rate in ("", "_phi", "_phiphi")]
-    machine, outcome = asked(CHAIN, [*fields, "middle.pitch_radius", "middle.driver_pitch_radius", "middle.ratio"])
+    q, rows = asked(CHAIN, [*fields, "middle.pitch_radius", "middle.driver_pitch_radius", "middle.ratio"])
     with mp.workdps(50):
         for k in (0, 5, 16):
-            true = exact_chain(machine.nodes[k])
-            found = [outcome.fields[name][0][k] for name in fields]
+            true = exact_chain(q[k])
+            found = [rows[name][k] for name in fields]
             for i in (0, 3):
                 found[i] -= round((found[i] - true[i]) / math.tau) * math.tau
             # Angles up to 4π, multiplied by three lobes, carry their rounding into two derivatives.
             np.testing.assert_allclose(found, true, atol=1000 * EPS * max(np.abs(true)))
-    own, other, ratio = (outcome.fields[f"middle.{n}"][0] for n in ("pitch_radius", "driver_pitch_radius", "ratio"))
+    own, other, ratio = (rows[f"middle.{n}"] for n in ("pitch_radius", "driver_pitch_radius", "ratio"))
     np.testing.assert_allclose(own * ratio, other, rtol=8 * EPS)
 
 
@@ -72,8 +72,8 @@ def test_force_between_teeth__leans_from_the_tangent_of_the_ellipse_and_holds_th
     data = changed(ELLIPSES, gravity=0, groups={}, bodies={}, points__D=None, guides={})
     data["moments"] = {"load": {"type": "constant", "on": "second", "moment": "9 N m"}}
     names = ["reaction_x", "reaction_y", "pitch_x", "pitch_y", "tangential_force", "radial_force", "normal_force"]
-    machine, outcome = asked(data, [*(f"second.{name}" for name in names), "input.reaction_x"])
-    rows = {name: outcome.fields[f"second.{name}"][0] for name in names}
+    q, rows = asked(data, [*(f"second.{name}" for name in names), "input.reaction_x"])
+    rows = {name: rows[f"second.{name}"] for name in names}
     distance = complex(0.2, 0.05)
     for k in (1, 7, 15):
         force = -complex(rows["reaction_x"][k], rows["reaction_y"][k])
@@ -81,7 +81,7 @@ def test_force_between_teeth__leans_from_the_tangent_of_the_ellipse_and_holds_th
         arm = place - distance
         assert (arm.conjugate() * force).imag == pytest.approx(-9, rel=64 * EPS)
         # At the law's beginning the far end of the ellipse, and with it the second focus, points to the other axis.
-        second = 0.4 * distance * cmath.exp(1j * (machine.nodes[k] - 0.3))
+        second = 0.4 * distance * cmath.exp(1j * (q[k] - 0.3))
         if k == 1:
             assert abs(place) + abs(place - second) == pytest.approx(abs(distance), rel=16 * EPS)
         normal = -place / abs(place) - (place - second) / abs(place - second)

@@ -19,8 +19,8 @@ EPS = np.finfo(float).eps
 
 def test_pinion_between_two_racks__doubles_the_stroke():
     fields = ["ram.slide", "table.slide", "table.slide_phiphi", "ram.slide_phiphi", "wheel.angle_phi", "ram.slide_phi"]
-    _, outcome = asked(DOUBLER, fields)
-    ram, table, table2, ram2, turned, ram1 = (outcome.fields[name][0] for name in fields)
+    _, rows = asked(DOUBLER, fields)
+    ram, table, table2, ram2, turned, ram1 = (rows[name] for name in fields)
     np.testing.assert_allclose(table, 2 * ram, rtol=8 * EPS)
     np.testing.assert_allclose(table2, 2 * ram2, rtol=8 * EPS)
     # It rolls to the right over a rack below it: clockwise.
@@ -51,11 +51,11 @@ def exact_lift(phi: float) -> list[float]:
 
 def test_rack_gear_rack_and_idler__move_as_50_digits_say():
     fields = [f"{of}{rate}" for of in ("gear.angle", "post.slide", "idler.angle") for rate in ("", "_phi", "_phiphi")]
-    machine, outcome = asked(LIFT, fields)
+    q, rows = asked(LIFT, fields)
     with mp.workdps(50):
         for k in (0, 5, 16):
-            true = exact_lift(machine.input_values[k])
-            found = [outcome.fields[name][0][k] for name in fields]
+            true = exact_lift(q[k])
+            found = [rows[name][k] for name in fields]
             turns = [round((a - b) / math.tau) * math.tau for a, b in zip(found[::6], true[::6], strict=True)]
             found[0], found[6] = found[0] - turns[0], found[6] - turns[1]
             # Two divisions by radii of a few centimetres after the dyad.
@@ -64,12 +64,12 @@ def test_rack_gear_rack_and_idler__move_as_50_digits_say():
 
 def test_rack_on_a_turning_guide__slides_by_what_its_pinion_gains():
     fields = ["bar.slide", "bar.slide_phi", "bar.slide_phiphi", "bar.angle_phi"]
-    machine, outcome = asked(ON_CRANK, fields)
-    phi = machine.input_values
+    q, rows = asked(ON_CRANK, fields)
+    phi = q
     beside = -0.01 * math.cos(0.3) - 0.02 * math.sin(0.3)
-    np.testing.assert_allclose(outcome.fields["bar.slide"][0], beside + 0.02 * (0.5 + 2 * phi), rtol=16 * EPS, atol=EPS)
-    np.testing.assert_allclose(outcome.fields["bar.slide_phi"][0], 0.04, rtol=4 * EPS)
-    np.testing.assert_allclose(outcome.fields["bar.angle_phi"][0], 1.0, rtol=4 * EPS)
+    np.testing.assert_allclose(rows["bar.slide"], beside + 0.02 * (0.5 + 2 * phi), rtol=16 * EPS, atol=EPS)
+    np.testing.assert_allclose(rows["bar.slide_phi"], 0.04, rtol=4 * EPS)
+    np.testing.assert_allclose(rows["bar.angle_phi"], 1.0, rtol=4 * EPS)
 
 
 def test_forces_between_rack_and_pinion__hold_up_a_weight_and_push_the_axis_away():
@@ -85,12 +85,12 @@ def test_forces_between_rack_and_pinion__hold_up_a_weight_and_push_the_axis_away
     }
     names = ["post.tangential_force", "post.radial_force", "post.reaction_x", "input.reaction_x", "input.reaction_y"]
     names += ["input_moment_by_equilibrium", "post.slide", "post.normal_force"]
-    machine, outcome = asked(data, names)
+    q, rows = asked(data, names)
     pull, apart = 10.0, 10 * math.tan(0.35)
     # Driven up by a pinion that turns counter-clockwise, the rack is to the right of its axis.
-    expected = [pull, apart, -apart, apart, pull, 0.04 * pull, 0.04 * machine.input_values[3], pull / math.cos(0.35)]
+    expected = [pull, apart, -apart, apart, pull, 0.04 * pull, 0.04 * q[3], pull / math.cos(0.35)]
     for name, value in zip(names, expected, strict=True):
-        assert outcome.fields[name][0][3] == pytest.approx(value, rel=16 * EPS), name
+        assert rows[name][3] == pytest.approx(value, rel=16 * EPS), name
 
 
 MOVED = Machine(

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from driving_cams import BALANCE, changed, rows_of
+from driving_cams import BALANCE, asked, changed, rows_of
 from geared_links import CRANK
 from machines import rrp, rrr
 from mpmath import mp
@@ -60,11 +60,6 @@ SERVO_RACK = {
 }
 
 
-def asked(data: dict, fields: list[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    machine = Machine(Scene.model_validate(data), BALANCE, fields, positions=24)
-    return machine.nodes, rows_of(machine)
-
-
 def test_rack_on_a_connecting_rod__rolls_without_slip_in_50_digits():
     fields = [f"pinion.angle{rate}" for rate in ("", "_phi", "_phiphi")]
     nodes, rows = asked(RACK_ROD, fields)
@@ -120,12 +115,12 @@ def test_rack_on_a_coupler__moves_twice_as_far_as_its_pinion():
 
 
 def test_rack_of_a_servo__takes_the_moment_that_lifts_it():
-    machine = Machine(Scene.model_validate(SERVO_RACK), ["servo.swing", "post.stroke"])
+    names = ["post.slide", "post.slide_phiphi", "servo.driving_moment", "input_moment_by_equilibrium"]
+    machine = Machine(Scene.model_validate(SERVO_RACK), [*BALANCE, "servo.swing", "post.stroke"], names, positions=24)
     outcome = machine.evaluate({})
     for name, value in (("servo.swing", 1.4), ("post.stroke", 0.03 * 1.4)):
         assert abs(outcome.summaries[name][0] - value) <= outcome.errors[name][0] < 1e-13
-    names = ["post.slide", "post.slide_phiphi", "servo.driving_moment", "input_moment_by_equilibrium"]
-    phi, rows = asked(SERVO_RACK, names)
+    phi, rows = machine.nodes, rows_of(machine)
     omega = 4 * np.pi
     psi, bend = 0.4 + 0.7 * np.sin(2 * phi), -2.8 * np.sin(2 * phi)
     np.testing.assert_allclose(rows["post.slide"], 0.1 + 0.03 * psi, atol=8 * EPS)

@@ -131,7 +131,7 @@ def penetration(mesh, corner_of):
     angle=st.floats(16.0, 25.0),
     shifts=st.tuples(st.floats(-0.4, 0.4), st.floats(-0.4, 0.4)),
 )
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 def test_interference__is_where_flanks_cut_into_each_other(z1, more, sense, angle, shifts):
     z2 = z1 + more if sense > 0 else z1 + more + 6
     mesh = teeth(z1, z2, sense, angle, 0.0, shifts)
@@ -158,7 +158,7 @@ def pair(sun, wheel, **keys):
     }
 
 
-@pytest.mark.parametrize("z", [1, 3, 6, 10, 14])
+@pytest.mark.parametrize("z", [1, 6, 14])
 def test_small_pinion__has_its_verdict_and_says_why(z):
     found, status = found_of(pair(z, 40))
     assert status == Verdict.INTERFERES

@@ -30,27 +30,13 @@ def can_be_set_in(central, planets, internal, count):
     return False
 
 
-@pytest.mark.parametrize("count", [2, 3, 4, 5])
-def test_equal_spacing__is_what_setting_planets_in_one_by_one_says(count):
-    # Without the condition of coaxial shafts: all triples of some range, judged by their remainder alone.
-    grid = np.array(list(itertools.product(range(12, 40), range(12, 20), range(60, 90))))
-    varied = {f"wheels.{name}.teeth": grid[:, i] for i, name in enumerate(("sun", "planet", "ring"))}
-    found, _ = found_of(simple_planetary(18, 24, 66, ROLES, planets=count), varied)
-    fits = found["arm.spacing_remainder"][0] == 0
-    assert (fits == ((grid[:, 0] + grid[:, 2]) % count == 0)).all()
-    chosen = np.random.default_rng(count).choice(len(grid), 300)
-    for i in chosen:
-        sun, planet, ring = map(int, grid[i])
-        assert fits[i] == can_be_set_in((sun, ring), (planet, planet), True, count)
-
-
 @pytest.mark.parametrize("internal", [False, True])
 def test_stepped_planets__are_set_in_as_their_two_wheels_allow(internal):
     rng = np.random.default_rng(3)
-    first, second, third = rng.integers(12, 60, (3, 1500))
-    fourth = rng.integers(60, 130, 1500)
+    first, second, third = rng.integers(12, 60, (3, 500))
+    fourth = rng.integers(60, 130, 500)
     names = ("first", "second", "third", "fourth")
-    for count in (2, 3, 4, 6):
+    for count in (2, 3, 5):
         roles = {"first": {"speed": 100.0}, "fourth": {"held": True}}
         train = stepped_planetary(20, 30, 25, 75, roles, internal=internal, planets=count)
         grid = (first, second, third, fourth)
@@ -63,7 +49,7 @@ def test_stepped_planets__are_set_in_as_their_two_wheels_allow(internal):
 
 def test_all_conditions__over_all_small_integers():
     """Coaxial z_r = z_s + 2 z_p, equal spacing (z_s + z_r)/k whole, neighbours (z_s + z_p) sin(π/k) > z_p + 2."""
-    axes = (range(12, 31), range(12, 31), range(36, 93), range(1, 7))
+    axes = (range(12, 26), range(12, 26), range(36, 78), range(1, 6))
     grid = np.array(list(itertools.product(*axes)), float)
     keys = ("wheels.sun.teeth", "wheels.planet.teeth", "wheels.ring.teeth", "shafts.arm.planets")
     found, status = found_of(simple_planetary(18, 24, 66, ROLES, planets=3), dict(zip(keys, grid.T, strict=True)))

@@ -30,7 +30,7 @@ angle_of, direction_of, exponential, logarithm, power = map(
     ),
 )
 LEAST, GREATEST = 2.0**-1021, float(np.finfo(float).max)
-many = settings(deadline=None, max_examples=400)
+many = settings(deadline=None, max_examples=150)
 # Numbers of every size, and numbers about 1, whose logarithms are small.
 positive = st.one_of(
     st.floats(-1022.0, 1023.9).map(lambda e: 2.0**e),
@@ -77,20 +77,22 @@ def test_power__mpmath(x, share):
 
 
 @many
-@given(sizes, sizes)
-def test_angle__mpmath(x, y):
+@given(
+    st.one_of(
+        st.tuples(sizes, sizes),
+        st.builds(
+            lambda angle, exponent: (10.0**exponent * math.cos(angle), 10.0**exponent * math.sin(angle)),
+            st.floats(-math.pi, math.pi),
+            st.floats(-300.0, 300.0),
+        ),
+    )
+)
+def test_angle_of_any_direction__mpmath(vector):
+    x, y = vector
     true = mp.atan2(y, x)
     # An angle below the least normal number keeps its digits as far as there are any.
     if abs(true) >= LEAST:
         assert ulps(angle_of(x, y), true) <= 2.0
-
-
-@many
-@given(st.floats(-math.pi, math.pi), st.floats(-300.0, 300.0))
-def test_angle_of_any_direction__mpmath(angle, exponent):
-    x, y = 10.0**exponent * math.cos(angle), 10.0**exponent * math.sin(angle)
-    if angle != 0.0 and abs(y) > 1e-300:
-        assert ulps(angle_of(x, y), mp.atan2(y, x)) <= 2.0
 
 
 def missed(angle: float) -> float:

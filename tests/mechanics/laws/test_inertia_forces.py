@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from machines import changed, crank, evaluated, frame, on, rrp
 from oracle import EPS
 
-from engine import Machine, Scene
 from engine.laws.masses.inertia_forces import (
     inertia_force,
     inertia_moment,
@@ -95,9 +94,3 @@ def test_field__of_a_crank_at_uniform_speed_points_outward():
     expected = 2.0 * 0.1 * 25.0 * np.array([np.cos(machine.nodes), np.sin(machine.nodes)])
     np.testing.assert_allclose(found[:2], expected, rtol=0, atol=4 * EPS * 5.0)
     assert (np.abs(found[2:]) == 0).all()
-
-
-def test_statistics_of_inertia_fields__may_be_asked():
-    machine = Machine(Scene.model_validate(slider_crank()), ["bar.inertia_force_x.peak", "bar.inertia_moment.rms"])
-    found = machine.evaluate({})
-    assert all(np.isfinite(found.summaries[n][0]) for n in machine.asked_summaries)

@@ -3,8 +3,9 @@
 from copy import deepcopy
 
 import numpy as np
+from graph_values import GraphValues
 
-from engine import Machine, Scene, Verdict
+from engine import Machine, MovingMachine, Scene, Verdict
 
 BALANCE = ("input_moment_disagreement", "equilibrium_residual")
 
@@ -79,14 +80,19 @@ def changed(data: dict, **paths: object) -> dict:
     return data
 
 
-def asked(data: dict, fields: list[str]) -> tuple[Machine, object]:
-    """A machine whose forces balance, and its fields at 24 positions."""
-    machine = Machine(Scene.model_validate(data), BALANCE, fields, positions=24)
-    outcome = machine.evaluate({})
-    assert outcome.status[0] == Verdict.OK
+def asked(data: dict, fields: list[str], positions: int = 24) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Positions and fields of a machine by NumPy: by power and by equilibrium its input takes the same torque."""
+    machine = MovingMachine(Scene.model_validate(data), positions=positions)
+    moments = ["input_moment_by_power", "input_moment_by_equilibrium"]
+    assert machine.verdict([*fields, *moments]) == Verdict.OK
+    power, equilibrium = machine.fields(moments).values()
+    checks = machine.mechanics.reactions.checks.values()
+    force, forces, moment, on_frame = GraphValues(machine.scene, machine.mechanics.graph)(list(checks), machine.q)
     # A handful of roundings of forces that a few links pass on.
-    assert max(outcome.summaries[name][0] for name in BALANCE) < 1e-13
-    return machine, outcome
+    assert (np.abs(power - equilibrium) <= 1e-13 * (np.abs(power).max() + on_frame.max())).all()
+    assert (force <= 1e-13 * forces.max()).all()
+    assert (np.abs(moment) <= 1e-13 * on_frame.max()).all()
+    return machine.q, machine.fields(fields)
 
 
 def rows_of(machine: Machine, **values: float) -> dict[str, np.ndarray]:

@@ -53,11 +53,6 @@ def test_stribeck__is_its_formula(static, kinetic, speed, exponent):
     )
 
 
-def test_stribeck__begins_at_static_and_ends_at_kinetic():
-    assert stribeck(0.5, 0.2, 0.0, 0.1, 2.0) == 0.5
-    assert stribeck(0.5, 0.2, -100.0, 0.1, 2.0) == 0.2
-
-
 # Guides
 
 
