@@ -427,6 +427,18 @@ def test_stop_with_dry_friction__ends_at_rest_with_a_twist_that_it_holds():
     assert figure.axes[2].get_xlim() == (0.0, 1.5)
 
 
+def test_sudden_load__is_on_from_the_begin_of_the_run():
+    load = {"load": {"type": "constant", "on": "crank", "moment": -20.0}}
+    motor = {"motor": {"type": "dc_motor", "on": "crank", "stall_moment": STALL, "no_load_speed": NO_LOAD}}
+    parts = {"moments": motor | load, "bodies": {}, "forces": {}}
+    parts["shafts"] = {"wheel": {"geared_to": "crank", "ratio": 1.0, "inertia": 0.5}}
+    drive = {"off": ["load"], "stiffness": 3000.0, "damping": 0.0, "motor_inertia": 2.0}
+    found, errors = run_of(yoke(drive | {"run": {"begin": "steady", "time": 0.1}}, **parts))
+    # Twice what a free pair would carry, M I₁/(I₁ + I₂), but for what the motor's own fall damps in a swing, a percent.
+    assert found["greatest_moment"] == pytest.approx(2 * 20.0 * 2.0 / 2.5, rel=0.05)
+    assert errors["greatest_moment"] < 1e-3 * found["greatest_moment"]
+
+
 def test_angle_with_a_steady_begin__is_refused():
     with pytest.raises(SceneError, match="angle goes with begin = 'at rest'"):
         yoke({"run": {"begin": "steady", "time": 1.0, "angle": 0.5}})
