@@ -20,6 +20,8 @@ from engine.graph.values import NodeValues
 _SCANNED = 180
 # Minimum number of panels per turn, and maximum number of halvings.
 _PANELS_PER_TURN, _HALVINGS = 6, 14
+# A curve that is rough over more than this share of the range after this many halvings is rounding.
+_ROUNDING_FROM, _ROUNDING_OVER = 6, 0.1
 # Tolerance of a series, relative to the curve's peak.
 _TOLERANCE = 1e-11
 # Newton's method for the speed fluctuation: maximum steps, relative last step, and largest δ, at which a machine stops.
@@ -171,8 +173,10 @@ class OneVariant:
             values = np.array(self.values(nodes, q, known)).reshape(len(nodes), left.size, POSITIONS)
             series = np.einsum("kj,cpj->kcp", SHARES, values)
             sizes = np.fmax(sizes, np.abs(values).max(axis=(1, 2)))
-            rough = (tails(values) > _TOLERANCE * sizes[:, None]).any(axis=0)
-            rough &= halving < _HALVINGS - 1
+            rows = tails(values) > _TOLERANCE * sizes[:, None]
+            if halving >= _ROUNDING_FROM:
+                rows[(rows * half).sum(axis=1) > _ROUNDING_OVER * np.ptp(ends) / 2.0] = False
+            rough = rows.any(axis=0) & (halving < _HALVINGS - 1)
             done.append((left[~rough], right[~rough], series[:, :, ~rough]))
             if not rough.any():
                 break
