@@ -161,20 +161,20 @@ def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tup
     responses = tuple(derivative(node, energy, SLOPES) for node in gathered.values())
     system = System(
         "angle",
-        (energy,),
-        {},
-        (total,),
-        gathered,
-        speed,
-        size,
-        steepness,
-        slope,
-        (steepness,),
-        responses,
-        guards,
-        clock,
+        states=(energy,),
+        rates=(total,),
+        speed=speed,
+        slope=slope,
+        clock=clock,
+        size=size,
+        steepness=steepness,
+        gathered=gathered,
+        slopes=(steepness,),
+        responses=responses,
+        guards=guards,
+        shown=shown_of(inertia, slope / inertia, moments),
     )
-    return system._replace(shown=shown_of(inertia, slope / inertia, moments)), sizes
+    return system, sizes
 
 
 def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str], rubs: bool = False) -> tuple[System, Sizes]:
@@ -201,9 +201,20 @@ def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str], rubs: b
     gathered = {name: node for name, node in known.items() if name in asked}
     steepness = derivative(smooth, speed, SLOPES)
     rates = (sizes.facing * speed, epsilon)
-    states, zero = (turned, speed), graph.zero
-    system = System("time", states, unknown, rates, gathered, speed, zero, steepness, epsilon, (), (), guards, clock)
-    return system._replace(shown=shown_of(inertia, epsilon, moments)), sizes
+    system = System(
+        "time",
+        states=(turned, speed),
+        rates=rates,
+        speed=speed,
+        slope=epsilon,
+        clock=clock,
+        steepness=steepness,
+        unknown=unknown,
+        gathered=gathered,
+        guards=guards,
+        shown=shown_of(inertia, epsilon, moments),
+    )
+    return system, sizes
 
 
 def shown_of(inertia: Node, epsilon: Node, moments: StateMoments) -> dict[str, Node]:

@@ -56,22 +56,23 @@ class System(NamedTuple):
     along : {"angle", "time"}
         Independent variable.
     states : tuple of Given
-    unknown : dict of Given to Given
-        For a state whose rate is implicit: the node of that rate. At most one.
     rates : tuple of Node
         Derivatives of the states.
+    speed, slope : Node
+        Speed, and a node with the sign of its derivative.
+    clock : Given
+        The time.
+    size, steepness : Node, optional
+        Magnitude of the terms of the first rate, and its derivative with respect to the first state; otherwise 0.
+    unknown : dict of Given to Given
+        For a state whose rate is implicit: the node of that rate. At most one.
     gathered : dict of str to Node
         Integrands of accumulated integrals: time, works, …
-    speed, size, steepness, slope : Node
-        Speed; magnitude of the terms of the first rate; its derivative with respect to the first state; a node with
-        the sign of the derivative of the speed.
     slopes : tuple of Node
         Jacobian of the rates of the energy or the speeds, where an implicit method may pay.
     responses : tuple of Node
         Derivatives of the integrands with respect to the first state, where errors are propagated.
     guards : tuple of Guard
-    clock : Given
-        The time.
     held : dict of Given to Node
         What is held until a guard that doesn't end the walk ends a step, numbers and states, and what each is from
         there on.
@@ -85,17 +86,17 @@ class System(NamedTuple):
 
     along: str
     states: tuple[Given, ...]
-    unknown: dict[Given, Given]
     rates: tuple[Node, ...]
-    gathered: dict[str, Node]
     speed: Node
-    size: Node
-    steepness: Node
     slope: Node
-    slopes: tuple[Node, ...]
-    responses: tuple[Node, ...]
-    guards: tuple[Guard, ...]
     clock: Given
+    size: Node | None = None
+    steepness: Node | None = None
+    unknown: Mapping[Given, Given] = MappingProxyType({})
+    gathered: Mapping[str, Node] = MappingProxyType({})
+    slopes: tuple[Node, ...] = ()
+    responses: tuple[Node, ...] = ()
+    guards: tuple[Guard, ...] = ()
     held: Mapping[Given, Node] = MappingProxyType({})
     signed: bool = False
     scales: tuple[Node, ...] = ()
@@ -174,7 +175,8 @@ class PrintedSystem:
         self.system = system
         self.rates = [*system.rates, *system.gathered.values()]
         guards = (guard.value for guard in system.guards)
-        before = system.speed, system.size, system.steepness, system.slope
+        size, steepness = (graph.zero if node is None else node for node in (system.size, system.steepness))
+        before = system.speed, size, steepness, system.slope
         behind = *system.scales, *system.shown.values(), *system.held.values(), *guards
         self.watched = [*before, *system.responses, *system.slopes, *behind]
         self.last = (*system.states, *system.unknown.values())
@@ -405,8 +407,8 @@ def compile_walks() -> None:
     graph = Graph()
     zero, one, energy = graph.zero, graph.one, graph.given("kinetic energy", Stage.STATE)
     clock = graph.given("time of a state", Stage.STATE)
-    nothing = {"responses": (zero,), "guards": (), "clock": clock}
-    system = System("angle", (energy,), {}, (zero,), {"fading": zero}, one, one, zero, zero, (zero,), **nothing)
+    integrals = {"gathered": {"fading": zero}, "responses": (zero,)}
+    system = System("angle", (energy,), rates=(zero,), speed=one, slope=zero, clock=clock, slopes=(zero,), **integrals)
     body = PrintedSystem(system, graph, zero, one)
     task, numbers = body.task(1.0), np.zeros((len(body.functions.rows), 1))
     one_radian = {"goal": 1.0, "tolerance": 1e-3, "pace": 1.0, "farthest": 1.0}

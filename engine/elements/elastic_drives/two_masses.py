@@ -222,11 +222,18 @@ class TwoMasses(PrintedSystem):
         for i, (_, knot, side) in enumerate(self.motor.bends):
             guards.append(Guard(f"bend {i}", side * (speed - knot), False))
             held[side] = graph.apply(past, guards[-1].value, side, -side)
-        rates, zero = (self.frequency * (speed - load_speed), *rises), graph.zero
         system = System(
-            "time", states, {}, rates, {}, speed, zero, zero, rises[0], (), (), tuple(guards), clock, held, True
+            "time",
+            states=states,
+            rates=(self.frequency * (speed - load_speed), *rises),
+            speed=speed,
+            slope=rises[0],
+            clock=clock,
+            guards=tuple(guards),
+            held=held,
+            signed=True,
         )
-        super().__init__(system, graph, zero, graph.one)
+        super().__init__(system, graph, graph.zero, graph.one)
 
 
 two_masses = cache(TwoMasses)

@@ -53,11 +53,14 @@ def drive_over_angle(mechanics: Mechanics, motors: frozenset[str], loads: frozen
     at_end, _, motor_sizes = sizes_of(mechanics, motor_speed, "shaft: ")
     load = moments_of(mechanics, of_machine, machine_sizes, speed, False, motors).total
     motor = moments_of(mechanics, at_end, motor_sizes, motor_speed, False, loads).total
-    slip, pace, none = motor_speed - speed, 1.0 / speed, graph.zero
+    slip, pace = motor_speed - speed, 1.0 / speed
     moment = elastic + damping * slip
     rates = stiffness * slip * pace, (motor - moment) / motor_inertia * pace, moment + load
     slopes = tuple(derivative(rate, state, SLOPES) for rate in rates for state in states)
     gathered = {"period": pace, "motor_work": motor * motor_speed * pace, "load_work": load}
     gathered |= {"damping_work": damping * slip * slip * pace, "impulse": moment * pace}
-    system = System("angle", states, {}, rates, gathered, speed, none, none, none, slopes, (), (), clock)
+    # Nothing walks along it, so the slope of the speed is not read.
+    system = System(
+        "angle", states, rates=rates, speed=speed, slope=graph.zero, clock=clock, gathered=gathered, slopes=slopes
+    )
     return system, DriveSizes(machine_sizes, motor_sizes, *shaft)

@@ -226,16 +226,27 @@ def at_two_speeds(
         guards += [Guard(f"slip {end}", value, False) for end, value in zip(("left", "near"), of_slip, strict=True)]
     slopes = [[derivative(rise, by, SLOPES | BY_SLIP) for by in (speed, shaft_speed)] for rise in moved(smooth)[1:]]
     steepness = graph.apply(greater, *(abs(a) + abs(b) for a, b in slopes))
-    rates, none = (ahead, rises[0], slip if coupling is None else shaft_ahead, rises[1]), graph.zero
     # The stiffness of a shaft isn't among the slopes.
     solved = () if coupling is None else tuple(slope for row in slopes for slope in row)
-    system = System(
-        "time", states, unknown, rates, gathered, speed, none, steepness, rises[0], solved, (), tuple(guards), clock
-    )
     shown = {"coupling": moment}
     for side, epsilon, moments in (("crank", rises[0], of_crank), ("shaft", rises[1], of_shaft)):
         shown |= {f"{side} {name}": node for name, node in shown_of(inertia, epsilon, moments).items()}
-    return system._replace(shown=shown, held=kept), TwoSizes(crank, shaft, joining)
+    system = System(
+        "time",
+        states=states,
+        rates=(ahead, rises[0], slip if coupling is None else shaft_ahead, rises[1]),
+        speed=speed,
+        slope=rises[0],
+        clock=clock,
+        steepness=steepness,
+        unknown=unknown,
+        gathered=gathered,
+        slopes=solved,
+        guards=tuple(guards),
+        held=kept,
+        shown=shown,
+    )
+    return system, TwoSizes(crank, shaft, joining)
 
 
 def _held_back(joining: Joining, capacity: Node, moment: Node, m1: Node, m2: Node) -> Node:
