@@ -7,12 +7,12 @@ from pydantic import Field
 
 from engine.elements.elastic_drives.drive_motors import DriveMotor
 from engine.elements.elastic_drives.elastic_shaft import ElasticShaft, drive_shaft
+from engine.elements.elastic_drives.shaft_touch import touching_moment
 from engine.elements.elastic_drives.two_masses import (
     Beginning,
     DriveNumbers,
     FollowedDrives,
     follow_drives,
-    shaft_moment,
 )
 from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, nudged
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
@@ -204,5 +204,9 @@ def drive_history(drive: TwoMassDrive, instants: int) -> DriveHistory:
     shaft = drive_shaft(drive, n)
     swung, speed, load_speed = ((weights * samples[state][:, own]).sum(axis=0) for state in range(3))
     gap = swung / shaft.frequency
-    moment = shaft_moment(shaft, drive.backlash, gap, speed - load_speed)
+    contact = np.where(gap > 0.0, 1.0, np.where(gap < -drive.backlash, -1.0, 0.0))
+    touch = contact if drive.backlash else np.ones(instants)
+    moment = touching_moment((shaft.stiffness, shaft.damping, drive.backlash), touch, gap, speed - load_speed)
+    # A backlash transmits no pull of the damper.
+    moment = np.where(touch * moment < 0.0, 0.0, moment) if drive.backlash else moment
     return DriveHistory(time, moment, speed, load_speed, gap, drive.curve(n).moment(speed) + np.zeros(instants))

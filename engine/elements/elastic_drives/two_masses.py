@@ -21,7 +21,6 @@ import numpy as np
 
 from engine.compiling.decorators import scalar
 from engine.compiling.instructions import chosen
-from engine.elements.elastic_drives.elastic_shaft import DriveShaft
 from engine.elements.elastic_drives.shaft_touch import touch_left, touch_turns, touching_moment
 from engine.graph.nodes import Given, Graph, Node, Stage
 from engine.laws.motor_characteristics import bend_of, induction_motor
@@ -237,16 +236,6 @@ class TwoMasses(PrintedSystem):
 
 
 two_masses = cache(TwoMasses)
-
-
-def shaft_moment(shaft: DriveShaft, backlash: float, twist: np.ndarray, slip: np.ndarray) -> np.ndarray:
-    """Torque of a shaft from its twist and twist rate [N·m]; with a backlash, damping can't pull."""
-    forwards, pull = shaft.stiffness * twist, shaft.damping * slip
-    if backlash == 0.0:
-        return forwards + pull
-    behind = shaft.stiffness * (twist + backlash)
-    pressed = np.where(twist > 0.0, np.maximum(forwards + pull, 0.0), 0.0)
-    return pressed + np.where(twist < -backlash, np.minimum(behind + pull, 0.0), 0.0)
 
 
 class FollowedDrives(NamedTuple):
