@@ -122,7 +122,9 @@ def run_through_peak(
     # With strong damping for the acceleration, the resonance lasts longer than the beats: 2 β/α.
     lasts = np.maximum(1.0, 2.0 * ratio * frequency * unit)
     begin = np.maximum(crossed - _BEFORE * lasts * unit, 0.0)
-    step = (crossed + _AFTER * lasts * unit - begin) / (INSTANTS - 1)
+    # A rotor that runs down comes to rest before it could turn back through the resonance.
+    stops = np.where(acceleration < 0.0, -start / acceleration, math.inf)
+    step = (np.minimum(crossed + _AFTER * lasts * unit, stops) - begin) / (INSTANTS - 1)
     times = begin + step * np.arange(INSTANTS)[:, None]
 
     def size(time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -156,6 +156,8 @@ def integrated_peak(ratio, start, acceleration, w=20.0):
     end = (w - start) / acceleration + 8 / math.sqrt(abs(acceleration)) * max(
         1, 2 * beta / math.sqrt(abs(acceleration))
     )
+    # A rotor that runs down stops.
+    end = min(end, -start / acceleration) if acceleration < 0.0 else end
     times = np.linspace(0, end, 8001)
     found = solve_ivp(
         motion, (0, end), [steady + 0j, 1j * start * steady], method="DOP853", rtol=1e-10, atol=1e-11, t_eval=times
@@ -165,7 +167,15 @@ def integrated_peak(ratio, start, acceleration, w=20.0):
 
 @pytest.mark.parametrize(
     ("ratio", "start", "acceleration"),
-    [(0.02, 40.0, -2.0), (0.0, 0.0, 8.0), (0.3, 0.0, 3.0), (0.1, 24.0, -200.0), (0.005, 0.0, 40.0)],
+    [
+        (0.02, 40.0, -2.0),
+        (0.0, 0.0, 8.0),
+        (0.3, 0.0, 3.0),
+        (0.1, 24.0, -200.0),
+        (0.005, 0.0, 40.0),
+        (0.0042, 36.8, -26.4),
+        (0.4, 30.0, -9.0),
+    ],
 )
 def test_run_through_resonance__is_that_of_the_integrated_equation(ratio, start, acceleration):
     data = ROTOR | {"damping_ratio": ratio, "run_through": {"start": start, "acceleration": acceleration}}
