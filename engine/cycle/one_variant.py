@@ -20,7 +20,8 @@ from engine.graph.values import NodeValues
 _SCANNED = 180
 # Minimum number of panels per turn, and maximum number of halvings.
 _PANELS_PER_TURN, _HALVINGS = 6, 14
-# A curve that is rough over more than this share of the range after this many halvings is rounding.
+# A curve is rounding if it is rough over more than this share of the range after this many halvings, and if the last
+# one left its series as rough as before.
 _ROUNDING_FROM, _ROUNDING_OVER = 6, 0.1
 # Tolerance of a series, relative to the curve's peak.
 _TOLERANCE = 1e-11
@@ -164,7 +165,7 @@ class OneVariant:
         ends = np.unique(np.concatenate([whole, self.cuts(nodes), *kinks]))
         held = [node for node in reached(nodes) if isinstance(node, Held)]
         pending, done = (ends[:-1], ends[1:]), []
-        sizes = np.zeros(len(nodes))
+        sizes, before = np.zeros(len(nodes)), np.full(len(nodes), np.inf)
         for halving in range(_HALVINGS):
             left, right = pending
             middle, half = 0.5 * (left + right), 0.5 * (right - left)
@@ -173,9 +174,12 @@ class OneVariant:
             values = np.array(self.values(nodes, q, known)).reshape(len(nodes), left.size, POSITIONS)
             series = np.einsum("kj,cpj->kcp", SHARES, values)
             sizes = np.fmax(sizes, np.abs(values).max(axis=(1, 2)))
-            rows = tails(values) > _TOLERANCE * sizes[:, None]
+            ahead = tails(values)
+            rows, remains = ahead > _TOLERANCE * sizes[:, None], ahead.max(axis=1)
             if halving >= _ROUNDING_FROM:
-                rows[(rows * half).sum(axis=1) > _ROUNDING_OVER * np.ptp(ends) / 2.0] = False
+                wide = (rows * half).sum(axis=1) > _ROUNDING_OVER * np.ptp(ends) / 2.0
+                rows[wide & (remains > 0.5 * before)] = False
+            before = remains
             rough = rows.any(axis=0) & (halving < _HALVINGS - 1)
             done.append((left[~rough], right[~rough], series[:, :, ~rough]))
             if not rough.any():

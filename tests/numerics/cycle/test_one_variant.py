@@ -6,6 +6,7 @@ import numpy as np
 
 from engine.cycle.one_variant import OneVariant
 from engine.graph.nodes import Graph
+from engine.laws.elementary import direction_of
 
 
 def of_a_turn():
@@ -30,3 +31,11 @@ def test_narrow_peak__is_resolved_where_it_lies():
     exact = 1.0 / (1e-6 + 2.0 * np.sin(0.5 * q) ** 2)
     assert np.abs(panels.at(q)[0] - exact).max() <= 1e-9 * 1e6
     assert panels.ends.size < 200
+
+
+def test_fast_wave__is_resolved_over_the_whole_range():
+    graph, variant = of_a_turn()
+    panels = variant.panels([graph.apply(direction_of, 1500.0 * graph.q)[0]])
+    q = np.linspace(0.0, 2.0 * math.pi, 10_001)
+    # A cosine rounds by half a unit in the last place of its angle, up to 1500 turns.
+    assert np.abs(panels.at(q)[0] - np.cos(1500.0 * q)).max() <= 1e-10
