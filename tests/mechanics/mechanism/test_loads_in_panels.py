@@ -25,8 +25,9 @@ from engine.scene.structure.ordering import order
 some = settings(deadline=None, max_examples=40)
 
 TURN = 2 * math.pi
-# Cuts closer than this are one: rounding moves a place at which a curve has a slope by less.
-MERGED = 1e-7
+# Cuts closer than this are one: rounding moves a place at which a curve has a slope by less. Nearer to a dead centre a
+# stroke, which changes by the square of the distance, may lie beyond its end by rounding.
+MERGED = 1e-6
 # Panels in each cycle, at least.
 DEGREE, PANELS = 20, 16
 # After so many halvings a piece of a panel is as short as 0.006 of a turn of the input.
