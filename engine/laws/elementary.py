@@ -182,8 +182,10 @@ def angle_of(x: float, y: float) -> float:
         [rad], −π < angle ≤ π, to 2 ulp; the sign of a zero is ignored. NaN for a vector without direction: zero, or
         infinite along both axes.
 
-    Notes ----- With t the ratio of the smaller to the larger component, or, where that exceeds ½, (t − 1)/(t + 1),
-    which subtracts an eighth of a turn, the arctangent is t (1 + t² q(t²)).
+    Notes
+    -----
+    With t the ratio of the smaller to the larger component, or, where that exceeds ½, (t − 1)/(t + 1), which subtracts
+    an eighth of a turn, the arctangent is t (1 + t² q(t²)).
     """
     x, y = np.float64(x), np.float64(y)
     along, across = abs(x), abs(y)
@@ -250,8 +252,10 @@ def direction_of(angle: float) -> tuple[float, float]:
     cosine, sine : float
         To 2e-16 plus 4e-17 of the angle.
 
-    Notes ----- The angle is reduced to the nearest multiple of a right angle; the polynomials hold up to 45 degrees. A
-    right angle is π/2 as rounded, so that a cycle of whole turns, each 2π as rounded, ends exactly where it began.
+    Notes
+    -----
+    The angle is reduced to the nearest multiple of a right angle; the polynomials hold up to 45 degrees. A right angle
+    is π/2 as rounded, so that a cycle of whole turns, each 2π as rounded, ends exactly where it began.
     """
     angle = np.float64(angle)
     rounded = fused(angle, _INVERSE_HALF_PI, _ROUNDER)

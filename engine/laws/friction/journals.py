@@ -30,8 +30,10 @@ def friction_circle(radius: float, friction: float, factor: float) -> float:
     float
         rho [m].
 
-    Notes ----- k f r is the friction moment divided by the resultant of the pressures along the middle of the bush. The
-    resultant of friction is perpendicular to that and makes R larger by √(1 + f²), for either distribution of pressure.
+    Notes
+    -----
+    k f r is the friction moment divided by the resultant of the pressures along the middle of the bush. The resultant
+    of friction is perpendicular to that and makes R larger by √(1 + f²), for either distribution of pressure.
     """
     return factor * radius * friction / math.sqrt(1 + friction * friction)
 
