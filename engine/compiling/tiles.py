@@ -8,14 +8,18 @@ import numpy as np
 from numba import types
 from numba.core.typing import Signature
 
+from engine.compiling.blocks import Row
 from engine.compiling.compilers import Apart
-from engine.compiling.decorators import RULES
+from engine.compiling.decorators import BORROWING, RULES
 from engine.compiling.kept_code import compiling, keep_compiled
+from engine.compiling.memory import memory
 
 _ROWS = types.float64[:, ::1]
 # (P, T, q, cos_q, sin_q, tile): numbers (numbers, lanes), all tables, three arrays (positions, lanes), and the tile
 # (curves, positions, lanes).
 TILE_SIGNATURE = types.void(_ROWS, types.float64[::1], _ROWS, _ROWS, _ROWS, types.float64[:, :, ::1])
+# An array as its numbers, one after the other. Compiling `ravel` takes as long as all else in a short function.
+flat = memory(Row)
 TILE_OPTIONS = {"error_model": "numpy", "fastmath": set(RULES), "nogil": True, "pipeline_class": Apart}
 
 
@@ -30,7 +34,8 @@ def filling(signature: Signature) -> Callable:
     """
 
     def compiled(function: Callable) -> Callable:
-        made = numba.njit(**TILE_OPTIONS, no_cpython_wrapper=True)(function)
+        borrows = {} if "empty" in function.__code__.co_names else BORROWING
+        made = numba.njit(**TILE_OPTIONS, **borrows, no_cpython_wrapper=True)(function)
         keep_compiled(made)
         made.compile(signature)
         made.disable_compile()

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-from engine.compiling.blocks import LANES, Row, in_lanes
+from engine.compiling.blocks import LANES, Row, Rows, in_lanes
 from engine.compiling.decorators import inlined, routine
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import any_positive, many, new_record, one
@@ -85,15 +85,42 @@ class End(NamedTuple):
     beside: float
 
 
+class SlopeInside(NamedTuple):
+    """The approximation of the slope inside an interval, first + linear x + …, 0 ≤ x ≤ 1.
+
+    Attributes
+    ----------
+    first, last : float
+        The slope at both ends.
+    linear : float
+    square_at_zero : float
+        Square of its derivative where it is 0; 0 if it isn't 0 anywhere.
+    inside : float
+        The x at which it is extreme, or the nearest end.
+    dips : bool
+        Whether that extreme is close to 0.
+    opposite : bool
+        Whether the slopes at the ends have opposite signs.
+    """
+
+    first: float
+    last: float
+    linear: float
+    square_at_zero: float
+    inside: float
+    dips: bool
+    opposite: bool
+
+
 class IntervalMarks(NamedTuple):
     """Scratch rows of the search.
 
     Attributes
     ----------
-    share : row
-        Fraction of an interval at which to divide it; −1 if it isn't suspected.
-    left, right : row
-        Change of the slope per length on either side of it.
+    suspected : row
+        1 if an interval is suspected, else 0.
+    left, here, right : row
+        Change of the slope per length before it, in it and after it.
     found : row
         Number of suspected intervals.
     steepest : row
@@ -102,8 +129,9 @@ class IntervalMarks(NamedTuple):
         Number of scan positions.
     """
 
-    share: Row
+    suspected: Row
     left: Row
+    here: Row
     right: Row
     found: Row
     steepest: Row
@@ -128,47 +156,45 @@ class CloseTurns(NamedTuple):
     at: Samples
 
 
-def new_close_turns(functions: int) -> CloseTurns:
-    """Allocate the scratch arrays for `functions` functions."""
-    at = new_samples(functions, MOST_SUSPECTS)
+def new_close_turns(outputs: int) -> CloseTurns:
+    """Allocate the scratch arrays for an `events` function with `outputs` rows."""
+    at = new_samples(outputs, MOST_SUSPECTS)
     return new_record(CloseTurns, suspects=MOST_SUSPECTS, parts=MOST_SUSPECTS, at=at)
 
 
 @inlined
-def dividing_share(low: End, high: End) -> float:
-    """Where to divide an interval in which a function may turn more often than the slopes at its ends show.
-
-    Returns
-    -------
-    float
-        Position from 0 to 1; −1 if the interval isn't suspected.
-    """
-    here, there, width = low.slope, high.slope, high.q - low.q
-    sign = 1.0 if here >= 0.0 else -1.0
-    first, last, chord = sign * here, sign * there, sign * (high.f - low.f) / width
+def _approximated(low: End, high: End) -> SlopeInside:
+    """The slope's approximation, with the sign that makes the slope at the low end positive."""
+    sign = 1.0 if low.slope >= 0.0 else -1.0
+    first, last, chord = sign * low.slope, sign * high.slope, sign * (high.f - low.f) / (high.q - low.q)
     linear, square = 6.0 * chord - 4.0 * first - 2.0 * last, 3.0 * (first + last) - 6.0 * chord
-    beside, change = abs(width) * larger(low.beside, high.beside), first - last
-    # Slopes of one sign.
     extreme = -0.5 * linear / square
     inside = smaller(larger(extreme, 0.0), 1.0)
     close = first + inside * (linear + square * inside) < CLOSE * larger(first, last)
     dips = (square > 0.0) & (extreme > -OUTSIDE) & (extreme < 1.0 + OUTSIDE) & close
-    even = (abs(change) < EVEN * beside) & (smaller(first, last) < SMALL * beside)
-    # Slopes of opposite signs.
-    at_zero = math.sqrt(larger(linear * linear - 4.0 * first * square, 0.0))
-    flat = (at_zero < FLAT * change) | (change < FLAT * beside)
-    opposite = (here >= 0.0) != (there >= 0.0)
-    share = 2.0 * first / (at_zero - linear) if opposite else (inside if dips else 0.5)
-    share = smaller(larger(share, EDGE), 1.0 - EDGE)
-    return share if (flat if opposite else dips | even) else -1.0
+    opposite = (low.slope >= 0.0) != (high.slope >= 0.0)
+    return SlopeInside(first, last, linear, larger(linear * linear - 4.0 * first * square, 0.0), inside, dips, opposite)
 
 
 @inlined
-def _enter(low: End, high: End, share: float, lane: int, turns: CloseTurns) -> None:
-    """Enter an interval of a lane as one of `parts`, unless it isn't suspected."""
+def is_suspected(low: End, high: End) -> bool:
+    """Whether a function may turn more often in an interval than the slopes at its ends show."""
+    slope, beside = _approximated(low, high), abs(high.q - low.q) * larger(low.beside, high.beside)
+    change = slope.first - slope.last
+    even = (abs(change) < EVEN * beside) & (smaller(slope.first, slope.last) < SMALL * beside)
+    flat = (slope.square_at_zero < (FLAT * change) ** 2) | (change < FLAT * beside)
+    return flat if slope.opposite else slope.dips | even
+
+
+@routine
+def _enter(low: End, high: End, lane: int, turns: CloseTurns) -> None:
+    """Enter a suspected interval of a lane as one of `parts`."""
     row = int(turns.marks.found[lane])
-    if share > 0.0 and row < MOST_SUSPECTS:
-        part = turns.parts[row]
+    if row < MOST_SUSPECTS:
+        slope, part = _approximated(low, high), turns.parts[row]
+        at_zero = 2.0 * slope.first / (math.sqrt(slope.square_at_zero) - slope.linear)
+        share = at_zero if slope.opposite else (slope.inside if slope.dips else 0.5)
+        share = smaller(larger(share, EDGE), 1.0 - EDGE)
         part.low[lane], part.f_low[lane], part.slope_low[lane] = low.q, low.f, low.slope
         part.high[lane], part.f_high[lane], part.slope_high[lane] = high.q, high.f, high.slope
         part.before[lane], part.after[lane] = low.beside, high.beside
@@ -177,31 +203,40 @@ def _enter(low: End, high: End, share: float, lane: int, turns: CloseTurns) -> N
 
 
 @routine
+def _change_of_slope(k: int, last: int, q: Rows, slopes: Rows, change: Row) -> None:
+    """Compute the change of the slope per length after scan position k; 0 if the next one coincides, or k is last."""
+    after = min(k + 1, last)
+    for lane in range(LANES):
+        width = q[after, lane] - q[k, lane]
+        change[lane] = abs((slopes[after, lane] - slopes[k, lane]) / width) if width != 0.0 else 0.0
+
+
+@routine
 def begin_suspects(function: int, samples: Samples, turns: CloseTurns) -> None:
     """Enter the suspected intervals between scan positions as `parts`."""
-    q, marks, count = in_lanes(samples.place[0]), turns.marks, samples.used[0]
+    q, marks, last = in_lanes(samples.place[0]), turns.marks, samples.used[0] - 1
     values, slopes = in_lanes(samples.tile[2 * function]), in_lanes(samples.tile[2 * function + 1])
     for lane in range(LANES):
-        marks.found[lane] = marks.steepest[lane] = 0.0
-    for k in range(count):
+        marks.found[lane] = marks.steepest[lane] = marks.here[lane] = 0.0
+    for k in range(last + 1):
         for lane in range(LANES):
             marks.steepest[lane] = larger(abs(slopes[k, lane]), marks.steepest[lane])
-    for k in range(count - 1):
-        before, after = max(k - 1, 0), min(k + 2, count - 1)
+    _change_of_slope(0, last, q, slopes, marks.right)
+    for k in range(last):
         for lane in range(LANES):
-            left, right = q[k, lane] - q[before, lane], q[after, lane] - q[k + 1, lane]
-            change_left = abs((slopes[k, lane] - slopes[before, lane]) / left) if left != 0.0 else 0.0
-            change_right = abs((slopes[after, lane] - slopes[k + 1, lane]) / right) if right != 0.0 else 0.0
-            low = End(q[k, lane], values[k, lane], slopes[k, lane], change_left)
-            high = End(q[k + 1, lane], values[k + 1, lane], slopes[k + 1, lane], change_right)
+            marks.left[lane], marks.here[lane] = marks.here[lane], marks.right[lane]
+        _change_of_slope(k + 1, last, q, slopes, marks.right)
+        for lane in range(LANES):
+            low = End(q[k, lane], values[k, lane], slopes[k, lane], marks.left[lane])
+            high = End(q[k + 1, lane], values[k + 1, lane], slopes[k + 1, lane], marks.right[lane])
             moves = larger(abs(low.slope), abs(high.slope)) > STILL * marks.steepest[lane]
-            marks.share[lane] = dividing_share(low, high) if moves else -1.0
-            marks.left[lane], marks.right[lane] = change_left, change_right
-        if any_positive(marks.share):
+            marks.suspected[lane] = 1.0 if moves & is_suspected(low, high) else 0.0
+        if any_positive(marks.suspected):
             for lane in range(LANES):
-                low = End(q[k, lane], values[k, lane], slopes[k, lane], marks.left[lane])
-                high = End(q[k + 1, lane], values[k + 1, lane], slopes[k + 1, lane], marks.right[lane])
-                _enter(low, high, marks.share[lane], lane, turns)
+                if marks.suspected[lane] > 0.0:
+                    low = End(q[k, lane], values[k, lane], slopes[k, lane], marks.left[lane])
+                    high = End(q[k + 1, lane], values[k + 1, lane], slopes[k + 1, lane], marks.right[lane])
+                    _enter(low, high, lane, turns)
 
 
 @inlined
@@ -236,13 +271,15 @@ def divide(function: int, rows: int, range_of: Row, samples: Samples, turns: Clo
             high = End(suspect.high[lane], suspect.f_high[lane], suspect.slope_high[lane], suspect.after[lane])
             at_low = End(at, f, slope, abs((high.slope - slope) / (high.q - at)))
             at_high = End(at, f, slope, abs((slope - low.slope) / (at - low.q)))
-            share_low, share_high = dividing_share(low, at_low), dividing_share(at_high, high)
+            suspected_low, suspected_high = is_suspected(low, at_low), is_suspected(at_high, high)
             turned = ((low.slope >= 0.0) == (high.slope >= 0.0)) & ((slope >= 0.0) != (low.slope >= 0.0))
-            if turned | (share_low > 0.0) | (share_high > 0.0):
+            if turned | suspected_low | suspected_high:
                 _insert(at, row, lane, samples, turns)
                 if abs(high.q - low.q) > SHORTEST * abs(range_of[lane]):
-                    _enter(low, at_low, share_low, lane, turns)
-                    _enter(at_high, high, share_high, lane, turns)
+                    if suspected_low:
+                        _enter(low, at_low, lane, turns)
+                    if suspected_high:
+                        _enter(at_high, high, lane, turns)
 
 
 @routine

@@ -1,6 +1,6 @@
 """The function that runs every machine: blocks of variants, one after another, each through its cycle.
 
-A machine supplies four functions of one signature, the measures of its plan, and index arrays of the results wanted.
+A machine supplies three functions of one signature, the measures of its plan, and index arrays of the results wanted.
 """
 
 import math
@@ -60,7 +60,6 @@ class MachineFunctions(NamedTuple):
 
     events: Callable
     levels: Callable
-    states: Callable
     curves: Callable
 
 
@@ -189,13 +188,15 @@ class Workspace(NamedTuple):
         Numbers of the block's variants.
     place : ndarray (3, POSITIONS, LANES)
         Positions of each lane's panel, with cosine and sine.
-    tile, level_tile, state_tile : ndarray (curves, POSITIONS, LANES), (levels, 1, LANES), (states, 1, LANES)
+    tile, level_tile : ndarray (curves, POSITIONS, LANES), (levels, 1, LANES)
     figures, scales : many
         One for each curve.
     scan, scan_beside : Samples
         Switching functions at the scan positions, and their changes when some of these are perturbed by their rounding.
     turns, crossings : Roots
         Turning points of the switching functions, and their crossings of levels.
+    middle : Samples
+        What `events` fills at the middle of a panel.
     heights : rows
         Levels of the crossings.
     edges, laid : many, ndarray (1,) of int
@@ -212,7 +213,6 @@ class Workspace(NamedTuple):
     place: np.ndarray
     tile: np.ndarray
     level_tile: np.ndarray
-    state_tile: np.ndarray
     walk: one(Walk)
     figures: many(Figures)
     scales: many(Scales)
@@ -222,6 +222,7 @@ class Workspace(NamedTuple):
     close_turns: CloseTurns
     turns: Roots
     crossings: Roots
+    middle: Samples
     noted: one(Noted)
     heights: Rows
     landmarks: many(LandmarkRows)
@@ -246,6 +247,7 @@ class Workspace(NamedTuple):
 def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
     """Allocate the workspace of a task, with a given number of rows of P and of steps of the walk."""
     functions, count = len(task.landmarks), task.tolerance.size
+    outputs = 2 * functions + task.states.size
     crossings = len(task.crossings) * task.most_roots
     search = new_record(Search, candidates=steps, series=POSITIONS, other_series=POSITIONS)
     search.up[:], search.down[:] = 1.0, -1.0
@@ -255,15 +257,15 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
         place=tiles(3),
         tile=tiles(count),
         level_tile=rows(task.levels.size, 1),
-        state_tile=rows(task.states.size, 1),
         figures=count,
         scales=count,
         integrals=task.integrals.size,
-        scan=new_samples(functions, (1 + ADDED) * task.scan),
-        scan_beside=new_samples(functions, LOOKED_BESIDE),
-        close_turns=new_close_turns(functions),
-        turns=new_roots(functions, functions * task.most_roots),
-        crossings=new_roots(functions, crossings),
+        scan=new_samples(outputs, (1 + ADDED) * task.scan),
+        scan_beside=new_samples(outputs, LOOKED_BESIDE),
+        close_turns=new_close_turns(outputs),
+        turns=new_roots(outputs, functions * task.most_roots),
+        crossings=new_roots(outputs, crossings),
+        middle=new_samples(outputs, 1),
         heights=max(len(task.crossings), 1),
         landmarks=functions,
         edges=crossings + task.cuts.size,
@@ -364,7 +366,7 @@ def find_cuts(task: Task, variants: EvaluatedVariants, work: Workspace) -> None:
 @routine
 def follow(task: Task, given: GivenNumbers, work: Workspace) -> bool:
     """Walk over each lane's range, integrate and keep curves; returns False if the record has no room for a step."""
-    states, curves = task.functions.states, task.functions.curves
+    events, curves = task.functions.events, task.functions.curves
     count, kept, degree = task.tolerance.shape[0], task.kept.shape[0], task.degree
     walk, record, place, middle = work.walk, unpacked(work.record), work.place, task.degree // 2
     block, tile, figures, scales = in_lanes(given.block), in_panels(work.tile), work.figures, work.scales
@@ -373,10 +375,11 @@ def follow(task: Task, given: GivenNumbers, work: Workspace) -> bool:
     while next_panels(work.edges, work.laid[0], walk):
         panel_positions(walk.middle, walk.half, degree, q, cos_q, sin_q)
         if task.states.shape[0] > 0:
+            held = work.middle.tile
             middle_q, middle_cos = place[0, middle : middle + 1], place[1, middle : middle + 1]
             middle_sin = place[2, middle : middle + 1]
-            states(given.block, given.tables, middle_q, middle_cos, middle_sin, work.state_tile)
-            copy_rows(in_lanes(work.state_tile), task.states, block)
+            events(given.block, given.tables, middle_q, middle_cos, middle_sin, held)
+            copy_rows(in_lanes(held[2 * task.landmarks.shape[0] :]), task.states, block)
         rows_q, rows_cos, rows_sin = place[0, : degree + 1], place[1, : degree + 1], place[2, : degree + 1]
         curves(given.block, given.tables, rows_q, rows_cos, rows_sin, work.tile)
         if any_lost:

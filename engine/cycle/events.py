@@ -147,19 +147,21 @@ def note_coarse(function: int, samples: Samples, noted: Noted, coarse: Row) -> N
     samples : Samples
         All functions at the scan positions.
     noted : Noted
-        Scratch: mean square of the slope, number of intervals in which the function moves, and number of those missed.
+        Scratch: rms of the slope, number of intervals in which the function moves, and number of those missed.
     coarse : row
         Set to 1 in those lanes.
     """
     room, q, scale = samples.used[0], in_lanes(samples.place[0]), noted.scale
-    square, moving, missed = noted.steepest, noted.marks, noted.counts
+    rms, moving, missed = noted.steepest, noted.marks, noted.counts
     values, slopes = in_lanes(samples.tile[2 * function]), in_lanes(samples.tile[2 * function + 1])
     for lane in range(LANES):
-        square[lane] = moving[lane] = missed[lane] = scale[lane] = 0.0
+        rms[lane] = moving[lane] = missed[lane] = scale[lane] = 0.0
     for k in range(room):
         for lane in range(LANES):
             scale[lane] = _scale(values[k, lane], scale[lane])
-            square[lane] += slopes[k, lane] ** 2 / room
+            rms[lane] += slopes[k, lane] ** 2 / room
+    for lane in range(LANES):
+        rms[lane] = math.sqrt(rms[lane])
     for i in range((room - 1) // 2):
         k = 2 * i + 1
         for lane in range(LANES):
@@ -168,7 +170,7 @@ def note_coarse(function: int, samples: Samples, noted: Noted, coarse: Row) -> N
             t = (q[k, lane] - q[k - 1, lane]) / width
             chord = (values[k + 1, lane] - values[k - 1, lane]) / width
             predicted = 6.0 * t * (1.0 - t) * chord + (1.0 - t) * (1.0 - 3.0 * t) * before + t * (3.0 * t - 2.0) * after
-            least = larger(MISSED * math.sqrt(square[lane]), STILL * scale[lane] / abs(width))
+            least = larger(MISSED * rms[lane], STILL * scale[lane] / abs(width))
             moving[lane] += 1.0 if larger(larger(abs(before), abs(here)), abs(after)) > least else 0.0
             missed[lane] += 1.0 if abs(here - predicted) > least else 0.0
     for lane in range(LANES):

@@ -1,6 +1,6 @@
-"""A machine over its cycle: its four functions and a plan of the results, evaluated for many variants.
+"""A machine over its cycle: its three functions and a plan of the results, evaluated for many variants.
 
-Each of the four has the signature `engine.compiling.tiles.TILE_SIGNATURE`,
+Each of the three has the signature `engine.compiling.tiles.TILE_SIGNATURE`,
 
     curves(P, T, q, cos_q, sin_q, tile)
 
@@ -8,10 +8,10 @@ with P (numbers, LANES) the numbers of each lane's variant, T the tables shared 
 (positions, LANES) the input positions of each lane with cosine and sine, and tile (curves, at least as many
 positions, LANES), which the function fills at the positions of q.
 
-- `events` fills switching functions and their derivatives by q: rows 2i and 2i + 1 are f_i and f_i′.
+- `events` fills switching functions and their derivatives by q: rows 2i and 2i + 1 are f_i and f_i′. Behind them it
+  fills the nodes held throughout a panel, which are taken at the panel's middle.
 - `levels` is called once, when the landmarks of these functions (minimum, maximum and their positions) are in P, with
   arbitrary q: it fills numbers that follow from the landmarks.
-- `states` is called at the middle of each panel: it fills the nodes held throughout the panel.
 - `curves` fills the curves of the plan. They are smooth within a panel, its ends included.
 """
 
@@ -66,6 +66,11 @@ class Extremes:
     greatest: Measured
     greatest_at: Measured
 
+    def of(self, result: int) -> Extremes:
+        """Those of one result, (variants,)."""
+        parts = self.least, self.least_at, self.greatest, self.greatest_at
+        return Extremes(*(part[result] for part in parts))
+
     @property
     def greatest_magnitude(self) -> Measured:
         """Maximum magnitude."""
@@ -75,26 +80,6 @@ class Extremes:
     def range(self) -> Measured:
         """Maximum minus minimum."""
         return self.greatest - self.least
-
-
-@dataclass(frozen=True)
-class Fluctuations:
-    """Speed fluctuation of steady cycles with given flywheels.
-
-    Attributes
-    ----------
-    delta : Measured (results, variants)
-        δ; NaN if the machine would stop within the cycle.
-    slowest_at, fastest_at : Measured (results, variants)
-        Positions of minimum and maximum speed.
-    top : Measured (results, variants)
-        max[W − ½ω_max² (I − I_1)]; the kinetic energy at the first position is ½ω_max² (I_1 + I_F) minus this.
-    """
-
-    delta: Measured
-    slowest_at: Measured
-    fastest_at: Measured
-    top: Measured
 
 
 @dataclass(frozen=True)
@@ -111,7 +96,8 @@ class CycleOutcome:
         Last minus first position of the input.
     extremes, landmarks : Extremes
         Of the curves wanted, NaN for a side that wasn't; and of the switching functions.
-    fluctuations : Fluctuations
+    fluctuations : Measured (results, variants)
+        δ of steady cycles with given flywheels; NaN if the machine would stop within the cycle.
     averages, squares : Measured (results, variants)
         Mean and mean square.
     arcs, arc_middles : Measured (results, variants)
@@ -133,7 +119,7 @@ class CycleOutcome:
     lengths: np.ndarray
     extremes: Extremes
     landmarks: Extremes
-    fluctuations: Fluctuations
+    fluctuations: Measured
     averages: Measured
     squares: Measured
     arcs: Measured
@@ -187,7 +173,7 @@ class CycleMachine:
     Attributes
     ----------
     plan : Plan
-    curves, events, levels, states : callable or None
+    curves, events, levels : callable or None
         See the module docstring; None where there is nothing to fill.
     """
 
@@ -195,13 +181,12 @@ class CycleMachine:
     curves: Callable | None
     events: Callable | None = None
     levels: Callable | None = None
-    states: Callable | None = None
     _packed: Packed = field(init=False)
     # Each thread's workspace, reused by its next call.
     _per_thread: threading.local = field(init=False, default_factory=threading.local)
 
     def __post_init__(self) -> None:
-        task = self.plan.task((self.events, self.levels, self.states, self.curves))
+        task = self.plan.task((self.events, self.levels, self.curves))
         object.__setattr__(self, "_packed", Packed(task))
 
     @property
@@ -268,7 +253,7 @@ class CycleMachine:
             "roots": (len(task.roots), 2),
             "sizes": (task.tolerance.size,),
             "extremes": (len(task.extremes), 2, 4),
-            "fluctuations": (len(task.fluctuations), 8),
+            "fluctuations": (len(task.fluctuations), 2),
             "averages": (len(task.averages), 4),
             "arcs": (len(task.arcs), len(Arc._fields)),
             "landmarks": (len(task.landmarks), len(LandmarkRows._fields)),
@@ -312,7 +297,7 @@ class CycleMachine:
                 Measured(marks.greatest, of_value),
                 Measured(marks.greatest_at, marks.greatest_at_error),
             ),
-            Fluctuations(*_measured(Fluctuation, answers.fluctuations, "delta", "slowest_at", "fastest_at", "top")),
+            *_measured(Fluctuation, answers.fluctuations, "delta"),
             *_measured(Averages, answers.averages, "mean", "square"),
             *_measured(Arc, answers.arcs, "arc", "middle"),
             answers.spaced,

@@ -43,7 +43,20 @@ class Measured:
         return f"Measured({self.value!r}, {self.error!r})"
 
     def __getitem__(self, index: object) -> Measured:
-        return Measured(self.value[index], self.error[index])
+        return self._of(self.value[index], self.error[index])
+
+    @classmethod
+    def _of(cls, value: np.ndarray, error: np.ndarray) -> Measured:
+        """Floating-point values and error estimates of one shape."""
+        found = cls.__new__(cls)
+        found.value, found.error = np.asarray(value), np.asarray(error)
+        return found
+
+    @classmethod
+    def _rounded(cls, value: np.ndarray, error: np.ndarray) -> Measured:
+        """Result of an operation, with its rounding."""
+        units = _COMPLEX_ROUNDING if value.dtype.kind == "c" else 1.0
+        return cls._of(value, error + units * EPS * np.abs(value))
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -64,30 +77,25 @@ class Measured:
         rounded = EPS * np.abs(self.value).sum(axis=0)
         return Measured(self.value.sum(axis=0), self.error.sum(axis=0) + rounded)
 
-    def _rounded(self) -> Measured:
-        units = _COMPLEX_ROUNDING if self.value.dtype.kind == "c" else 1.0
-        self.error = self.error + units * EPS * np.abs(self.value)
-        return self
-
     def __neg__(self) -> Measured:
-        return Measured(-self.value, self.error)
+        return self._of(-self.value, self.error)
 
     def __abs__(self) -> Measured:
-        return Measured(np.abs(self.value), self.error)
+        return self._of(np.abs(self.value), self.error)
 
     def __add__(self, other: object) -> Measured:
         other = measured(other)
-        return Measured(self.value + other.value, self.error + other.error)._rounded()
+        return self._rounded(self.value + other.value, self.error + other.error)
 
     def __sub__(self, other: object) -> Measured:
         return self + -measured(other)
 
     def __mul__(self, other: object) -> Measured:
         if isinstance(other, float):
-            return Measured(self.value * other, self.error * abs(other))._rounded()
+            return self._rounded(self.value * other, self.error * abs(other))
         other = measured(other)
         error = np.abs(self.value) * other.error + (np.abs(other.value) + other.error) * self.error
-        return Measured(self.value * other.value, error)._rounded()
+        return self._rounded(self.value * other.value, error)
 
     def __truediv__(self, other: object) -> Measured:
         other = measured(other)
@@ -97,14 +105,14 @@ class Measured:
             least = np.abs(other.value) - other.error
             error = (self.error + np.abs(value) * other.error) / np.where(least > 0.0, least, 0.0)
             exact = (self.error == 0.0) & (other.error == 0.0)
-            return Measured(value, np.where(exact, 0.0, error))._rounded()
+            return self._rounded(value, np.where(exact, 0.0, error))
 
     def __pow__(self, exponent: float) -> Measured:
         with np.errstate(divide="ignore", invalid="ignore"):
             value = self.value**exponent
             slope = exponent * self.value ** (exponent - 1.0)
             error = np.where(self.error == 0.0, 0.0, np.abs(slope) * self.error)
-            return Measured(value, error)._rounded()
+            return self._rounded(value, error)
 
     __radd__ = __add__
     __rmul__ = __mul__
@@ -135,7 +143,7 @@ def propagated(value: np.ndarray, *operands: tuple[np.ndarray, Measured]) -> Mea
     operands : tuple of (ndarray, Measured)
         The derivative with respect to an operand, and the operand.
     """
-    return Measured(value, sum(np.abs(slope) * x.error for slope, x in operands))._rounded()
+    return Measured._rounded(value, sum(np.abs(slope) * x.error for slope, x in operands))
 
 
 def sqrt(x: Measured) -> Measured:
@@ -144,7 +152,7 @@ def sqrt(x: Measured) -> Measured:
         value = np.sqrt(np.where((x.value < 0.0) & (x.value >= -x.error), 0.0, x.value))
         first_order = 0.5 * x.error / value
     error = np.where(x.error > x.value, np.sqrt(np.abs(x.value) + x.error), first_order)
-    return of_squares(Measured(value, np.where(x.error == 0.0, 0.0, error))._rounded())
+    return of_squares(Measured._rounded(value, np.where(x.error == 0.0, 0.0, error)))
 
 
 def of_squares(x: Measured) -> Measured:
@@ -159,7 +167,7 @@ def atan2(y: Measured, x: Measured) -> Measured:
         square = x.value**2 + y.value**2
         error = (np.abs(x.value) * y.error + np.abs(y.value) * x.error) / square
     error = np.where((x.error == 0.0) & (y.error == 0.0), 0.0, np.fmin(error, np.pi))
-    found = Measured(np.arctan2(y.value, x.value), error)._rounded()
+    found = Measured._rounded(np.arctan2(y.value, x.value), error)
     return Measured(found.value + np.where(found.value <= found.error - np.pi, 2.0 * np.pi, 0.0), found.error)
 
 

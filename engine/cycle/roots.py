@@ -45,8 +45,8 @@ class Samples(NamedTuple):
     ----------
     place : ndarray (3, room, LANES)
         Positions with cosine and sine.
-    tile : ndarray (2 functions, room, LANES)
-        f and f′ alternately.
+    tile : ndarray (outputs, room, LANES)
+        f and f′ alternately, then the held nodes.
     used : ndarray (1,) of int
         Number of rows in use, if not all are.
     """
@@ -115,15 +115,15 @@ class Roots(NamedTuple):
     at: Samples
 
 
-def new_samples(functions: int, room: int) -> Samples:
-    """Allocate samples of `functions` functions at `room` rows of positions."""
-    return Samples(rows(3, room), rows(2 * functions, room), np.array([room]))
+def new_samples(outputs: int, room: int) -> Samples:
+    """Allocate samples of `outputs` rows at `room` rows of positions."""
+    return Samples(rows(3, room), rows(outputs, room), np.array([room]))
 
 
-def new_roots(functions: int, room: int) -> Roots:
-    """Allocate `room` rows of roots of `functions` functions."""
+def new_roots(outputs: int, room: int) -> Roots:
+    """Allocate `room` rows of roots, with samples of `outputs` rows."""
     used, function, level = (np.zeros(size, np.int64) for size in (1, room, room))
-    return new_record(Roots, rows=room, used=used, function=function, level=level, at=new_samples(functions, room))
+    return new_record(Roots, rows=room, used=used, function=function, level=level, at=new_samples(outputs, room))
 
 
 @routine

@@ -1,14 +1,14 @@
 """Functions of one machine, printed from its graph.
 
-Four functions fill tiles. They share one signature, (P, T, q, cos_q, sin_q, tile), so compiled code takes those of any
+Three functions fill tiles. They share one signature, (P, T, q, cos_q, sin_q, tile), so compiled code takes those of any
 machine as values:
 
-- `events` fills the switching functions, at whose level crossings something switches, and their derivatives;
-- `levels` fills numbers of the cycle that follow from extremes of the switching functions;
-- `states` fills the held nodes, at the middle of a panel;
+- `events` fills the switching functions, at whose level crossings something switches, and their derivatives, and then
+  the held nodes, whose values at the middle of a panel count;
+- `levels` fills the numbers of the cycle, if any of them follows from extremes of the switching functions;
 - `curves` fills all requested curves.
 
-A fifth, `fields`, fills rows over equally spaced positions, for one variant at a time.
+A fourth, `fields`, fills rows over equally spaced positions, for one variant at a time.
 """
 
 from collections.abc import Iterable, Sequence
@@ -62,7 +62,7 @@ class Functions(NamedTuple):
     Attributes
     ----------
     text : str
-        Source of a module with some of `events`, `levels`, `states`, `curves`, …
+        Source of a module with some of `events`, `levels`, `curves`, …
     rows : dict of Node to int
         Row of P of each number: the input's range first, then numbers of the variant, the cycle and the panel.
     numbers : tuple of Number or Constant
@@ -72,7 +72,7 @@ class Functions(NamedTuple):
     landmarks : tuple of Landmark
         One for each event.
     level_rows, held_rows : tuple of int
-        Rows of P that `levels` and `states` fill, in order.
+        Rows of P for what `levels` fills, and for the held nodes, in order.
     crossings : tuple of (int, int, float)
         Index of the event, row of P with the level it crosses, and the offset added to that level.
     curves : dict of Node to int
@@ -132,14 +132,12 @@ def functions_of(
         Kept fields, whose numbers get rows too; `field_function` prints them.
     """
     plan = _planned(graph, first, last, curves, curves, ends, fields)
-    held = [node.operands[0] for node in plan.held]
     return _printed(
         graph,
         title,
         plan,
         _events(plan),
         _levels(plan),
-        _Part("states", "Held nodes, at the middle of a panel.", held),
         _Part("curves", "All curves, over a panel.", plan.curves, positions=PANEL_POSITIONS, inline_held=False),
     )
 
@@ -171,12 +169,12 @@ def functions_at(
     numbers : sequence of Node
         Further nodes whose numbers get rows.
     """
-    plan = _planned(graph, first, last, curves, [*curves, *(watched or ())], fields=numbers)
+    plan = _planned(graph, first, last, curves, [*curves, *(watched or ())], fields=numbers)._replace(held=[])
     return _printed(
         graph,
         title,
-        plan._replace(held=[]),
-        *([] if watched is None else [_events(plan), _levels(plan._replace(cycle=_behind_extremes(plan.cycle)))]),
+        plan,
+        *([] if watched is None else [_events(plan), _levels(plan)]),
         _Part("curves_at", "All curves, at one position.", plan.curves),
     )
 
@@ -264,11 +262,13 @@ class _Part(NamedTuple):
 
 
 def _events(plan: _Plan) -> _Part:
-    return _Part("events", "Switching functions and their derivatives by the input.", plan.event_nodes, positions=None)
+    doc = "Switching functions and their derivatives by the input; held nodes."
+    return _Part("events", doc, [*plan.event_nodes, *(node.operands[0] for node in plan.held)], positions=None)
 
 
 def _levels(plan: _Plan) -> _Part:
-    return _Part("levels", "Numbers of the cycle, from extremes of the switching functions.", plan.cycle, Stage.CYCLE)
+    doc = "Numbers of the cycle, from extremes of the switching functions."
+    return _Part("levels", doc, _behind_extremes(plan.cycle), Stage.CYCLE)
 
 
 def _behind_extremes(levels: Sequence[Node]) -> list[Node]:
@@ -306,7 +306,7 @@ def _printed(graph: Graph, title: str, plan: _Plan, *parts: _Part) -> Functions:
         text, called = in_lanes(part.name, part.doc, part.outputs, rows, part.stage, part.positions, part.inline_held)
         texts.append(f"@filling(TILE_SIGNATURE)\n{text}")
         laws += called
-    imports = ["from engine.compiling.tiles import TILE_SIGNATURE, filling", *_imports(laws)]
+    imports = ["from engine.compiling.tiles import TILE_SIGNATURE, filling, flat", *_imports(laws)]
     places = {curve: i for i, (curve, _) in enumerate(plan.events)}
     return Functions(
         "\n\n".join([_HEAD.format(title=title, imports="\n".join(imports), dtype="float64"), *texts]),
@@ -326,7 +326,7 @@ def _printed(graph: Graph, title: str, plan: _Plan, *parts: _Part) -> Functions:
 def field_function(title: str, fields: Sequence[Node], rows: dict[Node, int], dtype: np.dtype) -> str:
     """Print a module with `fields`, which fills rows over equally spaced positions."""
     text, laws = over_positions("fields", "Rows over the positions of one variant.", fields, rows)
-    imports = ["from engine.compiling.tiles import field_signature, filling", *_imports(laws)]
+    imports = ["from engine.compiling.tiles import field_signature, filling, flat", *_imports(laws)]
     head = _HEAD.format(title=title, imports="\n".join(imports), dtype=np.dtype(dtype).name)
     return f"{head}\n\n@filling(field_signature(dtype))\n{text}"
 
@@ -334,7 +334,7 @@ def field_function(title: str, fields: Sequence[Node], rows: dict[Node, int], dt
 def number_function(title: str, results: Sequence[Node], rows: dict[Node, int]) -> str:
     """Print a module with `numbers`, which fills a tile of one position with results of the variant's numbers."""
     text, laws = in_lanes("numbers", "Results of numbers of the variant.", results, rows, Stage.CYCLE, 1)
-    imports = ["from engine.compiling.tiles import TILE_SIGNATURE, filling", *_imports(laws)]
+    imports = ["from engine.compiling.tiles import TILE_SIGNATURE, filling, flat", *_imports(laws)]
     head = _HEAD.format(title=title, imports="\n".join(imports), dtype="float64")
     return f"{head}\n\n@filling(TILE_SIGNATURE)\n{text}"
 

@@ -262,19 +262,16 @@ def in_lanes(
     used = [which for which in ("q", "cos_q", "sin_q") if which in (*body.positions, *before.positions)]
     places = {node: f"looked_up[{i * LANES} + l]" for i, node in enumerate(looked_up)}
     reads = [f"{text} = {places.get(n) or f'p[{rows[n] * LANES} + l]'}" for n, text in body.reads.items()]
-    lines = [f"def {name}(P, T, q, cos_q, sin_q, tile):", f'    """{doc}"""', "    p = P.ravel()"]
+    lines = [f"def {name}(P, T, q, cos_q, sin_q, tile):", f'    """{doc}"""', "    p = flat(P)"]
+    lines += [f"    {which}_at = flat({which})" for which in used]
+    at = [f"i = k * {LANES} + l", *(f"{which} = {which}_at[i]" for which in used)]
     if looked_up:
         lines += [f"    apart = {LANES}", f"    looked_up = np.empty({len(looked_up) * LANES})"]
     if positions is None:
         lines += [f"    t, positions = np.empty({len(outputs) * LANES}), q.shape[0]"]
-        lines += [f"    {which}_at = {which}" for which in used]
         lines += ["    for k in range(positions):"]
-        lines += [f"        {which}_row = {which}_at[k]" for which in used]
-        at = [f"{which} = {which}_row[l]" for which in used]
     else:
-        lines += ["    t = tile.ravel()", *(f"    {which}_at = {which}.ravel()" for which in used)]
-        lines += [f"    for k in range({'q.shape[0]' if positions > 1 else 1}):"]
-        at = [f"i = k * {LANES} + l", *(f"{which} = {which}_at[i]" for which in used)]
+        lines += ["    t = flat(tile)", f"    for k in range({'q.shape[0]' if positions > 1 else 1}):"]
     if looked_up:
         first = [*at, *(f"{text} = p[{rows[n] * LANES} + l]" for n, text in before.reads.items())]
         first += [f"{text} = {rows[n.operands[0]] * LANES} + l" for n, text in before.tables.items()]
@@ -302,7 +299,7 @@ def over_positions(name: str, doc: str, outputs: Sequence[Node], rows: Mapping[N
     body = Statements(outputs, Stage.POSITION, looked_up=looked_up, taken=before.taken if looked_up else ())
     used = dict.fromkeys([*before.positions, *body.positions])
     lines = [f"def {name}(p, T, q, cos_q, sin_q, v, rows):", f'    """{doc}"""']
-    lines += [f"    {which}_at = {which}" for which in used]
+    lines += ["    p = flat(p)", *(f"    {which}_at = flat({which})" for which in used)]
     places = {node: f"looked_up[{i * CHUNK} + k]" for i, node in enumerate(looked_up)}
     lines += [f"    {text} = p[{rows[node]}]" for node, text in body.reads.items() if node not in places]
     if len(outputs) <= FEW_ROWS and not looked_up:
@@ -311,7 +308,7 @@ def over_positions(name: str, doc: str, outputs: Sequence[Node], rows: Mapping[N
         lines += [f"    row{c} = rows[{c}, v]" for c in range(len(outputs))]
         lines += ["    for k in range(rows.shape[2]):", *(f"        {line}" for line in inner)]
         return "\n".join(lines) + "\n", body.laws
-    at = [f"{which} = {which}_row[k]" for which in used]
+    at = [f"{which} = {which}_at[first + k]" for which in used]
     inner = [*at, *(f"{body.reads[n]} = {place}" for n, place in places.items() if n in body.reads), *body.statements]
     inner += [f"t[{c * CHUNK} + k] = {value}" for c, value in enumerate(body.values)]
     first = []
@@ -326,7 +323,6 @@ def over_positions(name: str, doc: str, outputs: Sequence[Node], rows: Mapping[N
         f"    t = np.empty({len(outputs) * CHUNK})",
         f"    for first in range(0, rows.shape[2], {CHUNK}):",
         f"        n = min({CHUNK}, rows.shape[2] - first)",
-        *(f"        {which}_row = {which}_at[first : first + n]" for which in used),
         *first,
         "        for k in range(n):",
         *(f"            {line}" for line in inner),

@@ -8,6 +8,21 @@ EPS = 2.0**-52
 NUDGE = 2.0**-26
 # Maximum steps towards a zero, at least as many as bisection needs, and relative width at which it is found.
 MOST_TURNS, _CONVERGED = 80, 4e-16
+# Of a reach: half a unit in the last place of four coordinates and two lengths each, and of the operations with them.
+_OF_REACH = 8.0 * EPS
+
+
+@scalar
+def left_over(square: float, scale: float) -> float:
+    """Surplus of the links' reach, 0 at a dead centre; within rounding, where its sign is random, it counts as 0.
+
+    Parameters
+    ----------
+    square, scale : float
+        Product of the reach's two factors, and the magnitude of its terms [m², or its square].
+    """
+    rounding = _OF_REACH * scale
+    return rounding - rounding if abs(square) < rounding else square
 
 
 @scalar

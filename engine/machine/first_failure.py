@@ -10,7 +10,7 @@ import numpy as np
 
 from engine.graph.nodes import Node
 from engine.machine.conditions import SINGULAR_SINE
-from engine.machine.kept_fields import KeptFields, fill_found
+from engine.machine.kept_fields import KeptFields
 from engine.machine.measuring import MeasuredCycles, Measuring
 from engine.quantities.expressions import Angle
 from engine.scene.scene import Numbers
@@ -100,7 +100,7 @@ def failures_of(measuring: Measuring, table: np.ndarray, answers: MeasuredCycles
         Measurements for this table.
     """
     broken, groups, count = answers.outcome.broken_at, measuring.groups, table.shape[1]
-    verdict, rounding = np.full(count, Verdict.OK, np.uint8), answers.rounding_of_rates(2)
+    verdict, rounding = np.full(count, Verdict.OK, np.uint8), answers.rounding_of_rates
     failures = Failures(verdict, np.full(count, -1), np.full(count, np.nan), rounding)
 
     def blame(who: np.ndarray, verdict: Verdict, group: int, place: np.ndarray) -> None:
@@ -148,7 +148,7 @@ def failures_within(measuring: Measuring, numbers: Numbers, covered: np.ndarray)
         low, high = np.fmax(low - beside, bounds[0]), np.fmin(high + beside, bounds[1])
     table[ends] = np.where(np.isnan(covered), np.nan, [low, high])
     answers = measuring(table)
-    fill_found(measuring.functions, table, answers.outcome.landmarks)
+    measuring.fill_found(table, answers.outcome.landmarks)
     found = failures_of(measuring, table, answers)
     return found._replace(place=np.mod(found.place, length)) if measuring.mechanics.has_cycle else found
 
@@ -166,7 +166,7 @@ def curves_of(
         Type in which they are stored.
     """
     title = f"The functions of one machine: {measuring.mechanics.scene.title or 'untitled'}."
-    return KeptFields(curves, measuring.functions, measuring.machine.levels, np.dtype(dtype), title)
+    return KeptFields(curves, measuring.functions, np.dtype(dtype), title)
 
 
 def ends_of(measuring: Measuring) -> tuple[int, int]:

@@ -7,14 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import LANES, copy_rows, gather, in_lanes
+from engine.compiling.blocks import LANES, gather, in_lanes
 from engine.compiling.decorators import driver, routine
 from engine.compiling.kept_code import load_printed
 from engine.compiling.running import spread
-from engine.compiling.tiles import TileFunction, TypedFunction, field_signature
-from engine.cycle.machine import Extremes
+from engine.compiling.tiles import TypedFunction, field_signature
 from engine.graph.functions import Functions, field_function
-from engine.graph.nodes import Found, Node
+from engine.graph.nodes import Node
 from engine.laws.elementary import angle_or_zero, direction_of
 from engine.quantities.expressions import Angle
 
@@ -38,8 +37,6 @@ class KeptFields:
     curves : sequence of Node or Angle
     functions : Functions
         Functions of the machine, with the numbers of these curves' `field_node` in their layout.
-    levels : callable or None
-        The machine's `levels` function.
     dtype : float64 or float32
         Type in which they are stored; they are computed in double precision.
     title : str
@@ -51,10 +48,8 @@ class KeptFields:
         Number of curves.
     """
 
-    def __init__(
-        self, curves: Sequence[Node | Angle], functions: Functions, levels: Callable | None, dtype: np.dtype, title: str
-    ) -> None:
-        self._functions, self._levels, self._dtype = functions, TileFunction(levels), np.dtype(dtype)
+    def __init__(self, curves: Sequence[Node | Angle], functions: Functions, dtype: np.dtype, title: str) -> None:
+        self._functions, self._dtype = functions, np.dtype(dtype)
         self.count = len(curves)
         self._followed = np.array([i for i, curve in enumerate(curves) if isinstance(curve, Angle)], np.intp)
         self.text = field_function(title, [field_node(curve) for curve in curves], functions.rows, self._dtype)
@@ -71,7 +66,7 @@ class KeptFields:
         Parameters
         ----------
         table : ndarray (numbers, variants)
-            Including the numbers found on the cycle, see `fill_found`.
+            Including the numbers of the cycle, see `Measuring.fill_found`.
         q : ndarray (positions,)
             Input positions; with `ends`, as shares of each variant's range.
         fields : ndarray (fields, variants, positions)
@@ -88,34 +83,14 @@ class KeptFields:
         """
         finite = np.empty(table.shape[1], np.bool_)
         positions = np.stack([q, np.cos(q), np.sin(q)])
-        level_rows = np.array(self._functions.level_rows, np.intp)
         table, memory = np.ascontiguousarray(table), self._functions.memory
-        kept = _Kept(level_rows, table, memory, places, positions, ends, self._followed)
+        kept = _Kept(table, memory, places, positions, ends, self._followed)
 
         def arguments() -> tuple:
-            scratch = _new_scratch(len(table), level_rows.size, positions)
-            return self._function, self._levels, kept, fields, finite, scratch
+            return self._function, kept, fields, finite, _new_scratch(len(table), positions)
 
         spread(_fill, -(-table.shape[1] // LANES), arguments)
         return finite
-
-
-def fill_found(functions: Functions, table: np.ndarray, landmarks: Extremes) -> None:
-    """Copy the numbers found on the cycle into the table of the variants.
-
-    Parameters
-    ----------
-    functions : Functions
-    table : ndarray (numbers, variants)
-        Modified in place.
-    landmarks : Extremes
-        Extremes of the machine's events.
-    """
-    part = {"low": "least", "high": "greatest", "low_at": "least_at", "high_at": "greatest_at"}
-    events = [curve for curve, _ in functions.events]
-    for node, row in functions.rows.items():
-        if isinstance(node, Found):
-            table[row] = getattr(landmarks, part[node.which])[events.index(node.curve)].value
 
 
 @routine
@@ -152,8 +127,6 @@ class _Kept(NamedTuple):
 
     Attributes
     ----------
-    level_rows : ndarray of int
-        Rows of the table for the results of `levels`.
     table : ndarray (numbers, variants)
     memory : ndarray
         All tables.
@@ -165,7 +138,6 @@ class _Kept(NamedTuple):
         Fields that are angles.
     """
 
-    level_rows: np.ndarray
     table: np.ndarray
     memory: np.ndarray
     places: np.ndarray
@@ -183,23 +155,17 @@ class _Scratch(NamedTuple):
         Numbers of the block's variants.
     p : ndarray (numbers,)
         Numbers of one of them.
-    tile : ndarray (levels, 1, LANES)
-    nowhere : ndarray (1, LANES)
-        Zeros.
     at : ndarray (3, positions)
         Input positions of one variant, with cosine and sine.
     """
 
     block: np.ndarray
     p: np.ndarray
-    tile: np.ndarray
-    nowhere: np.ndarray
     at: np.ndarray
 
 
-def _new_scratch(numbers: int, levels: int, positions: np.ndarray) -> _Scratch:
-    block, p = np.empty((numbers, LANES)), np.empty(numbers)
-    return _Scratch(block, p, np.empty((levels, 1, LANES)), np.zeros((1, LANES)), positions.copy())
+def _new_scratch(numbers: int, positions: np.ndarray) -> _Scratch:
+    return _Scratch(np.empty((numbers, LANES)), np.empty(numbers), positions.copy())
 
 
 @driver
@@ -207,21 +173,17 @@ def _fill(
     begin: int,
     end: int,
     function: Callable,
-    levels: Callable,
     kept: _Kept,
     fields: np.ndarray,
     finite: np.ndarray,
     scratch: _Scratch,
 ) -> None:
     """Fill the fields of blocks `begin` … `end` − 1 of LANES variants; see `KeptFields.fill`."""
-    block, p, tile, nowhere, ends = scratch.block, scratch.p, scratch.tile, scratch.nowhere, kept.ends
+    block, p, ends = scratch.block, scratch.p, kept.ends
     q, cos_q, sin_q = scratch.at[0], scratch.at[1], scratch.at[2]
     for b in range(begin, end):
         first = b * LANES
         gather(kept.table, first, in_lanes(block))
-        if kept.level_rows.size > 0:
-            levels(block, kept.memory, nowhere, nowhere, nowhere, tile)
-            copy_rows(in_lanes(tile), kept.level_rows, in_lanes(block))
         for lane in range(min(LANES, finite.size - first)):
             place = kept.places[first + lane]
             for row in range(p.size):

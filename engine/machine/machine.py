@@ -32,7 +32,7 @@ from engine.machine.first_failure import (
     failures_within,
     first_failure,
 )
-from engine.machine.kept_fields import NONE, KeptFields, field_node, fill_found
+from engine.machine.kept_fields import NONE, KeptFields, field_node
 from engine.machine.measuring import MeasuredCycles, Measuring
 from engine.machine.results import AskError, Outcome, asked_text, blank, field_room, front_of
 from engine.mechanism.mechanics import Mechanics
@@ -48,7 +48,7 @@ from engine.words.verdicts import Verdict
 # Errors of quantities that vanish identically: differences of two roots.
 SURELY_NOTHING = 4.0 * UNKNOWN_ROOT
 # Variants measured together by a thread, so that their data stays in its caches.
-VARIANTS_AT_ONCE = 4096
+VARIANTS_AT_ONCE = 8192
 # Variants whose machine curves are computed together for governors.
 GOVERNED_AT_ONCE = 1024
 # Summaries that are relative differences, zero if two numbers agree.
@@ -485,7 +485,7 @@ class Machine:
                 undefined |= nothing & (not summary.may_be_undefined)
                 value, error = np.where(nothing, np.nan, value), np.where(nothing, np.nan, error)
             outcome.summaries[name][own], outcome.errors[name][own] = value, error
-        fill_found(self._measuring.functions, table, answers.outcome.landmarks)
+        self._measuring.fill_found(table, answers.outcome.landmarks)
         if self._fields:
             undefined |= ~self._keep(room, keep, table, answers)
         self._judge(outcome, keep, table, answers, undefined)

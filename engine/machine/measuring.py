@@ -23,7 +23,8 @@ from engine.cycle.measures.extremes import BOTH, EACH_TURN, GREATEST, LEAST, LEA
 from engine.cycle.panels.chebyshev import COARSE, DEGREE
 from engine.cycle.plan import CycleSpeed, Difference, Kept, Measure, Plan, Recorded, Running, VectorAngle
 from engine.graph.functions import Functions, functions_of
-from engine.graph.nodes import Constant, Node, Stage, reached
+from engine.graph.nodes import Constant, Found, Node, Stage, reached
+from engine.graph.values import LevelValues
 from engine.laws.rounding import EPS
 from engine.machine.conditions import Margin, margins_against_jamming, margins_at_cams, taking_part, wound_springs
 from engine.mechanism.mechanics import Mechanics
@@ -31,7 +32,6 @@ from engine.quantities.expressions import (
     FULL_TURN,
     Angle,
     Average,
-    Evaluation,
     Expression,
     Extreme,
     ExtremePosition,
@@ -47,6 +47,7 @@ from engine.quantities.expressions import (
     UnloadedArc,
     VariantNumber,
     Work,
+    evaluated,
     measurements,
     square_of,
 )
@@ -175,6 +176,7 @@ class Measuring:
             found,
             [*fields, *numbers],
         )
+        self._levels = LevelValues(self.functions)
 
     def _planned(self, speeds: bool) -> "_Planned":
         """The compiled functions with a plan of the cycle, with or without speed fluctuations."""
@@ -182,7 +184,7 @@ class Measuring:
         readers = self._readers(plan, speeds)
         cycle.compile_driver_ahead(plan)
         module = load_printed(self.functions.text)
-        return _Planned(cycle.CycleMachine(plan, module.curves, module.events, module.levels, module.states), readers)
+        return _Planned(cycle.CycleMachine(plan, module.curves, module.events, module.levels), readers)
 
     def _plan(self) -> Plan:
         """Plan of the cycle, in which nothing is wanted yet."""
@@ -205,7 +207,7 @@ class Measuring:
             ends=(row[self.mechanics.first], row[self.mechanics.last]),
             curves=len(curve),
             landmarks=f.landmarks,
-            levels=f.level_rows,
+            levels=f.found_levels,
             states=f.held_rows,
             crossings=f.crossings,
             looks=f.looks,
@@ -231,7 +233,7 @@ class Measuring:
 
         def extreme(wanted: Recorded | Difference, sides: int, part: str) -> Read:
             number, get = plan.find_extremes(wanted, sides), attrgetter(part)
-            return lambda outcome: get(outcome.extremes)[number]
+            return lambda outcome: get(outcome.extremes.of(number))
 
         for c in self._followed if speeds else [c for c in self._followed if not isinstance(c, Speed)]:
             # An angle that repeats with each turn of the crank has its extremes in every turn.
@@ -272,7 +274,7 @@ class Measuring:
                 difference = Difference(self._recorded(work), curve[steady.of.inertia], row[slope])
                 found[steady.of, slope] = extreme(difference, sides, part)
             if steady.wheel is not None and speeds:
-                found[steady.of] = measure("fluctuations", self._recorded(Speed(steady.of)), "fluctuations.delta")
+                found[steady.of] = measure("fluctuations", self._recorded(Speed(steady.of)), "fluctuations")
         return found
 
     def _recorded(self, of: Node | Followed) -> Recorded:
@@ -331,13 +333,32 @@ class Measuring:
         return self._whole.machine
 
     def numbers(self, numbers: Numbers, variants: int) -> np.ndarray:
-        """P of all variants, (numbers, variants), without the numbers found on the cycle."""
+        """P of all variants, (numbers, variants), without what is found on the cycle and what follows from it."""
         table = np.full((len(self.functions.rows), variants), np.nan)
         # An overflow in a calculation results in a status, not in a warning.
         with np.errstate(all="ignore"):
             for node in self.functions.numbers:
                 table[self.functions.rows[node]] = node.value if isinstance(node, Constant) else node.compute(numbers)
+        self._levels.fill(table)
         return table
+
+    def fill_found(self, table: np.ndarray, landmarks: cycle.Extremes) -> None:
+        """Copy the numbers found on the cycle into the table of the variants, and fill what follows from them.
+
+        Parameters
+        ----------
+        table : ndarray (numbers, variants)
+            Modified in place.
+        landmarks : Extremes
+            Extremes of the switching functions.
+        """
+        part = {"low": "least", "high": "greatest", "low_at": "least_at", "high_at": "greatest_at"}
+        events = [curve for curve, _ in self.functions.events]
+        found = {node: row for node, row in self.functions.rows.items() if isinstance(node, Found)}
+        for node, row in found.items():
+            table[row] = getattr(landmarks, part[node.which])[events.index(node.curve)].value
+        if found:
+            self._levels.fill(table)
 
     def __call__(self, table: np.ndarray) -> "MeasuredCycles":
         """Measure all variants.
@@ -444,14 +465,21 @@ class MeasuredCycles:
     def __init__(self, measuring: Measuring, table: np.ndarray, planned: _Planned) -> None:
         self._m, self._table, self._readers = measuring, table, planned.readers
         self.outcome = planned.machine.evaluate(table, measuring.functions.memory)
-        self.value_of = Evaluation(self._with_spread)
+        self._numbers: dict[Node, Measured] = {}
+        self._known: dict[Measurement | int, Measured] = {}
+
+    def value_of(self, expression: Expression) -> Measured:
+        """Value of an expression, with its error estimate."""
+        return evaluated(expression, self._with_spread, self._known)
 
     def number(self, node: Node) -> Measured:
         """A per-variant number, exact within rounding."""
         if isinstance(node, Constant):
             return Measured(node.value)
-        value = self._table[self._m.functions.rows[node]]
-        return Measured(value, EPS * np.abs(value))
+        if node not in self._numbers:
+            value = self._table[self._m.functions.rows[node]]
+            self._numbers[node] = Measured(value, EPS * np.abs(value))
+        return self._numbers[node]
 
     def sines(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """For each group, the minimum magnitude of its transmission index and the position there."""
@@ -481,17 +509,24 @@ class MeasuredCycles:
             product *= np.where((sine > 0.0) & (sine < 1.0), sine, 1.0) / loops
         return product
 
-    def rounding_of_rates(self, power: int) -> np.ndarray:
-        """Rounding error of velocities (1) or of accelerations and forces (2), relative to their maximum."""
-        return ROUNDING_OF_RATES / self._transmission**power
+    @cached_property
+    def rounding_of_velocities(self) -> np.ndarray:
+        """Rounding error of velocities, relative to their maximum."""
+        return ROUNDING_OF_RATES / self._transmission
+
+    @cached_property
+    def rounding_of_rates(self) -> np.ndarray:
+        """Rounding error of accelerations and forces, relative to their maximum."""
+        return ROUNDING_OF_RATES / self._transmission**2
 
     def _with_spread(self, asked: Measurement) -> Measured:
         """A measurement, with its error estimate increased by the rounding near dead centres."""
         found = self._measured(asked)
         if isinstance(asked, VariantNumber):
             return found
-        power = 1 if isinstance(asked, Extreme) and isinstance(asked.curve, Angle) else 2
-        spread = self.rounding_of_rates(power) * self._size(asked, found.value)
+        turning = isinstance(asked, Extreme) and isinstance(asked.curve, Angle)
+        relative = self.rounding_of_velocities if turning else self.rounding_of_rates
+        spread = relative * self._size(asked, found.value)
         return Measured(found.value, found.error + spread * (found.error != 0.0))
 
     def allowed(self, expression: Expression, accuracy: float) -> np.ndarray:
@@ -502,7 +537,7 @@ class MeasuredCycles:
             exact = isinstance(asked, VariantNumber)
             return found if exact else Measured(found.value, accuracy * self._size(asked, found.value))
 
-        return Evaluation(off)(expression).error
+        return evaluated(expression, off, {}).error
 
     def peak(self, curve: Node | Followed) -> np.ndarray:
         """Maximum magnitude of a measured curve; NaN if neither the curve nor its square is measured."""

@@ -345,29 +345,29 @@ def nodes_of(asked: object) -> Iterator[Node]:
             yield from nodes_of(part)
 
 
-class Evaluation:
-    """Evaluates expressions from measurements.
+def evaluated(
+    expression: Expression,
+    measured: Callable[[Measurement], Measured],
+    known: dict[Measurement | int, Measured],
+) -> Measured:
+    """Value and error estimate of an expression.
 
     Parameters
     ----------
+    expression : Expression
     measured : callable
         Returns the measured number of a measurement.
+    known : dict
+        Numbers of measurements, and of other expressions by identity, so these must outlive it; it is extended.
     """
-
-    def __init__(self, measured: Callable[[Measurement], Measured]) -> None:
-        self._measured = measured
-        self._known: dict[Measurement | int, Measured] = {}
-
-    def __call__(self, expression: Expression) -> Measured:
-        """Value and error estimate of an expression."""
-        if isinstance(expression, Exactly):
-            return Measured(expression.value)
-        measures = isinstance(expression, Measurement)
-        key = expression if measures else id(expression)
-        if key not in self._known:
-            known = self._measured(expression) if measures else expression.does(*map(self, expression.operands))
-            self._known[key] = known
-        return self._known[key]
+    if isinstance(expression, Exactly):
+        return Measured(expression.value)
+    measures = isinstance(expression, Measurement)
+    key = expression if measures else id(expression)
+    if key not in known:
+        operands = () if measures else [evaluated(operand, measured, known) for operand in expression.operands]
+        known[key] = measured(expression) if measures else expression.does(*operands)
+    return known[key]
 
 
 FULL_TURN = 2.0 * math.pi

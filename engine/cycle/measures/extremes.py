@@ -303,16 +303,19 @@ def leave_next(
 def fetch(record: Record, sought: SoughtExtreme, work: Search) -> None:
     """Copy the panel and series of each lane's candidate to the search, and remove the candidate."""
     search, series, other, base = work.climb, work.series, work.other_series, record.whole[sought.b].first
-    alone = sought.a == sought.b
     for lane in range(LANES):
         if search.step[lane] < 0.0:
             continue
         step, c, s = int(search.step[lane]), sought.factor[lane], sought.sign[lane]
         slot_a, slot_b = known_slot(record, sought.a, step), known_slot(record, sought.b, step)
-        for k in range(record.degree + 1):
-            of_b = 0.0 if alone else record.coefficients[slot_b, k, lane]
-            other[k, lane] = of_b
-            series[k, lane] = s * (record.coefficients[slot_a, k, lane] - c * of_b)
+        of_a, of_b = record.coefficients[slot_a], record.coefficients[slot_b]
+        if sought.a == sought.b:
+            for k in range(record.degree + 1):
+                series[k, lane] = s * of_a[k, lane]
+        else:
+            for k in range(record.degree + 1):
+                other[k, lane] = of_b[k, lane]
+                series[k, lane] = s * (of_a[k, lane] - c * of_b[k, lane])
         # Rounded in the same way in any surrounding code.
         series[0, lane] = fused(s, s * series[0, lane], s * c * base[lane])
         panels, candidate = record.panels[step], work.candidates[step]
@@ -456,7 +459,8 @@ def find_extreme(record: Record, sought: SoughtExtreme, work: Search, found: Ext
         fetch(record, sought, work)
         climb(work.series, record.degree, search)
         for lane in range(LANES):
-            search.here[lane] = series_value(work.other_series, lane, search.x[lane])
+            alone = sought.a == sought.b
+            search.here[lane] = 0.0 if alone else series_value(work.other_series, lane, search.x[lane])
         compare(record, sought, work, found)
     left = take_farthest(steps, candidates, search, found)
     for lane in range(LANES):

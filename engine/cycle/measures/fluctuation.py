@@ -30,8 +30,6 @@ class Fluctuation(NamedTuple):
     ----------
     delta, delta_error : row
         δ.
-    slowest_at, slowest_at_error, fastest_at, fastest_at_error : row
-        Positions of minimum and maximum speed.
     top, top_error : row
         max[W − ½ω_max² (I − I_1)].
     fast, slow : row
@@ -42,10 +40,6 @@ class Fluctuation(NamedTuple):
 
     delta: Row
     delta_error: Row
-    slowest_at: Row
-    slowest_at_error: Row
-    fastest_at: Row
-    fastest_at_error: Row
     top: Row
     top_error: Row
     fast: Row
@@ -121,10 +115,6 @@ def _improve(steady: SteadyWheel, first: Row, ends: SpeedEnds, result: Fluctuati
         off = (high.value_error[lane] + low.value_error[lane]) / fall + step * step
         result.delta[lane] = delta if converged else ahead
         result.delta_error[lane] = result.delta_error[lane] if converged else off
-        result.slowest_at[lane] = result.slowest_at[lane] if converged else low.at[lane]
-        result.slowest_at_error[lane] = result.slowest_at_error[lane] if converged else low.at_error[lane]
-        result.fastest_at[lane] = result.fastest_at[lane] if converged else high.at[lane]
-        result.fastest_at_error[lane] = result.fastest_at_error[lane] if converged else high.at_error[lane]
         descent = 0.5 * square * (1.0 + 0.5 * delta) * (ahead - delta) * high.other[lane]
         result.top[lane] = result.top[lane] if converged else high.value[lane] - descent
         result.top_error[lane] = result.top_error[lane] if converged else high.value_error[lane]

@@ -42,10 +42,11 @@ def many(record: type) -> Memory:
 @routine
 def any_positive(row: Row) -> bool:
     """Whether a row is positive in any lane."""
-    found = False
+    # The compiler vectorises a union of bits, but not one of truth values.
+    found = 0
     for lane in range(LANES):
-        found |= row[lane] > 0.0
-    return found
+        found |= int(row[lane] > 0.0)
+    return found != 0
 
 
 @routine

@@ -13,8 +13,8 @@ import math
 
 from engine.compiling.decorators import scalar
 from engine.laws.kinematics.closure import greater, guide_gap, unit_gap
-from engine.laws.kinematics.dead_centres import left_over
 from engine.laws.kinematics.vectors import Load, Vector, distance
+from engine.laws.rounding import left_over
 
 
 @scalar

@@ -14,8 +14,8 @@ import math
 
 from engine.compiling.decorators import scalar
 from engine.laws.kinematics.closure import greater, guide_gap, link_gap
-from engine.laws.kinematics.dead_centres import left_over
 from engine.laws.kinematics.vectors import Line, Link, Load, Vector
+from engine.laws.rounding import left_over
 
 
 @scalar

@@ -34,7 +34,6 @@ from engine.mechanism.vectors import Vector
 from engine.parts.skeleton import FRAME
 from engine.quantities.expressions import (
     Angle,
-    Evaluation,
     Expression,
     Extreme,
     Followed,
@@ -46,6 +45,7 @@ from engine.quantities.expressions import (
     StrokeEnd,
     VariantNumber,
     Work,
+    evaluated,
     nodes_of,
 )
 from engine.quantities.machine import register_of
@@ -251,9 +251,9 @@ class MovingMachine:
         # An evaluation caches by identity, so all expressions must outlive it.
         full = {name: full_names(self.mechanics.scene, name) for name in names}
         expressions = {name: self.register.summary(known).expression() for name, known in full.items()}
-        value_of = Evaluation(self._measured)
+        known: dict[Measurement | int, Measured] = {}
         with np.errstate(all="ignore"):
-            return {name: value_of(expression) for name, expression in expressions.items()}
+            return {name: evaluated(expression, self._measured, known) for name, expression in expressions.items()}
 
     def verdict(self, names: Iterable[str]) -> Verdict:
         """OK if the fields are defined over the cycle, else the reason."""

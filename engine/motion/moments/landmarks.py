@@ -66,7 +66,7 @@ class Landmarks:
             looks=functions.looks,
             turns=turns,
         )
-        return plan.task([None] * 4)
+        return plan.task([None] * 3)
 
     def __call__(self, numbers: Numbers, direction: np.ndarray) -> tuple[np.ndarray, Ends, Breaks]:
         """Numbers of the printed functions, the ends of strokes among them, and the breaks of all actions.
@@ -104,7 +104,7 @@ class Landmarks:
         module = load_printed(functions.text)
         found, coarse = np.full((len(self.watches), task.most_roots, variants), np.nan), np.zeros(variants)
 
-        given = MachineFunctions(TileFunction(module.events), TileFunction(module.levels), *[TileFunction(None)] * 2)
+        given = MachineFunctions(TileFunction(module.events), TileFunction(module.levels), TileFunction(None))
         asked = Packed(task._replace(functions=given))
         chosen = Packed(EvaluatedVariants(np.zeros(0, np.int64), parameters, functions.memory))
 

@@ -1,4 +1,4 @@
-"""Machines written by hand as the four functions that `engine.cycle` takes."""
+"""Machines written by hand as the three functions that `engine.cycle` takes."""
 
 import math
 from functools import cache
@@ -51,7 +51,12 @@ def at_positions(law):
 def press_events(P, lane, q, c, s, tile, i, room):
     r, length, y = P[CRANK, lane], P[ROD, lane], P[CRANK, lane] * s - P[OFFSET, lane]
     root = math.sqrt(length * length - y * y)
-    tile[i, lane], tile[room + i, lane] = r * c + root, -r * s - y * r * c / root
+    place, rate = r * c + root, -r * s - y * r * c / root
+    tile[i, lane], tile[room + i, lane] = place, rate
+    on_stroke = (place > P[NEAR, lane]) & (place < P[FAR, lane]) & (rate < 0.0)
+    on_input = (q > P[FROM, lane]) & (q < P[TO, lane])
+    held = (P[FORCE, lane] if on_stroke else 0.0) + (P[OTHER_FORCE, lane] if on_input else 0.0)
+    tile[2 * room + i, lane] = held
 
 
 @at_positions
@@ -59,16 +64,6 @@ def press_levels(P, lane, q, c, s, tile, i, room):
     stroke = P[HIGH, lane] - P[LOW, lane]
     tile[0, lane] = P[LOW, lane] + P[NEAR_SHARE, lane] * stroke
     tile[1, lane] = P[LOW, lane] + P[FAR_SHARE, lane] * stroke
-
-
-@at_positions
-def press_states(P, lane, q, c, s, tile, i, room):
-    r, length, y = P[CRANK, lane], P[ROD, lane], P[CRANK, lane] * s - P[OFFSET, lane]
-    root = math.sqrt(length * length - y * y)
-    place, rate = r * c + root, -r * s - y * r * c / root
-    on_stroke = (place > P[NEAR, lane]) & (place < P[FAR, lane]) & (rate < 0.0)
-    on_input = (q > P[FROM, lane]) & (q < P[TO, lane])
-    tile[0, lane] = (P[FORCE, lane] if on_stroke else 0.0) + (P[OTHER_FORCE, lane] if on_input else 0.0)
 
 
 @at_positions
@@ -107,7 +102,7 @@ def press(**asked):
     """The press, cut where its loads set in and end; curves are its inertia (0) and the moment of the loads (1)."""
     loads = {"levels": [NEAR, FAR], "states": [LOAD], "crossings": [(0, NEAR, 0.0), (0, FAR, 0.0)], "cuts": [FROM, TO]}
     plan = planned(ends=(FIRST, LAST), curves=2, landmarks=[(LOW, HIGH, LOW_AT, HIGH_AT)], **loads, **asked)
-    return CycleMachine(plan, press_curves(), press_events(), press_levels(), press_states())
+    return CycleMachine(plan, press_curves(), press_events(), press_levels())
 
 
 def slide(numbers, q):

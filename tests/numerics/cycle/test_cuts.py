@@ -154,12 +154,7 @@ def two_top_velocity(P, lane, q, c, s, tile, i, room):
     over = math.cos(x) - math.cos(P[2, lane])
     tile[i, lane] = 2.0 * over * math.sin(x)
     tile[room + i, lane] = 2.0 * (over * math.cos(x) - math.sin(x) ** 2)
-
-
-@at_positions
-def two_top_sense(P, lane, q, c, s, tile, i, room):
-    x = q - P[3, lane]
-    tile[0, lane] = 1.0 if (math.cos(x) - math.cos(P[2, lane])) * math.sin(x) > 0.0 else -1.0
+    tile[2 * room + i, lane] = 1.0 if over * math.sin(x) > 0.0 else -1.0
 
 
 @at_positions
@@ -170,7 +165,7 @@ def two_top_power(P, lane, q, c, s, tile, i, room):
 
 def test_a_load_against_a_ram_with_two_tops_acts_on_both_rises():
     plan = planned((0, 1), 1, landmarks=[(-1, -1, -1, -1)], crossings=[(0, 4, 0.0)], states=[5], integrals=[0])
-    machine = CycleMachine(plan, two_top_power(), events=two_top_velocity(), states=two_top_sense())
+    machine = CycleMachine(plan, two_top_power(), events=two_top_velocity())
     rng = np.random.default_rng(4)
     # The ram is at −(cos x − cos h)²: its tops, at ±h, are 2 h apart, anywhere in the cycle and at its ends.
     h, phase, zeros = 10.0 ** rng.uniform(-7.0, -0.3, 2000), rng.uniform(0.0, TURN, 2000), np.zeros(2000)

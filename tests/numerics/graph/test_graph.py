@@ -146,9 +146,10 @@ def test_printed_tile__is_the_graph_worked_out_by_numpy():
     module = load_printed(functions.text)
     q = np.linspace(0, 6, PANEL_POSITIONS * LANES).reshape(PANEL_POSITIONS, LANES)
     middle = q[8:9].copy()
-    held = np.empty((len(functions.held_rows), 1, LANES))
-    call_printed(module.states, numbers, functions.memory, middle, np.cos(middle), np.sin(middle), held)
-    for row, values in zip(functions.held_rows, held, strict=True):
+    switching = 2 * len(functions.events)
+    filled = np.empty((switching + len(functions.held_rows), 1, LANES))
+    call_printed(module.events, numbers, functions.memory, middle, np.cos(middle), np.sin(middle), filled)
+    for row, values in zip(functions.held_rows, filled[switching:], strict=True):
         numbers[row] = values[0]
     tile = np.empty((len(asked), PANEL_POSITIONS, LANES))
     call_printed(module.curves, numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
@@ -230,6 +231,7 @@ def test_any_expression__is_printed_as_it_is_meant(symbols, random):
     scope: dict = {}
     # The text alone, uncompiled: what is printed must mean the same to Python.
     exec(compile(functions.text.replace("@filling(TILE_SIGNATURE)", ""), "printed", "exec"), scope)
+    scope["flat"] = np.ravel
     q = np.linspace(0, 3, PANEL_POSITIONS * LANES).reshape(PANEL_POSITIONS, LANES)
     tile = np.empty((len(asked), PANEL_POSITIONS, LANES))
     scope["curves"](numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
@@ -261,7 +263,7 @@ def test_sum_that_begins_and_ends_with_brackets__keeps_them():
     whole = graph.combination([(a + b, graph.one), (graph.number("n"), c), (d + b, graph.one)])
     rows = {node: row for row, node in enumerate(n for n in reached([whole]) if isinstance(n, (Given, Number)))}
     text, _ = in_lanes("filled", "A sum.", [whole], rows, Stage.POSITION, 1)
-    names, tile = {"np": np, "math": math}, np.empty((1, 1, LANES))
+    names, tile = {"np": np, "math": math, "flat": np.ravel}, np.empty((1, 1, LANES))
     exec(text, names)
     values = np.random.default_rng(0).uniform(1.0, 2.0, (len(rows), LANES))
     names["filled"](values, np.zeros(1), *np.zeros((3, 1, LANES)), tile)

@@ -23,7 +23,7 @@ from engine import Element, Mechanics, Scene, SceneError
 from engine.cycle.measured import Measured
 from engine.graph.nodes import Node
 from engine.parts.skeleton import Part, _marked
-from engine.quantities.expressions import Evaluation, VariantNumber, nodes_of
+from engine.quantities.expressions import VariantNumber, evaluated, nodes_of
 from engine.quantities.machine import register_of
 from sweeps import read_study
 from sweeps.study.bundled import bundled_studies
@@ -83,9 +83,9 @@ class Effects:
         summaries = {name: summary.expression() for name, summary in self._register.summaries.items()}
         found = self._numbers({name: list(nodes_of(summary)) for name, summary in summaries.items()})
         with np.errstate(all="ignore"):
-            evaluated = Evaluation(self._measured)
+            known: dict = {}
             for name, summary in summaries.items():
-                found[name].append(np.asarray(evaluated(summary).value) * np.ones(1))
+                found[name].append(np.asarray(evaluated(summary, self._measured, known).value) * np.ones(1))
         return found
 
     def _measured(self, asked: object) -> Measured:
