@@ -11,7 +11,7 @@ import numpy as np
 
 from engine.elements.element import Numbers
 from engine.graph.over_arrays import over_arrays
-from engine.laws.cams.motion_laws import DWELL, LAW_BREAKS, LAW_KINDS, unit_motion
+from engine.laws.cams.motion_laws import DWELL, LAW_BREAKS, LAW_KINDS, MOTIONS
 from engine.laws.tables import make_table, rounding_of_rows
 from engine.parts.motion_programs import CamProgram, DwellSection, MotionTable, RiseSection, sections_of
 
@@ -60,7 +60,12 @@ class CamTurn(NamedTuple):
         """Displacement and three derivatives with respect to the cam angle, at u in pieces p of variants v (...)."""
         before, stroke, rate = self.before[p, v], self.stroke[p, v], 1.0 / self.angle[p, v]
         if self.cubics is None:
-            shape = over_arrays(unit_motion, self.kinds[p], u, 0.5 * (self.first[p] + self.last[p]))
+            kind, held, u = np.broadcast_arrays(self.kinds[p], 0.5 * (self.first[p] + self.last[p]), u)
+            shape = np.empty((4, *u.shape))
+            for law in np.unique(kind).tolist():
+                here = kind == law
+                given = (u[here], held[here]) if law in LAW_BREAKS else (u[here],)
+                shape[:, here] = over_arrays(MOTIONS[law], *given)
         else:
             c3, c2, c1 = self.cubics[:, p]
             shape = ((c3 * u + c2) * u + c1) * u, (3 * c3 * u + 2 * c2) * u + c1, 6 * c3 * u + 2 * c2, 6 * c3 + 0 * u

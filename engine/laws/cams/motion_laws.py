@@ -32,6 +32,12 @@ LAW_BREAKS = {PARABOLIC: (0.5,), SINE: (0.125, 0.875), TRAPEZOID: (0.125, 0.375,
 
 
 @scalar
+def no_motion(u: float) -> Motion:
+    """Dwell."""
+    return 0.0 * u, 0.0, 0.0, 0.0
+
+
+@scalar
 def uniform_motion(u: float) -> Motion:
     """Constant velocity."""
     return u, 1.0, 0.0, 0.0
@@ -146,36 +152,23 @@ def _half_trapezoid(u: float, held: float) -> Motion:
 
 
 @scalar
-def unit_motion(kind: float, u: float, held: float) -> Motion:
-    """Motion by any of the laws.
-
-    Parameters
-    ----------
-    kind : float
-        One of the kinds above; a dwell is zero throughout.
-    u : float
-    held : float
-        Position that selects the expression of a law that has several.
-    """
-    if kind == DWELL:
-        return 0.0 * u, 0.0, 0.0, 0.0
-    if kind == UNIFORM:
-        return uniform_motion(u)
-    if kind == PARABOLIC:
-        return parabolic_motion(u, held)
-    if kind == HARMONIC:
-        return harmonic_motion(u)
-    if kind == CYCLOIDAL:
-        return cycloidal_motion(u)
-    if kind == P345:
-        return polynomial_345(u)
-    if kind == P4567:
-        return polynomial_4567(u)
-    if kind == SINE:
-        return modified_sine(u, held)
-    return modified_trapezoid(u, held)
+def motion_if(kind: float, own: float, motion: Motion, other: Motion) -> Motion:
+    """A motion where the section is of its own kind, else another motion."""
+    return motion if kind == own else other
 
 
+# Laws by kind; those with breaks also take a position that selects an expression.
+MOTIONS = {
+    DWELL: no_motion,
+    UNIFORM: uniform_motion,
+    PARABOLIC: parabolic_motion,
+    HARMONIC: harmonic_motion,
+    CYCLOIDAL: cycloidal_motion,
+    P345: polynomial_345,
+    P4567: polynomial_4567,
+    SINE: modified_sine,
+    TRAPEZOID: modified_trapezoid,
+}
 # Numbers of a section in the table that `section_at` searches.
 SECTION_NUMBERS = 5
 

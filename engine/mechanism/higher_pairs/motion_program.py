@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.graph.nodes import Graph, Node, Number
-from engine.laws.cams.motion_laws import DWELL, LAW_BREAKS, LAW_KINDS, section_at, unit_motion
+from engine.laws.cams.motion_laws import DWELL, LAW_BREAKS, LAW_KINDS, MOTIONS, motion_if, section_at
 from engine.laws.tables import in_memory, make_table, periods_before, table_segment
 from engine.parts.motion_programs import TURN, DwellSection, MotionProgram, Sections, sections_of
 from engine.parts.skeleton import CrankInput, SliderInput
@@ -93,7 +93,14 @@ def _by_sections(graph: Graph, program: MotionProgram, at: str, turned: Turned) 
         graph.held(part) for part in graph.apply(section_at, table, float(len(laws)), turned.angle)
     )
     u, rate = (turned.angle - begin) / angle, graph.one / angle
-    shape, slope, bend, _ = graph.apply(unit_motion, kind, u, graph.held(u))
+    motions = {
+        law: graph.apply(MOTIONS[law], *((u, graph.held(u)) if law in LAW_BREAKS else (u,)))
+        for law in dict.fromkeys(laws)
+    }
+    _, motion = motions.popitem()
+    for law, own in motions.items():
+        motion = graph.apply(motion_if, kind, float(law), own, motion)
+    shape, slope, bend, _ = motion
     if program.advance:
         gone = graph.held(graph.apply(periods_before, 0.0, TURN, turned.angle))
         before = before + (program.advance / TURN) * gone
