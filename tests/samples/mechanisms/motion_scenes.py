@@ -22,6 +22,8 @@ INERTIA = 0.4
 # Moments with a jump at 1 rad, and over time with bends.
 BY_ANGLE = ([0.0, 1.0, 1.0, 4.0, 2 * math.pi], [5.0, 2.0, -1.0, 3.0, 5.0])
 BY_TIME = ([0.0, 1.0, 3.0, 10.0], [5.0, 2.0, 4.0, 1.0])
+# Results that need all integrals of a motion.
+INTEGRALS = ("motor_moment_rms", "work_residual")
 
 
 def _moment(kind: str, on: str = "crank", **numbers: object) -> dict:
@@ -130,19 +132,33 @@ class Found(NamedTuple):
         return float(self.errors[name][0])
 
 
-def ask(scene: dict, names: str, positions: int = 120, fields: str = "", varied: dict | None = None) -> Found:
-    """What a machine answers; names are separated by spaces."""
-    varied = varied or {}
+def ask(
+    scene: dict,
+    names: str,
+    positions: int = 120,
+    fields: str = "",
+    varied: dict | None = None,
+    accuracy: float | None = None,
+) -> Found:
+    """What a machine answers; names are separated by spaces.
+
+    All integrals of each regime are computed, so that machines share their printed functions whatever they are asked.
+    """
+    varied, asked = varied or {}, names.split()
+    regimes = dict.fromkeys(name.partition(".")[0] for name in (*asked, *fields.split()))
+    always = [f"{regime}.{name}" for regime in regimes if regime in scene["regimes"] for name in INTEGRALS]
     machine = Machine(
         Scene.model_validate(scene),
-        summaries=names.split(),
+        summaries=dict.fromkeys([*asked, *always]),
         fields=fields.split(),
         varied=list(varied),
         positions=positions,
+        accuracy=accuracy,
     )
     outcome = machine.evaluate({path: np.array(values, float) for path, values in varied.items()})
     status = [Verdict(code) for code in outcome.status]
-    return Found(outcome.summaries, outcome.errors, status, outcome.fields)
+    values, errors = ({name: rows[name] for name in asked} for rows in (outcome.summaries, outcome.errors))
+    return Found(values, errors, status, outcome.fields)
 
 
 # The same machine by hand
