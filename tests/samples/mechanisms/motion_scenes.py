@@ -22,8 +22,6 @@ INERTIA = 0.4
 # Moments with a jump at 1 rad, and over time with bends.
 BY_ANGLE = ([0.0, 1.0, 1.0, 4.0, 2 * math.pi], [5.0, 2.0, -1.0, 3.0, 5.0])
 BY_TIME = ([0.0, 1.0, 3.0, 10.0], [5.0, 2.0, 4.0, 1.0])
-# Results that need all integrals of a motion.
-INTEGRALS = ("motor_moment_rms", "work_residual")
 
 
 def _moment(kind: str, on: str = "crank", **numbers: object) -> dict:
@@ -140,16 +138,11 @@ def ask(
     varied: dict | None = None,
     accuracy: float | None = None,
 ) -> Found:
-    """What a machine answers; names are separated by spaces.
-
-    All integrals of each regime are computed, so that machines share their printed functions whatever they are asked.
-    """
-    varied, asked = varied or {}, names.split()
-    regimes = dict.fromkeys(name.partition(".")[0] for name in (*asked, *fields.split()))
-    always = [f"{regime}.{name}" for regime in regimes if regime in scene["regimes"] for name in INTEGRALS]
+    """What a machine answers; names are separated by spaces."""
+    varied = varied or {}
     machine = Machine(
         Scene.model_validate(scene),
-        summaries=dict.fromkeys([*asked, *always]),
+        summaries=names.split(),
         fields=fields.split(),
         varied=list(varied),
         positions=positions,
@@ -157,8 +150,7 @@ def ask(
     )
     outcome = machine.evaluate({path: np.array(values, float) for path, values in varied.items()})
     status = [Verdict(code) for code in outcome.status]
-    values, errors = ({name: rows[name] for name in asked} for rows in (outcome.summaries, outcome.errors))
-    return Found(values, errors, status, outcome.fields)
+    return Found(outcome.summaries, outcome.errors, status, outcome.fields)
 
 
 # The same machine by hand
