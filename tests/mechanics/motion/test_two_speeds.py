@@ -6,16 +6,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from motion_scenes import (
-    CRANK_INERTIA,
-    ECCENTRIC_MASS,
-    ECCENTRICITY,
     INERTIA,
     MOMENTS,
-    RADIUS,
-    RAM_MASS,
     RATIO,
-    ROD,
     ask,
+    inertia_at,
     rotor,
     run,
     slider_crank,
@@ -129,16 +124,6 @@ def test_clutch_alone__makes_the_heat_of_an_inelastic_impact():
 # Against an independent simulation
 
 
-def inertia(phi: float) -> tuple[float, float]:
-    """I(φ) of the slider-crank, and its derivative."""
-    c, s = math.cos(phi), math.sin(phi)
-    x = math.sqrt(ROD**2 - (RADIUS * s) ** 2)
-    rate = -RADIUS * s - RADIUS**2 * s * c / x
-    curve = -RADIUS * c - RADIUS**2 * (c * c - s * s) / x - (RADIUS**2 * s * c) ** 2 / x**3
-    fixed = CRANK_INERTIA + ECCENTRIC_MASS * ECCENTRICITY**2
-    return fixed + RAM_MASS * rate**2, 2 * RAM_MASS * rate * curve
-
-
 def reference(capacity: float, engagement: float, until: float, shaft_speed: float) -> dict:
     """The slider-crank from rest by SciPy, phase by phase: time, both speeds, heat, slip time, and phases."""
     own, motor = RATIO**2 * SHAFT_INERTIA, MOMENTS["dc"]
@@ -148,7 +133,7 @@ def reference(capacity: float, engagement: float, until: float, shaft_speed: flo
         return RATIO * capacity * min(t / engagement, 1.0)
 
     def sides(y: np.ndarray) -> tuple[float, float, float]:
-        whole, slope = inertia(y[0])
+        whole, slope = inertia_at(y[0])
         crank = -oil * y[1] - fan * y[1] ** 2 - 0.5 * y[1] ** 2 * slope
         drive = RATIO * motor["stall_moment"] * (1 - RATIO * y[2] / motor["no_load_speed"])
         return whole, crank, drive
@@ -509,7 +494,7 @@ def through_knots(density: float, until: float, shaft_speed: float) -> dict:
             return 1.0 - (y[1] / y[2] if way > 0 else y[2] / y[1])
 
         def rates(_: float, y: np.ndarray, way: int = way, piece: int = piece, rise: float = rise) -> list[float]:
-            whole, slope = inertia(y[0])
+            whole, slope = inertia_at(y[0])
             crank = -MOMENTS["fan"]["coefficient"] * y[1] ** 2 - 0.5 * y[1] ** 2 * slope
             drive = RATIO * motor["stall_moment"] * (1 - RATIO * y[2] / motor["no_load_speed"])
             pull = way * factor * (SHARES[piece] + rise * (slip(y) - KNOTS[piece])) * max(y[1], y[2]) ** 2
@@ -560,7 +545,7 @@ def through_oil(slope: float, own: float, speeds: np.ndarray, *cycles: float) ->
     factor = slope * 860.0 * 0.2**5 * RATIO**3
 
     def rates(phi: float, y: np.ndarray) -> list[float]:
-        whole, change = inertia(phi)
+        whole, change = inertia_at(phi)
         pull = factor * y[1] * (y[1] - y[0])
         drive = RATIO * motor["stall_moment"] * (1.0 - RATIO * y[1] / motor["no_load_speed"])
         crank = -2.0 - oil * y[0] - 0.5 * y[0] ** 2 * change + pull

@@ -167,6 +167,16 @@ def reduced(phi: object, ram: float = RAM_MASS, flywheel: float = 0.0) -> tuple:
     return fixed + mp.mpf(ram) * rate**2, 2 * mp.mpf(ram) * rate * curve, rate, -eccentric * mp.mpf(GRAVITY) * c
 
 
+def inertia_at(phi: float) -> tuple[float, float]:
+    """I(φ) of `slider_crank` without a flywheel, and its derivative, in floats."""
+    c, s = math.cos(phi), math.sin(phi)
+    x = math.sqrt(ROD**2 - (RADIUS * s) ** 2)
+    rate = -RADIUS * s - RADIUS**2 * s * c / x
+    curve = -RADIUS * c - RADIUS**2 * (c * c - s * s) / x - (RADIUS**2 * s * c) ** 2 / x**3
+    fixed = CRANK_INERTIA + ECCENTRIC_MASS * ECCENTRICITY**2
+    return fixed + RAM_MASS * rate**2, 2 * RAM_MASS * rate * curve
+
+
 def dc_moment(omega: object) -> object:
     """Moment of the DC motor of `MOMENTS`."""
     motor = MOMENTS["dc"]
