@@ -79,9 +79,11 @@ def evaluated(scene: dict, fields: list[str], varied: dict[str, list], positions
     return machine, outcome
 
 
-def moving(scene: dict, fields: list[str], positions: int) -> tuple[MovingMachine, dict[str, np.ndarray]]:
+def moving(
+    scene: dict, fields: list[str], positions: int, values: dict | None = None
+) -> tuple[MovingMachine, dict[str, np.ndarray]]:
     """A sound machine and its fields by NumPy: that compiled code gives the same is tested in `test_one_machine.py`."""
-    machine = MovingMachine(Scene.model_validate(scene), positions=positions)
+    machine = MovingMachine(Scene.model_validate(scene), values, positions)
     assert machine.verdict(fields) == Verdict.OK
     return machine, machine.fields(fields)
 
