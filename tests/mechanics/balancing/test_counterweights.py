@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from machines import crank, four_bar, frame, on, rrp, rrr
 from oracle import EPS
 
-from engine import Machine, Scene, Verdict, scene_numbers
+from engine import Machine, MovingMachine, Scene, Verdict, scene_numbers
 from engine.machine.balancing import least_shaking
 from engine.machine.balancing.counterweights import BalanceError, CounterweightPlace, balance
 from engine.machine.balancing.least_shaking import GAP, DependentError, Unknown, least_peak, least_rms
@@ -25,9 +25,9 @@ SHAKING = ("shaking_force_x", "shaking_force_y", "shaking_moment")
 
 def shaking_of(scene: Scene, positions: int = 360) -> np.ndarray:
     """Shaking of a scene by the engine, (3, positions)."""
-    outcome = Machine(scene, fields=SHAKING, positions=positions).evaluate({})
-    assert outcome.status[0] == Verdict.OK
-    return np.stack([outcome.fields[name][0] for name in SHAKING])
+    machine = MovingMachine(scene, positions=positions)
+    assert machine.verdict(SHAKING) == Verdict.OK
+    return np.stack([*machine.fields(SHAKING).values()])
 
 
 # Least root mean square and least peak

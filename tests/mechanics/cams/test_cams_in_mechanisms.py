@@ -196,23 +196,11 @@ def test_sliding_follower_of_any_size__balances(base, beside, lift, up, down, be
         "cams.cam.begin": begin,
         "input.speed": speed,
     }
-    fields = ["input_moment_by_equilibrium", "input_moment_by_power"]
-    outcome = BALANCED.evaluate({path: np.array([value]) for path, value in varied.items()})
-    one, other = (outcome.fields[name][0] for name in fields)
+    machine = MovingMachine(Scene.model_validate(SLIDING), varied, 48)
+    one, other = machine.fields(["input_moment_by_equilibrium", "input_moment_by_power"]).values()
     # The contact force is P/cos α, and tan α no more than about 1/√(1 − 0.9²) + lift/(angle·base).
     lean = 3.0 + lift / (min(up, down) * base)
     np.testing.assert_allclose(one, other, atol=400 * EPS * lean**2 * np.abs(other).max() + 1e-18)
-
-
-BALANCED = Machine(
-    Scene.model_validate(SLIDING),
-    fields=["input_moment_by_equilibrium", "input_moment_by_power"],
-    varied=[
-        *("cams.cam.base_radius", "guides.way.x", "cams.cam.sections.out.lift", "cams.cam.sections.out.angle"),
-        *("cams.cam.sections.back.angle", "cams.cam.begin", "input.speed"),
-    ],
-    positions=48,
-)
 
 
 def test_motion_on_a_half_speed_shaft__begins_where_it_is_told():

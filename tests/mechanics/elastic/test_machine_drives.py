@@ -21,7 +21,25 @@ from sweeps.text.templates import bundled_templates
 
 MASS, WHEEL, DRAG = 8.0, 0.05, 200.0
 STALL, NO_LOAD = 100.0, 22.0
-DRIVE = {"type": "machine_drive", "motor_inertia": 0.2, "stiffness": 400.0, "damping": 0.4}
+MOTOR = {"type": "dc_motor", "on": "crank", "stall_moment": STALL, "no_load_speed": NO_LOAD}
+# Of all actions only some act in each test, so that scenes share what is compiled.
+MOMENTS = {
+    "motor": MOTOR,
+    "brake": {"type": "against_motion", "on": "crank", "moment": 30.0},
+    "push": {"type": "constant", "on": "crank", "moment": -20.0},
+    "fan": {"type": "quadratic_drag", "on": "crank", "coefficient": 0.01},
+}
+FORCES = {
+    "load": {"type": "linear_drag", "on": "P", "coefficient": DRAG},
+    "hold": {"type": "constant", "on": "P", "angle": 0.0, "force": 2000.0, "acts": "against"},
+}
+
+
+def only(*acting: str) -> dict:
+    return {"off": [name for name in (*MOMENTS, *FORCES) if name not in acting]}
+
+
+DRIVE = {"type": "machine_drive", "motor_inertia": 0.2, "stiffness": 400.0, "damping": 0.4, **only("motor", "load")}
 
 
 def yoke(drive: dict = {}, speed: float = 20.0, **parts: dict) -> Scene:  # noqa: B006
@@ -33,9 +51,9 @@ def yoke(drive: dict = {}, speed: float = 20.0, **parts: dict) -> Scene:  # noqa
             "input": crank(length=0.1) | {"speed": speed},
             "groups": {"g": rpp(("block", "A"), ("yoke", "way"), math.pi / 2)},
             "bodies": {"yoke_body": {"link": "yoke", "mass": MASS}},
-            "forces": {"load": {"type": "linear_drag", "on": "P", "coefficient": DRAG}},
+            "forces": FORCES,
             "shafts": {"wheel": {"geared_to": "crank", "ratio": 1.0, "inertia": WHEEL}},
-            "moments": {"motor": {"type": "dc_motor", "on": "crank", "stall_moment": STALL, "no_load_speed": NO_LOAD}},
+            "moments": MOMENTS,
             "elements": {"d": DRIVE | drive},
         }
         | parts
@@ -165,7 +183,8 @@ def test_power__is_balanced_over_the_cycle_and_error_figures_hold(machine):
 
 
 def test_stiff_shaft__moves_as_the_rigid_regime_does(machine):
-    rigid = yoke(regimes={"work": {"type": "steady"}}, flywheel={"inertia": 0.2, "speed_fluctuation": 0.1}, elements={})
+    work = {"type": "steady", **only("motor", "load")}
+    rigid = yoke(regimes={"work": work}, flywheel={"inertia": 0.2, "speed_fluctuation": 0.1}, elements={})
     names = ["work.period", "work.speed_fluctuation", "work.motor_power", "work.multiplier"]
     expected = Machine(rigid, names).evaluate({}).summaries
     status, values, _ = answers(machine, [1e7, 1e9, 1e12], [0.4] * 3, [0.2] * 3)
@@ -214,7 +233,7 @@ def test_constant_inertia__vibrates_as_two_linear_masses():
         forces={},
         shafts={"wheel": {"geared_to": "crank", "ratio": 1.0, "inertia": second}},
         moments={
-            "motor": {"type": "dc_motor", "on": "crank", "stall_moment": STALL, "no_load_speed": NO_LOAD},
+            "motor": MOTOR,
             "load": {
                 "type": "formula",
                 "on": "crank",
@@ -222,7 +241,7 @@ def test_constant_inertia__vibrates_as_two_linear_masses():
                 "numbers": {"m": f"{fall * (NO_LOAD - mean)!r} N m", "a": f"{swing} N m"},
             },
         },
-        elements={"d": DRIVE | {"motor_inertia": first, "stiffness": k, "damping": b}},
+        elements={"d": DRIVE | {"motor_inertia": first, "stiffness": k, "damping": b, "off": []}},
     )
     status, values, _ = asked(scene)
     assert status[0] == Verdict.OK
@@ -245,11 +264,10 @@ def parametric(shares: np.ndarray, ratio: float, swing: float) -> tuple[np.ndarr
     omega = 20.0
     stiffness = size * (omega / shares) ** 2
     scene = yoke(
-        {"motor_inertia": 1e6, "damping": None, "damping_ratio": ratio},
+        {"motor_inertia": 1e6, "damping": None, "damping_ratio": ratio, **only("motor")},
         bodies={"yoke_body": {"link": "yoke", "mass": mass}},
-        forces={},
         shafts={"wheel": {"geared_to": "crank", "ratio": 1.0, "inertia": size - swing}},
-        moments={"motor": {"type": "dc_motor", "on": "crank", "stall_moment": 1e9, "no_load_speed": omega}},
+        moments=MOMENTS | {"motor": MOTOR | {"stall_moment": 1e9, "no_load_speed": omega}},
     )
     return *asked(scene, elements__d__stiffness=list(stiffness))[:2], omega
 
@@ -279,12 +297,11 @@ def test_damping__stops_parametric_vibration_from_a_quarter_of_the_swing_on(shar
 # What can't be
 
 
-SOFT = {"forces": {"load": {"type": "constant", "on": "P", "angle": 0.0, "force": 2000.0, "acts": "against"}}}
+SOFT = {"motor_inertia": 5.0, "stiffness": 200.0, **only("motor", "hold")}
 
 
 def test_load_too_great_for_a_soft_shaft__turns_back():
-    drive = {"motor_inertia": 5.0, "stiffness": 200.0, "damping": 0.05}
-    status, values, _ = asked(yoke(drive, **SOFT), elements__d__stiffness=[200.0, 1e6])
+    status, values, _ = asked(yoke(SOFT | {"damping": 0.05}), elements__d__stiffness=[200.0, 1e6])
     assert list(status) == [Verdict.TURNS_BACK, Verdict.OK]
     assert np.isnan(values["multiplier"][0])
 
@@ -297,9 +314,8 @@ def test_machine_without_inertia_at_dead_centres__says_so(driver):
 
 
 def test_motor_too_weak_for_the_load__stalls():
-    moments = {"motor": {"type": "dc_motor", "on": "crank", "stall_moment": 0.5, "no_load_speed": NO_LOAD}}
-    load = {"load": {"type": "constant", "on": "P", "angle": 0.0, "force": 200.0, "acts": "against"}}
-    status, values, _ = asked(yoke(moments=moments, forces=load))
+    weak, load = {"motor": MOTOR | {"stall_moment": 0.5}}, {"hold": FORCES["hold"] | {"force": 200.0}}
+    status, values, _ = asked(yoke(only("motor", "hold"), moments=MOMENTS | weak, forces=FORCES | load))
     assert status[0] == Verdict.STALLS
     assert np.isnan(values["greatest_moment"][0])
 
@@ -324,9 +340,9 @@ FADING = {"type": "formula", "on": "P", "force": "-f * exp(-abs(v) / 1 m/s)", "n
 @pytest.mark.parametrize(
     ("drive", "parts", "said"),
     [
-        ({}, {"forces": {"f": FADING}}, "otherwise than by fixed powers(.|\n)*off in elements.d"),
-        ({}, {"forces": {"f": FADING | {"force": "-f * t / 1 s"}}}, "'f' depends on time"),
-        ({}, {"moments": {}}, "no motor drives it"),
+        ({}, {"forces": FORCES | {"f": FADING}}, "otherwise than by fixed powers(.|\n)*off in elements.d"),
+        ({}, {"forces": FORCES | {"f": FADING | {"force": "-f * t / 1 s"}}}, "'f' depends on time"),
+        ({"off": []}, {"moments": {}}, "no motor drives it"),
         ({"off": ["motor"]}, {}, "every motor is off"),
         ({"off": ["moter"]}, {}, "did you mean 'motor'"),
         ({"motor_inertia": None, "driver": "weel"}, {}, "'weel' is not a link of this scene; .*'wheel'"),
@@ -357,11 +373,12 @@ def test_picture__draws_the_summaries_and_refuses_what_has_no_motion():
     assert [ax.get_title() for ax in figure.axes] == ["Shaft torque", "Crank speed", "Twist (crank lag)"]
     assert [ax.get_ylabel() for ax in figure.axes] == ["M, N·m", "ω, rpm", "Δφ, °"]
     with pytest.raises(PictureError, match=r"elements\.d: no steady motion"):
-        machine_drive_sheet(yoke({"motor_inertia": 5.0, "stiffness": 200.0}, **SOFT), "d", figure)
+        machine_drive_sheet(yoke(SOFT), "d", figure)
 
 
 # Runs over time
 
+RUN = only("motor", "load")
 RUN_NAMES = ["run_greatest_moment", "run_greatest_at", "run_motor_speed", "run_machine_speed", "run_angle", "run_stops"]
 
 
@@ -373,7 +390,7 @@ def run_of(scene: Scene) -> tuple[dict, dict]:
 
 def test_start_of_a_mechanism__is_that_of_integration_in_time():
     k, b, first, time = 400.0, 0.4, 0.2, 0.5
-    found, errors = run_of(yoke({"run": {"time": time}}))
+    found, errors = run_of(yoke({"run": RUN | {"time": time}}))
     begin = np.concatenate([np.zeros(4), np.eye(4).ravel()])
     other = solve_ivp(
         equations(k, b, first), (0.0, time), begin, method="DOP853", rtol=1e-11, atol=1e-12, dense_output=True
@@ -391,17 +408,17 @@ def test_start_of_a_mechanism__is_that_of_integration_in_time():
 def test_shaft_too_stiff_for_its_run__is_told_at_once():
     # 1 s at 4e6 rad/s: steps of 0.3 rad would take hours.
     names = [*RUN_NAMES, "natural_frequency"]
-    status, values, _ = asked(yoke({"stiffness": 1e12, "run": {"time": 1.0}}), names)
+    status, values, _ = asked(yoke({"stiffness": 1e12, "run": RUN | {"time": 1.0}}), names)
     assert status[0] == Verdict.SHAFT_RIGID
     assert values["natural_frequency"][0] == pytest.approx(4.01e6, rel=1e-3)
     assert all(np.isnan(values[name][0]) for name in RUN_NAMES)
 
 
 def test_run_out_of_steady_motion__goes_on_in_it():
-    scene = yoke({"run": {"begin": "steady", "time": 1.0}})
+    scene = yoke({"run": RUN | {"begin": "steady", "time": 1.0}})
     _, values, _ = asked(scene)
     cycles = 3
-    scene = yoke({"run": {"begin": "steady", "time": cycles * values["period"][0]}})
+    scene = yoke({"run": RUN | {"begin": "steady", "time": cycles * values["period"][0]}})
     found, errors = run_of(scene)
     assert found["angle"] == pytest.approx(cycles * math.tau, rel=1e-7)
     greatest = values["greatest_moment"][0]
@@ -409,10 +426,7 @@ def test_run_out_of_steady_motion__goes_on_in_it():
 
 
 def test_stop_with_dry_friction__ends_at_rest_with_a_twist_that_it_holds():
-    brake = {"brake": {"type": "against_motion", "on": "crank", "moment": 30.0}}
-    motor = {"motor": {"type": "dc_motor", "on": "crank", "stall_moment": STALL, "no_load_speed": NO_LOAD}}
-    run = {"begin": "steady", "time": 1.5, "off": ["motor"]}
-    scene = yoke({"off": ["brake"], "run": run}, moments=motor | brake)
+    scene = yoke({"run": {"begin": "steady", "time": 1.5, **only("brake", "load")}})
     history = drive_run(scene, "d")
     found, _ = run_of(scene)
     assert found["stops"] >= 1
@@ -428,12 +442,10 @@ def test_stop_with_dry_friction__ends_at_rest_with_a_twist_that_it_holds():
 
 
 def test_sudden_load__is_on_from_the_begin_of_the_run():
-    load = {"load": {"type": "constant", "on": "crank", "moment": -20.0}}
-    motor = {"motor": {"type": "dc_motor", "on": "crank", "stall_moment": STALL, "no_load_speed": NO_LOAD}}
-    parts = {"moments": motor | load, "bodies": {}, "forces": {}}
+    parts = {"bodies": {"yoke_body": {"link": "yoke", "mass": 0.0}}}
     parts["shafts"] = {"wheel": {"geared_to": "crank", "ratio": 1.0, "inertia": 0.5}}
-    drive = {"off": ["load"], "stiffness": 3000.0, "damping": 0.0, "motor_inertia": 2.0}
-    found, errors = run_of(yoke(drive | {"run": {"begin": "steady", "time": 0.1}}, **parts))
+    drive = {"stiffness": 3000.0, "damping": 0.0, "motor_inertia": 2.0, **only("motor")}
+    found, errors = run_of(yoke(drive | {"run": {"begin": "steady", "time": 0.1, **only("motor", "push")}}, **parts))
     # Twice what a free pair would carry, M I₁/(I₁ + I₂), but for what the motor's own fall damps in a swing, a percent.
     assert found["greatest_moment"] == pytest.approx(2 * 20.0 * 2.0 / 2.5, rel=0.05)
     assert errors["greatest_moment"] < 1e-3 * found["greatest_moment"]
@@ -454,18 +466,17 @@ def test_start__is_that_of_two_masses_phase_by_phase(damping, load, gap):
     """Impacts, parting and meeting again, the load held and let go: exact phases, with a constant moment."""
     first, second, k, moment, time = 0.2, 0.5, 3000.0, 40.0, 0.35
     parts = {
-        "bodies": {},
-        "forces": {},
+        "bodies": {"yoke_body": {"link": "yoke", "mass": 0.0}},
         "shafts": {"wheel": {"geared_to": "crank", "ratio": 1.0, "inertia": second}},
-        "moments": {
-            "motor": {"type": "dc_motor", "on": "crank", "stall_moment": moment, "no_load_speed": 1e4},
-            "load": {"type": "against_motion", "on": "crank", "moment": load},
-            "fan": {"type": "quadratic_drag", "on": "crank", "coefficient": 0.01},
+        "moments": MOMENTS
+        | {
+            "motor": MOTOR | {"stall_moment": moment, "no_load_speed": 1e4},
+            "brake": MOMENTS["brake"] | {"moment": load},
         },
     }
-    off = {"off": ["load"]} if load > moment else {}
-    run = {"time": time, "off": ["fan"], "backlash": gap}
-    drive = {"motor_inertia": first, "stiffness": k, "damping": damping, "run": run} | off
+    drive = {"motor_inertia": first, "stiffness": k, "damping": damping}
+    drive |= only("motor", "fan", *(["brake"] if load <= moment else []))
+    drive["run"] = {"time": time, "backlash": gap, **only("motor", "brake")}
     names = [*RUN_NAMES, "run_closings"]
     status, values, errors = asked(yoke(drive, **parts), names, moments__motor__no_load_speed=[1e4, 1e5])
     assert (status == Verdict.OK).all()
@@ -484,7 +495,7 @@ def test_start__is_that_of_two_masses_phase_by_phase(damping, load, gap):
 
 def test_start_through_backlash__loses_no_energy_but_to_drag_and_damper():
     """A yoke that starts through backlash: what the motor does less what drag and damper take is what moves."""
-    run = {"time": 0.6, "backlash": 0.05}
+    run = RUN | {"time": 0.6, "backlash": 0.05}
     history = drive_run(yoke({"run": run, "damping": 0.0}), "d")
     inertia = WHEEL + MASS * 0.01 * np.sin(history.angle) ** 2
     stretch = np.where(history.twist > 0.0, history.twist, np.minimum(history.twist + 0.05, 0.0))
@@ -511,7 +522,7 @@ def test_template__answers_everything_of_its_drive():
 
 
 def test_run_on_a_stiff_shaft__takes_about_as_long_as_forecast(tmp_path):
-    scene = yoke({"stiffness": 4e5, "run": {"begin": "steady", "time": 0.3}})
+    scene = yoke({"stiffness": 4e5, "run": RUN | {"begin": "steady", "time": 0.3}})
     machine = Machine(scene, ["d.run_greatest_moment"], varied=["elements.d.stiffness"])
     stiffness = {"elements.d.stiffness": np.array([4e5])}
     # What is compiled first takes its time, too.
@@ -531,8 +542,7 @@ def test_moment_of_a_rigid_shaft__is_that_of_its_own_steady_running():
     """Another method: dω/dφ by DOP853 over a turn that returns; the load sets in at a cut, where the peak lies."""
     own, blow = 0.2, {"type": "table", "on": "P", "angle": math.pi, "slider": "yoke", "interpolation": "linear"}
     blow |= {"over_stroke": [0.0, 0.01], "force": [300.0, 900.0], "outside": "zero", "acts": "against"}
-    forces = {"load": {"type": "linear_drag", "on": "P", "coefficient": DRAG}} | {"blow": blow}
-    status, values, errors = asked(yoke(forces=forces))
+    status, values, errors = asked(yoke(forces=FORCES | {"blow": blow}))
 
     def rates(phi: float, omega: float, acts: bool) -> tuple[float, float]:
         """Dω/dφ and the torque of the shaft."""

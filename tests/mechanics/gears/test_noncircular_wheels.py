@@ -8,10 +8,11 @@ import pytest
 from driving_cams import asked, changed
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from machines import moving
 from mpmath import mp
 from noncircular_wheels import CHAIN, ELLIPSES
 
-from engine import Machine, Mechanics, Scene, SceneError, Verdict
+from engine import Mechanics, MovingMachine, Scene, SceneError, Verdict
 from sweeps.pictures.drawing import primitives
 
 EPS = np.finfo(float).eps
@@ -93,18 +94,14 @@ def test_force_between_teeth__leans_from_the_tangent_of_the_ellipse_and_holds_th
         assert -parts.real == pytest.approx(abs(parts.imag) * math.tan(math.radians(20)), rel=200 * EPS)
 
 
-MOVED = Machine(
-    Scene.model_validate(CHAIN),
-    fields=[
-        *("input_moment_by_equilibrium", "input_moment_by_power", "input.reaction", "middle.reaction", "last.reaction"),
-        *("middle.curvature", "middle.driver_curvature", "middle.pitch_radius", "middle.driver_pitch_radius"),
-        *("middle.ratio", "middle.angle_phi", "middle.angle_phiphi"),
-    ],
-    varied=[
-        *("noncircular_wheels.middle.law.harmonics.one.cosine", "noncircular_wheels.middle.law.harmonics.two.cosine"),
-        *("noncircular_wheels.last.law.eccentricity", "noncircular_wheels.middle.begin", "input.speed"),
-    ],
-    positions=24,
+FIELDS = [
+    *("input_moment_by_equilibrium", "input_moment_by_power", "input.reaction", "middle.reaction", "last.reaction"),
+    *("middle.curvature", "middle.driver_curvature", "middle.pitch_radius", "middle.driver_pitch_radius"),
+    *("middle.ratio", "middle.angle_phi", "middle.angle_phiphi"),
+]
+VARIED = (
+    *("noncircular_wheels.middle.law.harmonics.one.cosine", "noncircular_wheels.middle.law.harmonics.two.cosine"),
+    *("noncircular_wheels.last.law.eccentricity", "noncircular_wheels.middle.begin", "input.speed"),
 )
 
 
@@ -112,10 +109,8 @@ MOVED = Machine(
 @given(st.floats(-0.4, 0.4), st.floats(-0.3, 0.3), st.floats(0.0, 0.6), st.floats(-6.0, 6.0), st.floats(1.0, 500.0))
 def test_any_wheels__balance_and_roll_as_euler_and_savary_say(one, two, eccentricity, begin, speed):
     """Of curves that roll on each other about fixed axes κ₁ + κ₂ = (1/r₁ + 1/r₂) sin μ, tan μ = r₁/r₁′."""
-    values = dict(zip(MOVED.varied, (one, two, eccentricity, begin, speed), strict=True))
-    outcome = MOVED.evaluate({path: np.array([value]) for path, value in values.items()})
-    assert outcome.status[0] == Verdict.OK
-    rows = [outcome.fields[name][0] for name in MOVED.asked_fields]
+    values = dict(zip(VARIED, (one, two, eccentricity, begin, speed), strict=True))
+    rows = [*moving(CHAIN, FIELDS, 24, values)[1].values()]
     balance, power, *forces = rows[:5]
     # Forces at arms of a tenth of a metre, passed on by ratios of up to 1.5·1.85 and 1.6/0.4.
     size = (np.abs(balance) + 12 * sum(np.abs(f) for f in forces)).max()
@@ -130,9 +125,8 @@ def test_any_wheels__balance_and_roll_as_euler_and_savary_say(one, two, eccentri
 
 
 def test_law_that_would_turn_back__is_a_dead_centre():
-    values = {path: np.array([0.0]) for path in MOVED.varied} | {"input.speed": np.array([1.0])}
-    values[MOVED.varied[0]] = np.array([1.3])
-    assert MOVED.evaluate(values).status[0] == Verdict.SINGULAR
+    values = dict(zip(VARIED, (1.3, 0.0, 0.0, 0.0, 1.0), strict=True))
+    assert MovingMachine(Scene.model_validate(CHAIN), values, 24).verdict(FIELDS) == Verdict.SINGULAR
 
 
 AT = "noncircular_wheels__second"

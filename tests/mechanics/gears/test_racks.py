@@ -8,10 +8,11 @@ import pytest
 from driving_cams import asked, changed
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from machines import moving
 from mpmath import mp
 from racks import DOUBLER, LIFT, ON_CRANK
 
-from engine import Machine, Mechanics, Scene, SceneError, Verdict
+from engine import Mechanics, Scene, SceneError
 from sweeps.pictures.drawing import primitives
 
 EPS = np.finfo(float).eps
@@ -93,24 +94,8 @@ def test_forces_between_rack_and_pinion__hold_up_a_weight_and_push_the_axis_away
         assert rows[name][3] == pytest.approx(value, rel=16 * EPS), name
 
 
-MOVED = Machine(
-    Scene.model_validate(LIFT),
-    fields=[
-        "input_moment_by_equilibrium",
-        "input_moment_by_power",
-        "input.reaction",
-        "gear.reaction",
-        "idler.reaction",
-    ],
-    varied=[
-        "pinions.gear.radius",
-        "pinions.idler.pressure_angle",
-        "racks.post.radius",
-        "guides.up.angle",
-        "input.speed",
-    ],
-    positions=24,
-)
+BALANCE = ["input_moment_by_equilibrium", "input_moment_by_power", "input.reaction", "gear.reaction", "idler.reaction"]
+VARIED = ("pinions.gear.radius", "pinions.idler.pressure_angle", "racks.post.radius", "guides.up.angle", "input.speed")
 
 
 @settings(max_examples=30, deadline=None)
@@ -119,10 +104,8 @@ MOVED = Machine(
     st.one_of(st.floats(0.01, 0.3), st.floats(-0.3, -0.01)), st.floats(-3.0, 3.0), st.floats(1.0, 900.0),
 )  # fmt: skip
 def test_any_racks__balance(radius, pressure, other, angle, speed):
-    values = dict(zip(MOVED.varied, (radius, pressure, other, angle, speed), strict=True))
-    outcome = MOVED.evaluate({path: np.array([value]) for path, value in values.items()})
-    assert outcome.status[0] == Verdict.OK
-    one, two, *forces = (outcome.fields[name][0] for name in MOVED.asked_fields)
+    values = dict(zip(VARIED, (radius, pressure, other, angle, speed), strict=True))
+    one, two, *forces = moving(LIFT, BALANCE, 24, values)[1].values()
     # The greatest moments that cancel: forces at arms of half a metre, passed on through two ratios of radii.
     size = (np.abs(one) + 0.5 * sum(np.abs(f) for f in forces)).max() * (1 + abs(other / radius))
     np.testing.assert_allclose(one, two, atol=200 * EPS * size)

@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 import pytest
-from driving_cams import BALANCE, changed, rows_of
+from driving_cams import asked, changed
 from geared_links import CRANK
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from machines import rrr
 
-from engine import Machine, Scene, SceneError, Verdict
+from engine import MovingMachine, Scene, SceneError, Verdict
 from engine.scene.structure.ordering import order
 
 EPS = np.finfo(float).eps
@@ -42,21 +42,22 @@ LINKS = ("rod", "rocker", "sun", "counter", "idler")
 FIELDS = [f"{link}.angle{rate}" for link in LINKS for rate in ("", "_phi", "_phiphi")]
 
 
-@pytest.fixture(scope="module")
-def watt() -> Machine:
-    varied = ["shafts.sun.phase", "shafts.counter.ratio", "shafts.counter.around"]
-    fields = [*FIELDS, "sun.tangential_force", "H.x", "H.y", "H.x_phi", "H.y_phi"]
-    return Machine(Scene.model_validate(WATT), BALANCE, fields, varied, 48)
+FIELDS += ["sun.tangential_force", "H.x", "H.y", "H.x_phi", "H.y_phi"]
+
+
+def watt(phase: float, ratio: float, around: float) -> dict:
+    counter = {"shafts__counter__ratio": ratio, "shafts__counter__around": around}
+    return changed(WATT, shafts__sun__phase=phase, **counter)
 
 
 @settings(max_examples=10, deadline=None)
 @given(st.floats(-3.0, 3.0), st.floats(-4.0, -0.3), st.floats(1.0, 2.8))
-def test_wheels_on_links_of_a_group__go_by_willis(watt, phase, ratio, around):
-    rows = rows_of(watt, **dict(zip(watt.varied, (phase, ratio, around), strict=True)))
+def test_wheels_on_links_of_a_group__go_by_willis(phase, ratio, around):
+    q, rows = asked(watt(phase, ratio, around), FIELDS, 48)
     rod, rocker, sun, counter, idler = (
         np.array([rows[f"{n}.angle{r}"] for r in ("", "_phi", "_phiphi")]) for n in LINKS
     )
-    crank = np.array([watt.nodes, np.ones(48), np.zeros(48)])
+    crank = np.array([q, np.ones(48), np.zeros(48)])
     # Transfer functions of the group are below 10; the ratios multiply them.
     np.testing.assert_allclose(sun[1:], (2 * crank - rod)[1:], atol=400 * EPS)
     np.testing.assert_allclose(counter[1:], ratio * rocker[1:], atol=400 * EPS)
@@ -75,10 +76,9 @@ def test_wheels_on_links_of_a_group__go_by_willis(watt, phase, ratio, around):
     np.testing.assert_allclose(np.abs(rows["sun.tangential_force"]), np.abs(force), atol=1e4 * EPS)
 
 
-def test_wheel_whose_driver_swings_half_a_turn_away__is_singular_unless_the_ratio_is_whole(watt):
-    values = {"shafts.sun.phase": 0.0, "shafts.counter.around": -1.3}
-    outcomes = [watt.evaluate({**values, "shafts.counter.ratio": ratio}).status[0] for ratio in (-2.5, -2.0)]
-    assert outcomes == [Verdict.SINGULAR, Verdict.OK]
+def test_wheel_whose_driver_swings_half_a_turn_away__is_singular_unless_the_ratio_is_whole():
+    machines = [MovingMachine(Scene.model_validate(watt(0.0, ratio, -1.3))) for ratio in (-2.5, -2.0)]
+    assert [machine.verdict(FIELDS) for machine in machines] == [Verdict.SINGULAR, Verdict.OK]
 
 
 # Two drives on a differential
@@ -104,8 +104,7 @@ def test_differential__adds_motions_and_divides_moments(pivot):
     scene = DIFFERENTIAL if pivot else changed(DIFFERENTIAL, **bare)
     rates = ["out.angle", "out.angle_phi", "out.angle_phiphi", "P.x"] if pivot else []
     drives = ["input_moment_by_equilibrium", "cage.driving_moment", "input_moment_by_power"]
-    machine = Machine(Scene.model_validate(scene), BALANCE, [*drives, *rates], positions=24)
-    rows, phi = rows_of(machine), machine.nodes
+    phi, rows = asked(scene, [*drives, *rates])
     # Both side wheels of a differential with equal wheels turn against its cage by the same angle, oppositely.
     np.testing.assert_allclose(rows["input_moment_by_equilibrium"], -10.0, atol=100 * EPS)
     np.testing.assert_allclose(rows["cage.driving_moment"], 20.0, atol=100 * EPS)
@@ -131,8 +130,7 @@ def test_planetary_train_with_a_sun__has_the_ratio_of_willis():
     }
     fields = ["sun.angle_phi", "input_moment_by_equilibrium", "reduced_inertia", "frame.reaction_moment"]
     for teeth in ({}, {"shafts__sun__pressure_angle": 0.35, "shafts__planet__pressure_angle": 0.35}):
-        machine = Machine(Scene.model_validate(changed(scene, **teeth)), BALANCE, fields, positions=12)
-        turned, moment, inertia, on_frame = rows_of(machine).values()
+        turned, moment, inertia, on_frame = asked(changed(scene, **teeth), fields, 12)[1].values()
         np.testing.assert_allclose(turned, 4.5, rtol=8 * EPS)
         np.testing.assert_allclose(moment, 9.0, rtol=32 * EPS)
         np.testing.assert_allclose(inertia, 0.01 * 4.5**2, rtol=32 * EPS)

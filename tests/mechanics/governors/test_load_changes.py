@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
-from engine import Scene, SceneError, Verdict, governed_scene, load_change, made_ready
+from engine import MovingMachine, Scene, SceneError, Verdict, governed_scene, load_change, made_ready
 
 FOLLOWED = ENGINE | {"new_load": 200.0, "duration": 4.0}
 SWITCHED = {"type": "full and shut", "full": 400.0, "switch": 0.05}
@@ -162,8 +162,8 @@ def test_machine_with_its_true_inertia_and_moments__is_what_another_method_finds
     names = [f"it.{key}" for key in ("highest_speed", "lowest_speed", "hunting")]
     outcome = made_ready(scene, names).evaluate({})
     assert outcome.status[0] == Verdict.OK
-    fields = made_ready(scene, fields=["reduced_inertia", "reduced_moment", "steam.moment"]).evaluate({}).fields
-    inertia, moment, steam = (fields[k][0] for k in ("reduced_inertia", "reduced_moment", "steam.moment"))
+    fields = MovingMachine(scene).fields(["reduced_inertia", "reduced_moment", "steam.moment"])
+    inertia, moment, steam = fields.values()
     other = moment - steam
     rows = np.stack([inertia - inertia.mean(), steam / steam.mean(), other - other.mean()])
     phi = np.linspace(0, math.tau, rows.shape[1] + 1)

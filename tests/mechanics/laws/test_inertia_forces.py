@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from machines import changed, crank, evaluated, frame, on, rrp
+from machines import changed, crank, frame, moving, on, rrp
 from oracle import EPS
 
 from engine.laws.masses.inertia_forces import (
@@ -64,10 +64,9 @@ def test_fields__inertia_forces_of_two_halves(changes):
     names = [f"{p}.{k}" for p in "NFS" for k in ("x", "y", "ax", "ay")] + ["B.ax", "B.ay"]
     fields = ["bar.inertia_force_x", "bar.inertia_force_y", "bar.inertia_moment", "bar.inertia_offset"]
     rams = ["ram.inertia_force_x", "ram.inertia_force_y", "ram.inertia_moment", "ram.inertia_offset"]
-    varied = {"input.speed": [5.0, -11.0], "bodies.bar.mass": [3.0, 0.5]}
-    _, outcome = evaluated(changed(slider_crank(), changes), [*names, *fields, *rams], varied, 24)
-    for i, mass in enumerate(varied["bodies.bar.mass"]):
-        f = {name: row[i] for name, row in outcome.fields.items()}
+    for speed, mass in ((5.0, 3.0), (-11.0, 0.5)):
+        values = {"input.speed": speed, "bodies.bar.mass": mass}
+        _, f = moving(changed(slider_crank(), changes), [*names, *fields, *rams], 24, values)
         halves = [(-mass / 2 * f[f"{p}.ax"], -mass / 2 * f[f"{p}.ay"]) for p in "NF"]
         arms = [(f[f"{p}.x"] - f["S.x"], f[f"{p}.y"] - f["S.y"]) for p in "NF"]
         force = np.add(*halves)
@@ -88,9 +87,9 @@ def test_fields__inertia_forces_of_two_halves(changes):
 def test_field__of_a_crank_at_uniform_speed_points_outward():
     scene = slider_crank(bodies={"web": {"link": "crank", "mass": 2.0, "x": 0.1, "inertia": 0.3}})
     fields = [f"web.inertia_{k}" for k in ("force_x", "force_y", "moment", "offset")]
-    machine, outcome = evaluated(scene, fields, {"input.speed": [5.0]}, 16)
-    found = [outcome.fields[name][0] for name in fields]
+    machine, rows = moving(scene, fields, 16, {"input.speed": 5.0})
+    found = [*rows.values()]
     # m r ω² along the crank.
-    expected = 2.0 * 0.1 * 25.0 * np.array([np.cos(machine.nodes), np.sin(machine.nodes)])
+    expected = 2.0 * 0.1 * 25.0 * np.array([np.cos(machine.q), np.sin(machine.q)])
     np.testing.assert_allclose(found[:2], expected, rtol=0, atol=4 * EPS * 5.0)
     assert (np.abs(found[2:]) == 0).all()

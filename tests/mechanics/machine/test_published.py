@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from machines import crank, frame, on, rpr, rrp, rrr
 
-from engine import Machine, Scene
+from engine import Machine, MovingMachine, Scene
 from engine.cycle.turning_moment import fluctuation, turning_moment_from_areas, turning_moment_from_table
 
 DEGREE = math.pi / 180
@@ -183,8 +183,7 @@ def four_bar(ground, crank_length, coupler, rocker, mode):
 def motion(scene, name, degrees, omega, epsilon=0.0):
     """Position, velocity and acceleration of an angle or slide at a crank angle, at 360 positions."""
     fields = [name, *(f"{name}_{d}" for d in ("phi", "phiphi"))]
-    outcome = Machine(scene, fields=fields, positions=360).evaluate({})
-    value, first, second = (outcome.fields[f][0, degrees] for f in fields)
+    value, first, second = (row[degrees] for row in MovingMachine(scene, positions=360).fields(fields).values())
     return value, first * omega, second * omega**2 + first * epsilon
 
 

@@ -5,7 +5,7 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from driving_cams import BALANCE, changed, rows_of
+from driving_cams import BALANCE, asked, changed, rows_of
 from geared_links import CRANK
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -147,10 +147,9 @@ def test_crank_that_turns_back__goes_through_the_law_as_time_does():
     drive = CRANK | {"speed": -SPEED, "revolutions": turns}
     second = SECOND | {"period": turns * 2 * math.pi / SPEED / periods, "speed": 2 * SPEED / turns}
     scene = changed(OVER_RANGE, input=drive, inputs={"second": second})
-    machine = Machine(Scene.model_validate(scene), BALANCE, [*FIELDS, *DRIVES], positions=72)
-    rows = rows_of(machine)
+    q, rows = asked(scene, [*FIELDS, *DRIVES], 72)
     for k in (3, 20, 35, 49, 66):
-        phi = float(machine.nodes[k])
+        phi = float(q[k])
         tau = -2 * math.pi * phi / SPEED / second["period"]
         assert away_from_joins(tau)
         compared(
@@ -163,15 +162,11 @@ def test_crank_that_turns_back__goes_through_the_law_as_time_does():
         )
 
 
-@pytest.fixture(scope="module")
-def sliding() -> Machine:
-    return Machine(Scene.model_validate(SLIDING), BALANCE, [*FIELDS, *DRIVES], ["inputs.second.phase"], 48)
-
-
 @settings(max_examples=10, deadline=None)
 @given(st.floats(-0.3, 0.9), st.integers(0, 47))
-def test_first_input_that_slides__beside_a_second_by_its_travel(sliding, phase, k):
-    rows, s = rows_of(sliding, **{"inputs.second.phase": phase}), float(sliding.input_values[k])
+def test_first_input_that_slides__beside_a_second_by_its_travel(phase, k):
+    q, rows = asked(changed(SLIDING, inputs__second__phase=phase), [*FIELDS, *DRIVES], 48)
+    s = float(q[k])
     if away_from_joins(2 * math.pi * s / 0.06):
         compared(
             rows,

@@ -5,11 +5,11 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from driving_cams import BALANCE, changed, rows_of
+from driving_cams import BALANCE, asked, changed, rows_of
 from geared_links import CRANK
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from machines import rrr
+from machines import moving, rrr
 from scipy.interpolate import CubicSpline
 
 from engine import Machine, Scene, SceneError
@@ -89,20 +89,13 @@ class Loop:
         return total
 
 
-@pytest.fixture(scope="module")
-def joined() -> Machine:
-    varied = ["inputs.ram.begin", "inputs.ram.sections.out.lift", "input.speed"]
-    return Machine(Scene.model_validate(JOINED), BALANCE, [*MOTION, *DRIVES], varied, NODES)
-
-
 @settings(max_examples=12, deadline=None)
 @given(st.floats(0.0, 6.2), st.floats(0.01, 0.08), st.floats(1.0, 100.0), st.integers(0, NODES - 1))
-def test_slider_with_dwells__moves_as_its_loop_in_50_digits_and_powers_change_the_energy(
-    joined, begin, reach, omega, k
-):
-    rows = rows_of(joined, **dict(zip(joined.varied, (begin, reach, omega), strict=True)))
+def test_slider_with_dwells__moves_as_its_loop_in_50_digits_and_powers_change_the_energy(begin, reach, omega, k):
+    numbers = {"inputs__ram__begin": begin, "inputs__ram__sections__out__lift": reach, "input__speed": omega}
+    q, rows = asked(changed(JOINED, **numbers), [*MOTION, *DRIVES], NODES)
     with mpmath.workdps(50):
-        loop, phi = Loop(begin, reach), mpmath.mpf(float(joined.nodes[k]))
+        loop, phi = Loop(begin, reach), mpmath.mpf(float(q[k]))
         place = loop.places(phi)[1]
         turned = float((phi - begin) % (2 * mpmath.pi))
         ends = np.radians([0.0, 100.0, 170.0, 290.0, 360.0])
@@ -163,9 +156,8 @@ def cycloidal(turned: np.ndarray, angle: float, stroke: float) -> np.ndarray:
 def test_two_link_arm__takes_the_moments_of_robotics():
     """Equations of the two-link arm: M. W. Spong, S. Hutchinson, M. Vidyasagar, Robot Modeling and Control, ch. 7."""
     fields = ["input_moment_by_equilibrium", "fore.driving_moment", "fore.angle", "fore.angle_phi", "fore.angle_phiphi"]
-    machine = Machine(Scene.model_validate(TWO_LINKS), BALANCE, fields, positions=2 * NODES)
-    own, second, angle, w, e = rows_of(machine).values()
-    q1, omega = machine.nodes, 4 * math.pi
+    machine, rows = moving(TWO_LINKS, fields, 2 * NODES)
+    (own, second, angle, w, e), q1, omega = rows.values(), machine.q, 4 * math.pi
     q = np.mod(q1, 2 * math.pi)
     up, back, swing = math.radians(150), math.radians(90), math.radians(80)
     down = cycloidal(q - math.radians(270), back, swing)
@@ -202,10 +194,9 @@ def test_bead_pushed_along_a_turning_rod__has_its_closed_form_friction_among_it(
         "friction": {"rubs": {"pair": "bead", "coefficient": 0.2}},
     }
     names = ["input_moment_by_equilibrium", "bead.driving_force", "bead.slide", "bead.slide_phi", "bead.slide_phiphi"]
-    machine = Machine(Scene.model_validate(scene), BALANCE, [*names, "input_moment_with_friction"], positions=NODES)
-    own, force, place, slope, bend, whole = rows_of(machine).values()
+    phi, found = asked(scene, [*names, "input_moment_with_friction"], NODES)
+    (own, force, place, slope, bend, whole), omega = found.values(), 4 * math.pi
     spline = CubicSpline([*over, 2 * math.pi], [*rows, rows[0]], bc_type="periodic")
-    phi, omega = machine.nodes, 4 * math.pi
     for order_, found in enumerate((place, slope, bend)):
         np.testing.assert_allclose(found, spline(phi, order_), atol=32 * EPS)
     normal = 0.6 * ((2 * slope - 0.02) * omega**2 + 9.81 * np.cos(phi))

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from driving_cams import BALANCE, changed, rows_of
+from driving_cams import asked, changed
 from geared_links import CRANK
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -39,20 +39,12 @@ MOTION = [f"{of}{rate}" for of in ("B.x", "B.y", "second.angle") for rate in (""
 MOMENTS = ["input_moment_by_equilibrium", "second.driving_moment", "input_moment_by_power", "input_moment"]
 REACTIONS = [f"{pair}.reaction" for pair in ("input", "second", "arms.first", "arms.inner", "arms.second")]
 NODES = 128
-MACHINE = Machine(
-    Scene.model_validate(FIVE_BAR),
-    BALANCE,
-    [*MOTION, *MOMENTS, *REACTIONS],
-    varied=[
-        *("inputs.second.phase", "inputs.second.harmonics.one.cosine", "inputs.second.harmonics.three.sine"),
-        "input.speed",
-    ],
-    positions=NODES,
-)
 
 
-def varied(phase: float, cosine: float, sine: float, speed: float) -> dict[str, np.ndarray]:
-    return rows_of(MACHINE, **dict(zip(MACHINE.varied, (phase, cosine, sine, speed), strict=True)))
+def varied(phase: float, cosine: float, sine: float, speed: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    harmonics = {"one": HARMONICS["one"] | {"cosine": cosine}, "three": HARMONICS["three"] | {"sine": sine}}
+    second = {"inputs__second__phase": phase, "inputs__second__harmonics": harmonics}
+    return asked(changed(FIVE_BAR, **second, input__speed=speed), [*MOTION, *MOMENTS, *REACTIONS], NODES)
 
 
 def law(phi: float, phase: float, cosine: float, sine: float) -> float:
@@ -79,8 +71,7 @@ def derived(values: np.ndarray, times: int) -> np.ndarray:
 @given(st.floats(-3.0, 3.0), st.floats(-0.3, 0.3), st.floats(-0.08, 0.08), st.floats(0.5, 300.0))
 def test_five_bar__goes_as_two_circles_say_and_both_drives_give_the_power(phase, cosine, sine, speed):
     # Rods of 0.19 m and 0.17 m reach the 0.11 m … 0.30 m that cranks of 0.05 m and 0.041 m leave between them.
-    rows = varied(phase, cosine, sine, speed)
-    phi = MACHINE.nodes
+    phi, rows = varied(phase, cosine, sine, speed)
     psi = np.array([law(q, phase, cosine, sine) for q in phi])
     true = np.array([by_circles(q, p) for q, p in zip(phi, psi, strict=True)])
     np.testing.assert_allclose(rows["B.x"] + 1j * rows["B.y"], true, atol=100 * EPS)
@@ -93,12 +84,12 @@ def test_five_bar__goes_as_two_circles_say_and_both_drives_give_the_power(phase,
 
 
 def test_rates__are_derivatives_of_positions():
-    rows = varied(0.5, 0.2, 0.05, 10.0)
+    phi, rows = varied(0.5, 0.2, 0.05, 10.0)
     # Rounding grows with the square of the highest order, 64; what the series leaves out is below it here.
     for name in ("B.x", "B.y"):
         np.testing.assert_allclose(rows[f"{name}_phi"], derived(rows[name], 1).real, atol=1e-10)
         np.testing.assert_allclose(rows[f"{name}_phiphi"], derived(rows[name], 2).real, atol=1e-8)
-    psi = np.unwrap(rows["second.angle"]) + MACHINE.nodes
+    psi = np.unwrap(rows["second.angle"]) + phi
     np.testing.assert_allclose(rows["second.angle_phi"] + 1, derived(psi, 1).real, atol=64 * 16 * EPS)
     np.testing.assert_allclose(rows["second.angle_phiphi"], derived(psi, 2).real, atol=64**2 * 16 * EPS)
 
@@ -108,10 +99,8 @@ def test_friction__is_borne_by_both_drives():
         "own": {"pair": "second", "coefficient": 0.1, "diameter": 0.02},
         "inner": {"pair": "arms.inner", "coefficient": 0.15, "diameter": 0.02},
     }
-    scene = Scene.model_validate(changed(FIVE_BAR, friction=friction))
     names = ["input_moment_with_friction", "input_moment_by_equilibrium", "second.driving_moment", "second.angle_phi"]
-    machine = Machine(scene, BALANCE, names, positions=24)
-    whole, own, second, rate = rows_of(machine).values()
+    whole, own, second, rate = asked(changed(FIVE_BAR, friction=friction), names)[1].values()
     np.testing.assert_allclose(whole, own + second * rate, atol=8 * EPS * (np.abs(own) + np.abs(second * rate)).max())
 
 

@@ -4,7 +4,20 @@ import math
 
 import numpy as np
 import pytest
-from motion_scenes import BY_ANGLE, INERTIA, ask, dc_moment, pendulum, reduced, rotor, run, slider_crank, steady
+from motion_scenes import (
+    BY_ANGLE,
+    ECCENTRIC_MASS,
+    ECCENTRICITY,
+    GRAVITY,
+    INERTIA,
+    ask,
+    inertia_at,
+    pendulum,
+    rotor,
+    run,
+    slider_crank,
+    steady,
+)
 from scipy.integrate import solve_ivp
 
 from engine import AskError, Machine, Scene, SceneError
@@ -79,8 +92,9 @@ def by_dop853(begin: float, times: np.ndarray, only: str) -> np.ndarray:
 
     def rates(_: float, state: np.ndarray) -> list[float]:
         phi, omega = state
-        inertia, slope, _, gravity = (float(x) for x in reduced(phi))
-        moment = gravity + (float(dc_moment(omega)) if "dc" in only else 3.0)
+        inertia, slope = inertia_at(phi)
+        gravity = -ECCENTRIC_MASS * ECCENTRICITY * GRAVITY * math.cos(phi)
+        moment = gravity + (20.0 * (1.0 - omega / 100.0) if "dc" in only else 3.0)
         return [omega, (moment - 0.5 * omega**2 * slope) / inertia]
 
     found = solve_ivp(rates, (0.0, times[-1]), [0.0, begin], "DOP853", times, rtol=1e-12, atol=1e-12, first_step=1e-3)
@@ -109,7 +123,7 @@ def test_power__what_all_give_is_stored_and_the_efficiency_is_what_is_not_lost()
     only = "dc fan rub gravity load"
     scene = slider_crank({"go": run(only, from_speed=15.0, time=1.0, at={"times": "0 s to 1 s, 41"})})
     rows, _ = kept(scene, "turned")
-    inertia, slope = np.array([[float(x) for x in reduced(phi)[:2]] for phi in rows["turned"]]).T
+    inertia, slope = np.array([inertia_at(phi) for phi in rows["turned"]]).T
     stored = rows["speed"] * (inertia * rows["acceleration"] + 0.5 * rows["speed"] ** 2 * slope)
     given = rows["motors_power"] + rows["driving_power"] + rows["other_power"]
     taken = rows["useful_power"] + rows["harmful_power"] + rows["braking_power"]

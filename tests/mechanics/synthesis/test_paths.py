@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from commands import refused, said
 
-from engine import Machine
+from engine import MovingMachine
 from sweeps import read_scene
 from sweeps.synthesis.paths import four_bar_along
 from sweeps.synthesis.synthesis_error import SynthesisError
@@ -31,8 +31,8 @@ def test_path_of_a_linkage__is_found_again_by_the_command(tmp_path, monkeypatch)
     assert said("synthesise", "path", "wanted.csv", "--out", "found.toml").exit_code == 0
     text = Path("found.toml").read_text()
     rms, greatest = map(float, re.search(r"deviation (\S+) mm\n# \(rms\) and (\S+) mm", text).groups())
-    machine = Machine(read_scene("found.toml"), [], ["P.x", "P.y"], positions=7200)
-    path = np.array([1, 1j]) @ [row[0] for row in machine.evaluate({}).fields.values()]
+    machine = MovingMachine(read_scene("found.toml"), positions=7200)
+    path = np.array([1, 1j]) @ [*machine.fields(["P.x", "P.y"]).values()]
     apart = 1e3 * np.array([abs(path - place).min() for place in wanted])
     # Nearest of 7200 places instead of the nearest between them: half a step of about 0.1 mm at right angles to it.
     told = [math.sqrt(np.mean(apart**2)), apart.max()]

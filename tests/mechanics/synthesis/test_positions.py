@@ -10,7 +10,7 @@ from commands import refused, said
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from engine import Machine
+from engine import MovingMachine
 from sweeps import read_scene
 from sweeps.synthesis.dyads import PlaneDyad, PlanePosition, dyad_of_centre, dyad_of_circle, dyads_of_turn
 from sweeps.synthesis.positioned import four_bar_through
@@ -174,8 +174,8 @@ def test_command__writes_a_scene_that_passes_through_the_positions(tmp_path, mon
     for degree, place in zip(degrees, AT, strict=False):
         start = math.radians(degree)
         drive = scene.input.model_copy(update={"start": start, "stop": start + 1e-3})
-        machine = Machine(scene.model_copy(update={"input": drive}), [], ["P.x", "P.y", "coupler.angle"], positions=8)
-        x, y, angle = (float(row[0, 0]) for row in machine.evaluate({}).fields.values())
+        machine = MovingMachine(scene.model_copy(update={"input": drive}), positions=8)
+        x, y, angle = (float(row[0]) for row in machine.fields(["P.x", "P.y", "coupler.angle"]).values())
         expected = [float(part.split()[0]) for part in place.split(",")]
         # A few roundings of lengths of at most 0.2 m and of their angles.
         assert [1e3 * x, 1e3 * y] == pytest.approx(expected[:2], abs=1e-10)

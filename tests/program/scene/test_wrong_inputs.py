@@ -7,12 +7,70 @@ from pathlib import Path
 import pytest
 from commands import said
 from each_case import each
-from press_texts import PRESS_WITH_FLYWHEEL as SCENE
+from press_texts import PRESS_WITH_FLYWHEEL, slider_crank_text
+from scene_samples import FROM_CSV, GOOD, PUNCH, SLIDING
 from slips import cases, changed
 from study_samples import STUDY, study_of
 
 from engine import AskError, Machine, Mechanics, Scene, SceneError
 from sweeps import InputError, read_scene
+
+GROUND = """\
+[points]
+O = {x = "0 mm", y = "0 mm"}
+D = {x = "200 mm", y = "0 mm"}
+E = {x = "100 mm", y = "200 mm"}
+
+[input]
+type = "crank"
+pivot = "O"
+pin = "A"
+length = "50 mm"
+speed = "60 rpm"
+"""
+
+FOUR_BAR = f"""{GROUND}
+[groups.bars]
+type = "RRR"
+inner = "B"
+first = {{link = "coupler", joint = "A", length = "200 mm"}}
+second = {{link = "rocker", joint = "D", length = "150 mm"}}
+"""
+
+# Two bars carry one more link each, and each of these pairs of links hangs on the other: a triad.
+TRIAD = f"""{GROUND}
+[points.corner]
+link = "plate"
+x = "50 mm"
+y = "0 mm"
+
+[groups.one]
+type = "RRR"
+inner = "B"
+first = {{link = "plate", joint = "F", length = "100 mm"}}
+second = {{link = "bar_1", joint = "D", length = "100 mm"}}
+
+[groups.two]
+type = "RRR"
+inner = "F"
+first = {{link = "bar_2", joint = "E", length = "100 mm"}}
+second = {{link = "bar_3", joint = "corner", length = "100 mm"}}
+"""
+
+ENGINE = f"""\
+{slider_crank_text("", "1500 rpm", "slide", "piston", "revolutions = 2")}
+[cylinders.fire]
+type = "four_stroke"
+piston = "piston"
+bore = "80 mm"
+clearance = 0.1
+intake = "1 bar"
+exhaust = "1.1 bar"
+peak = "50 bar"
+"""
+
+TEXTS = {"PRESS": PRESS_WITH_FLYWHEEL, "GOOD": GOOD, "FOUR_BAR": FOUR_BAR, "TRIAD": TRIAD, "SLIDING": SLIDING}
+TEXTS["ENGINE"] = ENGINE
 
 # Words of Python and its libraries.
 FOREIGN = re.compile(
@@ -21,33 +79,90 @@ FOREIGN = re.compile(
     r"[a-z][A-Z][a-z]+ can't be|object has no|tuple|Expected '|at line \d+, column|literal|Errno|is not callable|loc="
 )
 
-# Name | what of the scene | becomes | line and key | words of reason and mend.
+# Name | scene | what of it | becomes | line and key | words of reason and mend.
 SCENES = cases(r"""
-no unit | "50 mm" | 50 | 13: input.length | 50 has no unit: write "50 mm"
-no quotes | "50 mm" | 50 mm | 13 | has a unit, so it needs quotes: "50 mm"
-unknown unit | "100 kg" | "100 kgs" | 24: bodies.ram.mass | unknown unit 'kgs' | did you mean 'kg'
-decimal comma | "50 mm" | "50,5 mm" | 13: input.length | use a decimal point, not a comma, as in '50.5 mm'
-weight for mass | "100 kg" | "980 N" | 24: bodies.ram.mass | expected a mass such as '1.2 kg', got 'N'
-words | "100 kg" | "heavy" | 24: bodies.ram.mass | expected a mass such as '1.2 kg' | does not begin with a number
-list | "100 kg" | ["100 kg"] | 24: bodies.ram.mass | expected a mass such as '1.2 kg', got ['100 kg']
-misspelt key | mass = | mas = | 24: bodies.ram.mas | unknown key; allowed: link, mass | did you mean 'mass'?
-other word | length = "50 mm" | radius = "50 mm" | 13: input.radius | unknown key | did you mean 'length'?
-misspelt table | [input] | [imput] | 9: imput | unknown key | did you mean 'input'?
-unknown point | joint = "A" | joint = "Z" | 19: groups.slide.first.joint | 'Z' is not a point of this scene | A, B, O
-name taken | inner = "B" | inner = "A" | 18: groups.slide.inner | already taken by input.pin; choose another
-choice | [flywheel] | [forces.f]\ntype = "table"\n[flywheel] | 33: forces.f.interpolation | add one of linear, pchip
-table twice | [flywheel] | [flywheel]\n[flywheel] | 34 | the table [flywheel] appears twice, first in line 33
-key twice | mass = | mass = "9 kg"\nmass = | 25 | mass appears twice in its table: remove one
-quote | "100 kg" | "100 kg | 24 | a quotation mark is missing
-curly quotes | "100 kg" | “100 kg” | 24 | write straight quotation marks, ", not typographic ones
-colon | mass = | mass: | 24 | write KEY = VALUE, not KEY: VALUE
-semicolon | "100 kg" | "100 kg"; | 24 | a line holds one KEY = VALUE
-no value | mass = "100 kg" | mass = | 24 | no value after =
-blank in a name | [bodies.ram] | [bodies.the ram] | 22 | a ] is missing after the name of the table, or the name has a
-backslash | Crank press | C:\press | 1 | write \\ for a backslash, or use single quotes
-coordinates | {x = "0 mm", y = "0 mm"} | ["0 mm", "0 mm"] | 4: points.O | expected a table of keys, got ['0 mm', '0 mm']
-units | title = "Crank press" | units = "metric" | 1: units | 'metric' is not allowed; allowed: mm, SI, US
-formula | force = "100 kN" | force = "100 kN * phi = 3" | 30: forces.punch.force | expected a force such as '12 kN'
+no unit | PRESS | "50 mm" | 50 | 13: input.length | 50 has no unit: write "50 mm"
+no quotes | PRESS | "50 mm" | 50 mm | 13 | has a unit, so it needs quotes: "50 mm"
+unknown unit | PRESS | "100 kg" | "100 kgs" | 24: bodies.ram.mass | unknown unit 'kgs' | did you mean 'kg'
+decimal comma | PRESS | "50 mm" | "50,5 mm" | 13: input.length | use a decimal point, not a comma, as in '50.5 mm'
+weight for mass | PRESS | "100 kg" | "980 N" | 24: bodies.ram.mass | expected a mass such as '1.2 kg', got 'N'
+words | PRESS | "100 kg" | "heavy" | 24: bodies.ram.mass | expected a mass such as '1.2 kg'
+    | does not begin with a number
+list | PRESS | "100 kg" | ["100 kg"] | 24: bodies.ram.mass | expected a mass such as '1.2 kg', got ['100 kg']
+misspelt key | PRESS | mass = | mas = | 24: bodies.ram.mas | unknown key; allowed: link, mass | did you mean 'mass'?
+other word | PRESS | length = "50 mm" | radius = "50 mm" | 13: input.radius | unknown key | did you mean 'length'?
+misspelt table | PRESS | [input] | [imput] | 9: imput | unknown key | did you mean 'input'?
+unknown point | PRESS | joint = "A" | joint = "Z" | 19: groups.slide.first.joint | 'Z' is not a point of this scene
+    | A, B, O
+name taken | PRESS | inner = "B" | inner = "A" | 18: groups.slide.inner | already taken by input.pin; choose another
+choice | PRESS | [flywheel] | [forces.f]\ntype = "table"\n[flywheel] | 33: forces.f.interpolation
+    | add one of linear, pchip
+table twice | PRESS | [flywheel] | [flywheel]\n[flywheel] | 34 | the table [flywheel] appears twice, first in line 33
+key twice | PRESS | mass = | mass = "9 kg"\nmass = | 25 | mass appears twice in its table: remove one
+quote | PRESS | "100 kg" | "100 kg | 24 | a quotation mark is missing
+curly quotes | PRESS | "100 kg" | “100 kg” | 24 | write straight quotation marks, ", not typographic ones
+colon | PRESS | mass = | mass: | 24 | write KEY = VALUE, not KEY: VALUE
+semicolon | PRESS | "100 kg" | "100 kg"; | 24 | a line holds one KEY = VALUE
+no value | PRESS | mass = "100 kg" | mass = | 24 | no value after =
+blank in a name | PRESS | [bodies.ram] | [bodies.the ram] | 22
+    | a ] is missing after the name of the table, or the name has a
+backslash | PRESS | Crank press | C:\press | 1 | write \\ for a backslash, or use single quotes
+coordinates | PRESS | {x = "0 mm", y = "0 mm"} | ["0 mm", "0 mm"] | 4: points.O
+    | expected a table of keys, got ['0 mm', '0 mm']
+units | PRESS | title = "Crank press" | units = "metric" | 1: units | 'metric' is not allowed; allowed: mm, SI, US
+formula | PRESS | force = "100 kN" | force = "100 kN * phi = 3" | 30: forces.punch.force
+    | expected a force such as '12 kN'
+no mass | GOOD | mass = "100 kg"\n |  | 34: bodies.ram | give mass | shape with density
+unknown law | GOOD | "table" | "tabel" | 43: forces.punch | constant, table | did you mean 'table'?
+no type | GOOD | type = "RRP"\n |  | 28: groups.press | 'type' is missing
+fluctuation | GOOD | "1/10" | "3" | 65: flywheel.speed_fluctuation | must be less than 2
+capital letter | GOOD | on = "C" | on = "c" | 45: forces.punch.on | not a point | did you mean 'C'?
+spring on nothing | GOOD | "tip"] | "top"] | 61: springs.back.between | 'top' | did you mean 'tip'?
+spring with one end | GOOD | ["D", "tip"] | ["D"] | 61: springs.back.between
+spring on one point | GOOD | ["D", "tip"] | ["D", "D"] | 61: springs.back.between | 'D'
+name of two actions | GOOD | springs.back | springs.punch | 60: springs.punch | taken by forces.punch
+bad name | GOOD | inner = "C" | inner = "my C" | 30: groups.press.inner | 'my C' is not a name | underscores
+link of two groups | GOOD | link = "pitman" | link = "rod" | 31: groups.press.first.link
+    | 'rod' is already moved by groups.bars.first.link | over-constrained
+group on the frame | GOOD | joint = "A", length = "220 | joint = "O", length = "220 | 22: groups.bars
+    | over-constrained | frame | W =  | moving link
+pivot that moves | GOOD | pivot = "O" | pivot = "tip" | 17: input.pivot | not on the frame | D, O
+body on the frame | GOOD | link = "ram"\nmass | link = "frame"\nmass | 35: bodies.ram.link | moving link
+moment on a slider | GOOD | on = "rocker"\nmoment | on = "ram"\nmoment | 57: moments.friction.on | 'ram'
+motor on a rocker | GOOD | type = "against_motion"\non = "rocker"\nmoment = "2 N m"
+    | type = "dc_motor"\non = "rocker"\nstall_moment = "2 N m"\nno_load_speed = "90 rpm" | 57: moments.friction.on
+    | a motor drives the crank | allowed: crank
+stroke of a rocker | GOOD | slider = "ram" | slider = "rocker" | 47: forces.punch.slider | sliders are: ram
+stroke of nothing | GOOD | slider = "ram"\n |  | 43: forces.punch | over_stroke and slider | name
+table not sorted | GOOD | "1 mm", "8 mm" | "8 mm", "1 mm" | 43: forces.punch | row 3 | sort
+table not equal | GOOD | "1 mm", "8 mm" | "1 mm" | 43: forces.punch | 2 rows | has 3
+mass and density | GOOD | density = | mass = "1 kg"\ndensity = | 38: bodies.bar | either mass or density
+inertia and shape | GOOD | density = | inertia = "1 kg m2"\ndensity = | 38: bodies.bar | give one of
+start alone | GOOD | "60 rpm" | "60 rpm"\nstart = "0 deg" | 15: input | start and stop | full revolutions
+flywheel without a cycle | GOOD | "60 rpm" | "60 rpm"\nstart = "0 deg"\nstop = "9 deg" | 66: flywheel | turns fully
+revolutions | GOOD | "60 rpm" | "60 rpm"\nrevolutions = 0 | 21: input.revolutions | 0 | at least 1
+mode | GOOD | inner = "C" | inner = "C"\nmode = 0 | 31: groups.press.mode | 1 or -1
+list of tables | GOOD | [input] | [[input]] | 15: input | expected a table of keys
+Python for a number | GOOD | mass = "100 kg" | mass = "__import__('os').system('touch stolen')" | 36: bodies.ram.mass
+    | a mass such as '1.2 kg' | __import__
+Python for a name | GOOD | inner = "C" | inner = "C); import os; os.remove('press.toml'); (" | 30: groups.press.inner
+    | is not a name
+class III | TRIAD |  |  | 18: groups.one | one waits for F | two waits for corner | class III
+undriven link | FOUR_BAR | [input] | [points.P]\nlink = "lever"\nx = "1 mm"\ny = "0 mm"\n\n[input] | 7: points.P.link
+    | 'lever' is not a link | coupler, crank, frame, rocker
+sliding input on a moving guide | SLIDING | guide = "way" | guide = "slot" | 12: input.guide | moving link
+    | must be on the frame
+shaft on a sliding input | SLIDING | [groups.bars] | [shafts.wheel]\ngeared_to = "ram"\nratio = 2\n\n[groups.bars]
+    | 19: shafts.wheel.geared_to | sliding input
+sliding input that doesn't move | SLIDING | stop = "50 mm" | stop = "0 mm" | 9: input | stop | start
+shaft on the frame | FOUR_BAR | [groups.bars] | [shafts.wheel]\ngeared_to = "frame"\nratio = 2\n\n[groups.bars]
+    | 14: shafts.wheel.geared_to | 'frame'
+shaft with a pivot that moves | FOUR_BAR | [groups.bars]
+    | [shafts.wheel]\ngeared_to = "crank"\nratio = 2\npivot = "B"\n\n[groups.bars] | 16: shafts.wheel.pivot
+    | not on the frame | D, E, O
+cylinder on a rod | ENGINE | piston = "piston" | piston = "rod" | 23: cylinders.fire.piston | 'rod' doesn't slide
+    | sliders are: piston
+four strokes in a turn | ENGINE | revolutions = 2\n |  | 21: cylinders.fire.type | two turns | input.revolutions = 2
 """)
 
 # The same of a study.
@@ -77,6 +192,60 @@ summary for a field | summaries = | fields = | 14: outputs | 'ram.stroke' is a s
 no scene | scene = "press.toml"\n |  | : scene | is missing: name the file of the scene, scene = "press.toml"
 study for a scene | press.toml | study.toml | 3: scene | study.toml is a study; name the file of a scene
 no such file | press.toml | Press.toml | 3: scene | Press.toml: can't be read: No such file
+nested misspelt path | bodies.ram.mass | bodies.ram.maas | 8: vary.bodies.ram.maas | 'bodies.ram.mass'
+path of a text | "input.length" = | "input.pivot" = | 7: vary.input.pivot | not a number
+part of a used name | reach = | rea = {values = [1]}\nreach = | 9: vary.rea | not a number
+wrong unit | "60 mm" | "60 kg" | 7: vary.input.length | a length such as
+no count | , count = 3 |  | 7: vary.input.length.count | is missing
+count of none | count = 3 | count = 0 | 7: vary.input.length.count | at least 1
+one value for two ends | count = 3 | count = 1 | 7: vary.input.length | input.length
+unknown key of an axis | count = 3 | cuont = 3 | 7: vary.input.length.cuont | did you mean 'count'?
+log through zero | "40 mm", to = "60 mm", count = 3 | "0 mm", to = "60 mm", count = 3, spacing = "log"
+    | 7: vary.input.length | 0
+not an axis | {values = [3, 4, 5]} | 3 | 9: vary.reach | 3 | a list
+range without a count | {values = [3, 4, 5]} | "3 to 5" | 9: vary.reach | '3 to 5' | how many
+unknown series | {values = [3, 4, 5]} | {choose = "R30", low = 1, high = 5} | 9: vary.reach.choose
+    | 'R30' is not allowed | R5, R10, R20, R40, IEC
+series without a range | {values = [3, 4, 5]} | {choose = "R20", low = "3 mm"} | 9: vary.reach.high | is missing
+list of nothing | {values = [3, 4, 5]} | {choose = []} | 9: vary.reach.choose | at least 1
+series of lengths for a mass | {values = ["50 kg", "0.1 t"]} | {choose = "R20", low = "5 kg", high = "9 kg"}
+    | 8: vary.bodies.ram.mass | 'R20' is a series of lengths | list the sizes: ['1.2 kg', …]
+series from zero | from = "40 mm", to = "60 mm", count = 3 | choose = "R20", low = "0 mm", high = "60 mm"
+    | 7: vary.input.length | low '0 mm' must be above 0
+series downwards | from = "40 mm", to = "60 mm", count = 3 | choose = "R20", low = "60 mm", high = "40 mm"
+    | 7: vary.input.length | not above high '40 mm'
+series between its sizes | from = "40 mm", to = "60 mm", count = 3 | choose = "R5", low = "41 mm", high = "44 mm"
+    | 7: vary.input.length | no size of 'R5' lies from '41 mm' to '44 mm'; nearest: 40 mm and 63 mm
+list of several kinds | {values = [3, 4, 5]} | {choose = [3, "4 mm"]} | 9: vary.reach | number and length
+low without sampling | count = 3 | count = 3}\n"gravity" = {low = "0 m/s2", high = "9 m/s2" | 8: vary.gravity
+    | [sampling] | method and count
+sampling of nothing | [derive] | [sampling]\nmethod = "sobol"\ncount = 4\n\n[derive] | 11: sampling | low and high
+derived and varied | [derive] | [derive]\n"input.length" = "1" | 12: derive.input.length | either varied or derived
+unknown name in an expression | reach * input | reech * input | 12: derive.groups.slide.first.length | 'reach'
+expression unfinished | reach * input.length | reach * | 12: derive.groups.slide.first.length | reach *
+condition for a number | reach * input | reach < input | 12: derive.groups.slide.first.length | is a condition
+    | number
+Python in an expression | reach * input.length | __import__('os').system('touch stolen')
+    | 12: derive.groups.slide.first.length | allowed
+number for a condition | positions | require = ["reach + 1"]\npositions | 4: require | condition
+require in best | where = | require = | 19: best.require | did you mean 'where'? | before they are computed
+odd positions | positions = 48 | positions = 49 | 4: positions | even
+precision | positions | field_precision = "float16"\npositions | 4: field_precision | float64, float32
+unknown field | [outputs] | [outputs]\nfields = ["B.z"] | 14: outputs | 'B.z' is not a field | 'B.x'
+best without a name | minimise = "excess_work" | minimise = "" | 18: best.minimise | an expression is missing
+best of an expression | minimise = "excess_work" | minimise = "2 * excess_work" | 18: best.minimise | [optimise]
+best where a list | "ram.stroke > '90 mm'" | ["reach > 1",\n"ram.stroke > 90 kg"] | 20: best.where
+    | compares a length with a mass
+best of two | minimise = "excess_work" | minimise = "excess_work"\nmaximise = "ram.stroke" | 17: best | either
+derived of another dimension | reach * input.length | reach * bodies.ram.mass | 12: derive.groups.slide.first.length
+    | gives a mass, but this is a length
+dimension of a derived number | positions | require = ["2 * groups.slide.first.length > '1 kg'"]\npositions
+    | 4: require | compares a length with a mass
+power that varies | reach * input.length | input.length**reach | 12: derive.groups.slide.first.length | fixed number
+several kinds | [3, 4, 5] | [3, "4 mm", "5 kg"] | 9: vary.reach | number and length and mass | one dimension
+best where a number | ram.stroke > '90 mm' | ram.stroke | 19: best.where | condition
+scene that is a folder | press.toml | . | 3: scene | can't be read
+no such csv | positions | variants = "choice.csv"\npositions | 4: variants | choice.csv | can't be read
 """)
 
 # A table of variants, and its line and column.
@@ -86,6 +255,9 @@ decimal comma | input.length [mm]\n40,5\n | 2 | has 2 cells, the header 1; separ
 no header | 40\n50\n | 1 | the first line must name the columns, such as 'input.length [mm]'
 round brackets | input.length (mm)\n40\n | 1 | write a name and a unit for each column, such as 'force [kN]'
 open quotation | input.length [mm]\n"40\n | 2 | quotation marks don't match
+other dimension | input.length [kg]\n40\n | 1: column input.length | expected a length such as
+column twice | input.length [mm],input.length [mm]\n40,40\n | 1 | a column is given twice: input.length, input.length
+no rows | input.length [mm]\n |  | at least one row
 """)
 
 # A command, and what is named in place of a file.
@@ -129,13 +301,21 @@ def placed(file: str, place: str) -> str:
     return f"{file}, line {line}:{key}" if line else f"{file}:{key}"
 
 
+def test_good_texts__are_read(tmp_path):
+    (tmp_path / "punch.csv").write_text(PUNCH)
+    for i, text in enumerate((GOOD, FOUR_BAR, SLIDING, ENGINE, FROM_CSV)):
+        (tmp_path / f"{i}.toml").write_text(text)
+        assert read_scene(tmp_path / f"{i}.toml").input.speed > 0
+
+
 @each("slip", SCENES)
 def test_wrong_scene__is_answered(slip, tmp_path):
-    old, new, place, *words = SCENES[slip]
-    (tmp_path / "press.toml").write_text(changed(SCENE, old, new), encoding="utf8")
+    text, old, new, place, *words = SCENES[slip]
+    (tmp_path / "press.toml").write_text(changed(TEXTS[text], old, new), encoding="utf8")
     with pytest.raises(InputError) as refused:
         read_scene(tmp_path / "press.toml")
     check(str(refused.value), placed("press.toml", place), words)
+    assert not Path("stolen").exists()
 
 
 @each("slip", STUDIES)
@@ -144,6 +324,7 @@ def test_wrong_study__is_answered(slip, study_folder):
     with pytest.raises(InputError) as refused:
         study_of(study_folder, changed(STUDY, old, new))
     check(str(refused.value), placed("study.toml", place), words)
+    assert not Path("stolen").exists()
 
 
 @each("slip", TABLES)
@@ -174,9 +355,9 @@ def test_wrong_numbers_in_python__are_answered(slip, machine):
 @each("slip", SCENES)
 def test_wrong_scene_in_python__is_answered(slip):
     """As in a file, except that numbers without a unit are in SI there."""
-    old, new, place, *_ = SCENES[slip]
+    text, old, new, place, *_ = SCENES[slip]
     try:
-        tables = tomllib.loads(changed(SCENE, old, new))
+        tables = tomllib.loads(changed(TEXTS[text], old, new))
     except tomllib.TOMLDecodeError:
         return
     for read in (Scene.model_validate, lambda data: Scene(**data)):
@@ -199,7 +380,7 @@ def test_wrong_scene_in_python__is_answered_key_by_key():
 @pytest.fixture(scope="module")
 def machine(tmp_path_factory) -> Machine:
     path: Path = tmp_path_factory.mktemp("scene") / "press.toml"
-    path.write_text(SCENE, encoding="utf8")
+    path.write_text(PRESS_WITH_FLYWHEEL, encoding="utf8")
     scene = read_scene(path)
     assert isinstance(scene, Scene)
     return Machine(scene, "ram.stroke", varied="input.length")

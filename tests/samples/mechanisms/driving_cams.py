@@ -81,11 +81,16 @@ def changed(data: dict, **paths: object) -> dict:
 
 
 def asked(data: dict, fields: list[str], positions: int = 24) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Positions and fields of a machine by NumPy: by power and by equilibrium its input takes the same torque."""
+    """Positions and fields of a machine by NumPy: by power and by equilibrium its inputs take the same torque."""
     machine = MovingMachine(Scene.model_validate(data), positions=positions)
     moments = ["input_moment_by_power", "input_moment_by_equilibrium"]
     assert machine.verdict([*fields, *moments]) == Verdict.OK
     power, equilibrium = machine.fields(moments).values()
+    for name, second in machine.scene.inputs.items():
+        kinds = ("driving_moment", "angle_phi") if second.type == "crank" else ("driving_force", "slide_phi")
+        if second.drive == "own":
+            load, rate = machine.fields([f"{name}.{kind}" for kind in kinds]).values()
+            equilibrium = equilibrium + load * rate
     checks = machine.mechanics.reactions.checks.values()
     force, forces, moment, on_frame = GraphValues(machine.scene, machine.mechanics.graph)(list(checks), machine.q)
     # A handful of roundings of forces that a few links pass on.

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from oracle import EPS, Motion
 
-from engine import Machine, MovingMachine, Scene, Verdict
+from engine import MovingMachine, Scene, Verdict
 
 NUDGE = 1e-7
 ROUNDINGS = 40
@@ -67,21 +67,11 @@ def variants_of(scene: dict, varied: dict[str, list]) -> list[dict]:
     return [changed(scene, {path: values[i] for path, values in varied.items()}) for i in range(count)]
 
 
-def evaluated(scene: dict, fields: list[str], varied: dict[str, list], positions: int, **settings: object) -> tuple:
-    """A machine and the outcome of its variants, all of them sound."""
-    machine = Machine(Scene.model_validate(scene), fields=fields, varied=varied, positions=positions, **settings)
-    numbers = {path: np.array(values, float) for path, values in varied.items()}
-    # What the kernel leaves unwritten must show.
-    buffer = machine.new_buffer(len(next(iter(numbers.values()), [0])))
-    buffer[:] = np.nan
-    outcome = machine.evaluate(numbers, buffer=buffer)
-    assert (outcome.status == Verdict.OK).all(), outcome.status
-    return machine, outcome
-
-
-def moving(scene: dict, fields: list[str], positions: int) -> tuple[MovingMachine, dict[str, np.ndarray]]:
+def moving(
+    scene: dict, fields: list[str], positions: int, values: dict | None = None
+) -> tuple[MovingMachine, dict[str, np.ndarray]]:
     """A sound machine and its fields by NumPy: that compiled code gives the same is tested in `test_one_machine.py`."""
-    machine = MovingMachine(Scene.model_validate(scene), positions=positions)
+    machine = MovingMachine(Scene.model_validate(scene), values, positions)
     assert machine.verdict(fields) == Verdict.OK
     return machine, machine.fields(fields)
 

@@ -130,7 +130,14 @@ class Found(NamedTuple):
         return float(self.errors[name][0])
 
 
-def ask(scene: dict, names: str, positions: int = 120, fields: str = "", varied: dict | None = None) -> Found:
+def ask(
+    scene: dict,
+    names: str,
+    positions: int = 120,
+    fields: str = "",
+    varied: dict | None = None,
+    accuracy: float | None = None,
+) -> Found:
     """What a machine answers; names are separated by spaces."""
     varied = varied or {}
     machine = Machine(
@@ -139,6 +146,7 @@ def ask(scene: dict, names: str, positions: int = 120, fields: str = "", varied:
         fields=fields.split(),
         varied=list(varied),
         positions=positions,
+        accuracy=accuracy,
     )
     outcome = machine.evaluate({path: np.array(values, float) for path, values in varied.items()})
     status = [Verdict(code) for code in outcome.status]
@@ -157,6 +165,16 @@ def reduced(phi: object, ram: float = RAM_MASS, flywheel: float = 0.0) -> tuple:
     curve = -r * c - r * r * (c * c - s * s) / rod_x - (r * r * s * c) ** 2 / rod_x**3
     fixed = mp.mpf(CRANK_INERTIA) + eccentric * mp.mpf(ECCENTRICITY) + mp.mpf(flywheel)
     return fixed + mp.mpf(ram) * rate**2, 2 * mp.mpf(ram) * rate * curve, rate, -eccentric * mp.mpf(GRAVITY) * c
+
+
+def inertia_at(phi: float) -> tuple[float, float]:
+    """I(φ) of `slider_crank` without a flywheel, and its derivative, in floats."""
+    c, s = math.cos(phi), math.sin(phi)
+    x = math.sqrt(ROD**2 - (RADIUS * s) ** 2)
+    rate = -RADIUS * s - RADIUS**2 * s * c / x
+    curve = -RADIUS * c - RADIUS**2 * (c * c - s * s) / x - (RADIUS**2 * s * c) ** 2 / x**3
+    fixed = CRANK_INERTIA + ECCENTRIC_MASS * ECCENTRICITY**2
+    return fixed + RAM_MASS * rate**2, 2 * RAM_MASS * rate * curve
 
 
 def dc_moment(omega: object) -> object:

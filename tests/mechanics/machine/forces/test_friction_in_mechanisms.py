@@ -66,10 +66,10 @@ def test_friction__costs_at_every_position_what_the_input_supplies_more():
     powers = [f"{friction['pair']}.friction_power" for friction in scene["friction"].values()]
     fields = ["input_moment", "input_moment_with_friction", "friction_moment", *powers]
     checks = ["input_moment_disagreement", "equilibrium_residual", "friction_residual"]
-    machine, outcome = outcome_of(scene, fields, ["friction_loss", *checks])
+    _, outcome = outcome_of(scene, [], ["friction_loss", *checks])
+    machine, rows = moving(scene, fields, 720)
     assert all(0.0 < outcome.summaries[name][0] < ROUNDINGS * EPS for name in checks[:2])
     assert outcome.summaries["friction_residual"][0] <= 1e-10
-    rows = {name: row[0] for name, row in outcome.fields.items()}
     lost = sum(rows[name] for name in powers)
     more = (rows["input_moment_with_friction"] - rows["input_moment"]) * machine.scene.input.speed
     scale = np.abs(rows["input_moment_with_friction"]).max() * abs(machine.scene.input.speed)
@@ -79,7 +79,7 @@ def test_friction__costs_at_every_position_what_the_input_supplies_more():
     # Work over a turn: the mean of the power times the time of the turn.
     turn = 2 * math.pi / abs(machine.scene.input.speed)
     # The power has kinks between these positions, each of which costs the mean h²/8 of its change of slope.
-    step = turn * abs(machine.scene.input.speed) / machine.positions
+    step = turn * abs(machine.scene.input.speed) / 720
     assert outcome.summaries["friction_loss"][0] == pytest.approx(lost.mean() * turn, rel=step**2)
 
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from loaded_machines import loaded
-from machines import chain, crank, frame
+from machines import chain, crank, frame, moving
 from press import actions, bodies, press
 from scipy.special import ellipe
 
@@ -121,14 +121,14 @@ def with_chords(force: np.ndarray) -> np.ndarray:
 
 
 def test_bearings_of_a_chain__as_sorted_by_numpy():
-    scene = Scene.model_validate(loaded(chain(0, 2, True), 0))
+    data = loaded(chain(0, 2, True), 0)
+    scene = Scene.model_validate(data)
     revolute = bearings(scene, "input", "g0.inner")
     names = [n for pair in revolute for link in (pair.link, pair.other) for n in summaries_of(pair.name, link)]
     fields = [f"{pair.name}.reaction_{axis}" for pair in revolute for axis in "xy"]
     links = {link for pair in revolute for link in (pair.link, pair.other)} - {"frame"}
     fields += [f"{link}.angle" for link in links]
-    outcome = Machine(scene, names, fields, positions=20_000).evaluate({})
-    rows = {name: row[0] for name, row in outcome.fields.items()}
+    outcome, (_, rows) = Machine(scene, names).evaluate({}), moving(data, fields, 20_000)
     for pair in revolute:
         force = rows[f"{pair.name}.reaction_x"] + 1j * rows[f"{pair.name}.reaction_y"]
         for link, sign in ((pair.link, 1), (pair.other, -1)):
@@ -195,10 +195,8 @@ def test_error_figures__hold_at_any_accuracy():
 
 
 def test_direction_of_a_reaction__continuous_angle_of_its_components():
-    scene = Scene.model_validate(wheel(4.0))
     fields = [f"input.reaction{part}" for part in ("_direction", "_x", "_y")]
-    rows = Machine(scene, fields=fields, positions=72).evaluate({}).fields
-    angle, x, y = (rows[name][0] for name in fields)
+    angle, x, y = moving(wheel(4.0), fields, 72)[1].values()
     np.testing.assert_allclose(np.exp(1j * angle), (x + 1j * y) / np.hypot(x, y), rtol=0, atol=1e-13)
     # The force turns with the unbalance, once around.
     assert np.abs(np.diff(angle)).max() < math.pi

@@ -164,9 +164,9 @@ ORDERS = (1, 2, 4)
 def test_order__is_the_longer_half_axis_of_its_ellipse(name, revolutions):
     scene = changed(MACHINES[name], {"input.revolutions": revolutions})
     names, fields = [f"shaking_force.order_{n}" for n in ORDERS], SHAKING[:2]
-    machine = Machine(Scene.model_validate(scene), names, fields, positions=POSITIONS * revolutions)
-    outcome = machine.evaluate({})
-    force = outcome.fields[fields[0]][0] + 1j * outcome.fields[fields[1]][0]
+    outcome = Machine(Scene.model_validate(scene), names).evaluate({})
+    machine, rows = moving(scene, fields, POSITIONS * revolutions)
+    force = rows[fields[0]] + 1j * rows[fields[1]]
     parts = np.fft.fft(force) / force.size
     for n, name in zip(ORDERS, names, strict=True):
         # What turns with the crank and against it, n times as fast; harmonics at POSITIONS − n are below rounding.
@@ -174,8 +174,8 @@ def test_order__is_the_longer_half_axis_of_its_ellipse(name, revolutions):
         found, figure = outcome.summaries[name][0], outcome.errors[name][0]
         assert abs(found - exact) <= figure + 64 * EPS * np.abs(force).max()
         assert figure <= 1e-9 * np.abs(force).max()
-        turned = parts[n * revolutions] * np.exp(1j * n * machine.nodes)
-        ellipse = turned + parts[-n * revolutions] * np.exp(-1j * n * machine.nodes)
+        turned = parts[n * revolutions] * np.exp(1j * n * machine.q)
+        ellipse = turned + parts[-n * revolutions] * np.exp(-1j * n * machine.q)
         # Of 256 positions to a turn one lies within π n/256 rad of the half axis.
         assert found * math.cos(math.pi * n / POSITIONS) <= np.abs(ellipse).max() * (1 + 1e-9)
 

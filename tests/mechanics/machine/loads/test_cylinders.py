@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from machines import crank, slider_crank
 
-from engine import Machine, Scene
+from engine import Machine, MovingMachine, Scene
 
 TURN = 2 * math.pi
 P = {"suction": 1.0e5, "discharge": 6.0e5, "intake": 0.9e5, "exhaust": 1.1e5, "peak": 50e5}
@@ -92,8 +92,7 @@ def test_four_strokes__follow_the_firing_angle(speed):
     one = {"type": "four_stroke", "piston": "ram", "bore": BORE} | CYLINDERS["four_stroke"]
     scene = engine({"first": one, "second": one | {"firing_angle": TURN}})
     fields = ["first.moment", "second.moment", "B.x_phi"]
-    outcome = Machine(scene, fields=fields, varied=["input.speed"]).evaluate({"input.speed": np.array([speed])})
-    first, second, slope = (outcome.fields[f][0] for f in fields)
+    first, second, slope = MovingMachine(scene, {"input.speed": speed}).fields(fields).values()
     # A turn later is half of the 720 positions later, whichever way it turns.
     np.testing.assert_allclose(second, np.roll(first, 360), rtol=1e-9, atol=1e-9 * np.abs(first).max())
     power = range(5, 175) if speed > 0 else range(720 - 175, 720 - 5)
@@ -107,11 +106,10 @@ def test_four_strokes__follow_the_firing_angle(speed):
 def test_pressure__acts_from_the_head_towards_the_other_end():
     pump = {"type": "pump", "piston": "ram", "bore": BORE, "ambient": 0.0, "suction": 0.0, "discharge": 1e5}
     scene = engine({"right": pump, "left": pump | {"head": "low"}})
-    outcome = Machine(scene, fields=["right.moment", "left.moment", "B.x_phi"], positions=360).evaluate({})
+    right, left, slope = MovingMachine(scene).fields(["right.moment", "left.moment", "B.x_phi"]).values()
     area = math.pi / 4 * BORE**2
-    slope = outcome.fields["B.x_phi"][0]
-    np.testing.assert_allclose(outcome.fields["right.moment"][0], -1e5 * area * np.maximum(slope, 0), atol=1e-9)
-    np.testing.assert_allclose(outcome.fields["left.moment"][0], 1e5 * area * np.minimum(slope, 0), atol=1e-9)
+    np.testing.assert_allclose(right, -1e5 * area * np.maximum(slope, 0), atol=1e-9)
+    np.testing.assert_allclose(left, 1e5 * area * np.minimum(slope, 0), atol=1e-9)
 
 
 def test_required_power__is_the_indicated_power():

@@ -70,6 +70,10 @@ def rows_of(windows: list[tuple[float, float, float]]) -> tuple[list[float], lis
     if moments[-1] != moments[0]:
         angles.append(TURN)
         moments.append(moments[0])
+    # As many rows for up to three windows, so that all machines share their functions.
+    widest, more = int(np.argmax(np.diff(angles))), 15 - len(angles)
+    angles[widest + 1 : widest + 1] = np.linspace(*angles[widest : widest + 2], more + 2)[1:-1].tolist()
+    moments[widest + 1 : widest + 1] = moments[widest : widest + 1] * more
     return angles, moments
 
 

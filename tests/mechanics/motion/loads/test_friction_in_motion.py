@@ -1,31 +1,77 @@
-"""Friction in pairs in true motion: closed forms of a rotor in its journal, balances and limits of a slider-crank."""
+"""Friction in pairs in true motion, at one speed, with a clutch or a fluid coupling.
+
+Closed forms of a rotor in its journal, balances and limits of a slider-crank. The rotor is the slider-crank without a
+ram, whose other pairs are smooth, so that both share their functions.
+"""
 
 import math
 
 import numpy as np
 import pytest
-from motion_scenes import Found, ask, run, slider_crank, steady
+from motion_scenes import GRAVITY, INERTIA, MOMENTS, RATIO, Found, ask, rotor, run, slider_crank, steady
 
 from engine import Machine, Scene, Verdict
 
-MASS, INERTIA, COEFFICIENT, DIAMETER, GRAVITY = 2.0, 0.05, 0.2, 0.04, 9.81
-# Radius of the friction circle: f r over the root of 1 + f².
+MASS, COEFFICIENT, DIAMETER = 6.0, 0.2, 0.04
+# Radius of the friction circle: f r over the root of 1 + f²; and the torque of friction in the journal.
 ARM = COEFFICIENT * DIAMETER / 2 / math.sqrt(1.0 + COEFFICIENT**2)
+HELD = MASS * GRAVITY * ARM
+PAIRS = {
+    "pin": {"pair": "drive.inner", "coefficient": 0.1, "diameter": 0.03},
+    "crank_pin": {"pair": "drive.first", "coefficient": 0.1, "diameter": 0.04},
+    "main": {"pair": "input", "coefficient": 0.08, "diameter": 0.05},
+    "skirt": {"pair": "drive.second", "coefficient": 0.12, "length": 0.08},
+}
+JOURNAL = {name: pair | {"coefficient": 0.0} for name, pair in PAIRS.items()}
+JOURNAL["main"] = {"pair": "input", "coefficient": COEFFICIENT, "diameter": DIAMETER}
+SHAFT_INERTIA = 0.004
+FULL = 0.3
+CLUTCH = {"type": "friction_clutch", "shaft": "motor_shaft", "capacity": 0.2}
+CLUTCH |= {"over_time": [0.0, FULL], "share": [1.0, 1.0]}
+FLUID = {
+    "type": "fluid_coupling",
+    "shaft": "motor_shaft",
+    "density": 860.0,
+    "diameter": 0.2,
+    "slip": [0.0, 1.0],
+    "coefficient": [0.0, 1e-3],
+    "interpolation": "linear",
+}
 
 
-def journal(regimes: dict, eccentricity: float, speed: float = 10.0, **numbers: float) -> Found:
+def in_journal(regimes: dict, eccentricity: float = 1e-30, speed: float = 10.0, **changes: dict) -> dict:
+    """A heavy rotor in a rough journal; in balance to rounding, though not by its structure."""
+    scene = rotor(regimes, speed, **changes) | {"friction": JOURNAL}
+    scene["bodies"]["eccentric"] |= {"mass": MASS, "x": eccentricity}
+    return scene
+
+
+def rubbing(regimes: dict, share: float = 1.0, flywheel: float = 0.2, speed: float = 10.0) -> dict:
+    """A slider-crank that rubs in all of its pairs."""
+    friction = {name: pair | {"coefficient": share * pair["coefficient"]} for name, pair in PAIRS.items()}
+    return slider_crank(regimes, speed, flywheel) | {"friction": friction}
+
+
+def driven_by_shaft(scene: dict) -> dict:
+    """A machine whose motor is on a geared shaft with an inertia of its own."""
+    scene["shafts"]["motor_shaft"]["inertia"] = SHAFT_INERTIA
+    scene["moments"]["dc"] = scene["moments"]["dc"] | {"on": "motor_shaft"}
+    return scene
+
+
+def behind(coupling: dict, scene: dict) -> dict:
+    """A machine with its motor behind a coupling."""
+    return driven_by_shaft(scene) | {"couplings": {"joint": coupling}}
+
+
+def of(regime: str, names: str) -> str:
+    return " ".join(f"{regime}.{name}" for name in names.split())
+
+
+def turned(only: str, eccentricity: float = 1e-30, speed: float = 10.0, push: float = 0.0, **regime: object) -> Found:
     """What a rotor in a rough journal does."""
-    scene = {
-        "gravity": numbers.get("gravity", 0.0),
-        "points": {"O": {"x": 0, "y": 0}},
-        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.1, "speed": speed},
-        "bodies": {"rotor": {"link": "crank", "mass": MASS, "x": eccentricity, "inertia": INERTIA}},
-        "moments": {"push": {"type": "constant", "on": "crank", "moment": numbers.get("push", 0.0)}},
-        "friction": {"main": {"pair": "input", "coefficient": COEFFICIENT, "diameter": DIAMETER}},
-        "regimes": {"go": {"type": "run", **regimes}},
-    }
-    asked = "go.time go.angle go.final_speed go.harmful_work go.work_residual go.input.reaction.max"
-    return ask(scene, asked, 120)
+    scene = in_journal({"go": run(only, **regime)}, eccentricity, speed, push={"moment": push})
+    return ask(scene, of("go", "time angle final_speed harmful_work work_residual input.reaction.max"))
 
 
 def covered(found: Found, name: str, value: float) -> None:
@@ -34,21 +80,21 @@ def covered(found: Found, name: str, value: float) -> None:
     assert found.figure(name) <= 1e-5 * abs(value) + 1e-9, name
 
 
-# Closed forms
+# A rotor in its journal: closed forms
 
 
 @pytest.mark.parametrize("speed", [10.0, -10.0])
 def test_rotor_under_its_weight__comes_to_rest_evenly(speed):
-    found = journal({"from_speed": 20.0, "rest": True}, 0.0, speed, gravity=GRAVITY)
-    rise = MASS * GRAVITY * ARM / INERTIA
-    covered(found, "go.time", 20.0 / rise)
-    covered(found, "go.angle", 20.0**2 / (2.0 * rise))
-    covered(found, "go.harmful_work", 0.5 * INERTIA * 20.0**2)
+    found = turned("gravity", speed=speed, from_speed=10.0, rest=True)
+    rise = HELD / INERTIA
+    covered(found, "go.time", 10.0 / rise)
+    covered(found, "go.angle", 10.0**2 / (2.0 * rise))
+    covered(found, "go.harmful_work", 0.5 * INERTIA * 10.0**2)
     covered(found, "go.input.reaction.max", MASS * GRAVITY)
 
 
 def test_unbalanced_rotor_without_weight__rubs_by_what_its_own_slowing_down_adds():
-    found = journal({"from_speed": 50.0, "time": 2.0}, 0.1)
+    found = turned("", 0.1, from_speed=50.0, time=2.0)
     # I ε = −ρ m e √(ω⁴ + ε²), so ε = −κ ω² with κ = k/√(1 − k²), k = ρ m e/I; then 1/ω = 1/ω₀ + κ t.
     k = ARM * MASS * 0.1 / (INERTIA + MASS * 0.1**2)
     kappa = k / math.sqrt(1.0 - k * k)
@@ -58,28 +104,55 @@ def test_unbalanced_rotor_without_weight__rubs_by_what_its_own_slowing_down_adds
 
 
 def test_push_on_a_rotor__is_held_at_rest_up_to_the_moment_of_friction():
-    held = MASS * GRAVITY * ARM
-    for push, verdict in ((0.999 * held, Verdict.STALLS), (1.001 * held, Verdict.OK)):
-        found = journal({"from_speed": 0.0, "cycles": 1.0}, 0.0, gravity=GRAVITY, push=push)
+    for push, verdict in ((0.999 * HELD, Verdict.STALLS), (1.001 * HELD, Verdict.OK)):
+        found = turned("push gravity", push=push, from_speed=0.0, cycles=1.0)
         assert found.status == [verdict], push
         if verdict == Verdict.OK:
-            covered(found, "go.time", math.sqrt(2.0 * 2.0 * math.pi * INERTIA / (push - held)))
+            covered(found, "go.time", math.sqrt(2.0 * 2.0 * math.pi * INERTIA / (push - HELD)))
+
+
+def test_rotor_behind_a_clutch__stands_until_the_clutch_overcomes_friction():
+    """r C t/τ = M_f when it sets off; then I ω = r C/τ (t² − t₀²)/2 − M_f (t − t₀)."""
+    until = 0.25
+    go = run("gravity", from_speed=0.0, from_shaft_speed=400.0, time=until)
+    scene = behind(CLUTCH | {"share": [0.0, 1.0]}, in_journal({"go": go}))
+    found = ask(scene, of("go", "angle final_speed harmful_work work_residual"))
+    rise = RATIO * CLUTCH["capacity"] / FULL
+    off = HELD / rise
+    assert 0.04 < off < 0.5 * until
+    since = until - off
+    assert found["go.final_speed"] == pytest.approx(0.5 * rise * since**2 / INERTIA, rel=1e-9)
+    angle = rise * since**3 / 6.0 / INERTIA
+    assert found["go.angle"] == pytest.approx(angle, rel=1e-9)
+    assert found["go.harmful_work"] == pytest.approx(HELD * angle, rel=1e-9)
+    assert abs(found["go.work_residual"]) <= found.figure("go.work_residual") + 1e-11
+
+
+def test_clutch_weaker_than_friction__slips_and_the_crank_stands():
+    weak = CLUTCH | {"capacity": 0.999 * HELD / RATIO}
+    go = run("dc gravity", from_speed=0.0, from_shaft_speed=50.0, time=0.2)
+    found = ask(behind(weak, in_journal({"go": go})), of("go", "angle joint_slip_time work_residual"))
+    assert found["go.angle"] == 0.0
+    assert found["go.joint_slip_time"] == pytest.approx(0.2, rel=1e-12)
+    for_ever = run("dc gravity", from_speed=0.0, from_shaft_speed=50.0, lock_up=True)
+    assert ask(behind(weak, in_journal({"go": for_ever})), "go.work_residual").status == [Verdict.SLIPS]
+
+
+def test_steady_motion_through_a_fluid__carries_load_and_friction():
+    """A constant load and constant friction: the motor's speed by its line, the crank's by the slip."""
+    found = ask(
+        behind(FLUID, in_journal({"on": steady("dc load gravity")})),
+        "on.mean_speed on.motor_shaft_mean_speed on.harmful_work on.joint_moment_peak",
+    )
+    factor, load = 1e-3 * 860.0 * 0.2**5 * RATIO**3, 2.0 + HELD
+    motor = 100.0 / RATIO * (1.0 - load / (RATIO * MOMENTS["dc"]["stall_moment"]))
+    assert found["on.motor_shaft_mean_speed"] == pytest.approx(RATIO * motor, rel=1e-9)
+    assert found["on.mean_speed"] == pytest.approx(motor - load / (factor * motor), rel=1e-9)
+    assert found["on.harmful_work"] == pytest.approx(2.0 * math.pi * HELD, rel=1e-9)
+    assert found["on.joint_moment_peak"] == pytest.approx(load / RATIO, rel=1e-9)
 
 
 # A slider-crank that rubs in all of its pairs
-
-PAIRS = {
-    "pin": {"pair": "drive.inner", "coefficient": 0.1, "diameter": 0.03},
-    "crank_pin": {"pair": "drive.first", "coefficient": 0.1, "diameter": 0.04},
-    "main": {"pair": "input", "coefficient": 0.08, "diameter": 0.05},
-    "skirt": {"pair": "drive.second", "coefficient": 0.12, "length": 0.08},
-}
-
-
-def rubbing(regimes: dict, share: float = 1.0, flywheel: float = 0.2, speed: float = 10.0, **changes: dict) -> dict:
-    scene = slider_crank(regimes, speed, flywheel, **changes)
-    scene["friction"] = {name: pair | {"coefficient": share * pair["coefficient"]} for name, pair in PAIRS.items()}
-    return scene
 
 
 def test_start__motors_pay_for_energy_loads_and_friction():
@@ -138,3 +211,32 @@ def test_run_that_begins_where_friction_jumps__is_looked_at_behind_the_jump():
     for name in names.split():
         # Curves change by a few times themselves, some hundred rad/s² and N, within a radian.
         assert found[0][name] == pytest.approx(found[1][name], abs=1e4 * near), name
+
+
+def test_clutch_that_holds__moves_a_rubbing_slider_crank_as_a_gear_does():
+    """As a machine whose motor shaft is geared to the crank without a clutch, which goes by the system of one speed."""
+    go = run("dc gravity cut", from_speed=5.0, time=1.5)
+    names = "angle final_speed motor_work harmful_work useful_work other_work"
+    regimes = {"go": go, "on": steady("dc gravity cut")}
+    held = behind(CLUTCH | {"capacity": 1e5}, rubbing(regimes, flywheel=0.0))
+    held["regimes"]["go"]["from_shaft_speed"] = 5.0 * RATIO
+    loads = "drive.inner.reaction.max acceleration.min kinetic_energy.max frame.reaction_moment.min"
+    asked = f"{of('go', names)} {of('go', loads)} on.mean_speed on.harmful_work"
+    one, two = ask(driven_by_shaft(rubbing(regimes, flywheel=0.0)), asked), ask(held, asked)
+    for name in asked.split():
+        assert abs(one[name] - two[name]) <= one.figure(name) + two.figure(name), name
+    assert two["go.harmful_work"] > 1.0
+
+
+def test_slipping_start__works_pay_for_heat_friction_and_energy():
+    regimes = {"spin": run("dc", time=0.6), "go": run("dc gravity cut", time=0.8)}
+    scene = behind(CLUTCH | {"capacity": 4.0}, rubbing(regimes, flywheel=0.0))
+    scene["regimes"]["spin"]["off"].append("joint")
+    names = "motor_work useful_work harmful_work other_work energy_change joint_heat joint_slip_time"
+    found = ask(scene, of("go", names))
+    motor, useful, harmful, other, change, heat, slips = (found[f"go.{name}"] for name in names.split())
+    assert 0.0 < slips < 0.8
+    assert heat > 1.0
+    assert harmful > 1.0
+    figures = sum(found.figure(f"go.{name}") for name in names.split())
+    assert abs(motor + other - useful - harmful - heat - change) <= figures

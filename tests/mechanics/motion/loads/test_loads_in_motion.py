@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 import pytest
-from machines import compare
+from machines import compare, moving
 from motion_scenes import ECCENTRIC_MASS, MOMENTS, RAM_MASS, Found, ask, slider_crank, steady
 from newton_euler import reactions
 from oracle import EPS
@@ -148,8 +148,7 @@ def uniform(only: str, speed: float, positions: int = 240) -> dict[str, np.ndarr
     scene = slider_crank({"on": steady(only)}, speed)
     gone = without(scene, {*scene["regimes"]["on"]["off"], "dc", "induction"})
     names = [name for name in LOADS if name != "input_moment_by_equilibrium"]
-    found = ask(gone, "", positions, " ".join([*names, "input_moment"]))
-    return {name: row[0] for name, row in found.fields.items()}
+    return moving(gone, [*names, "input_moment"], positions)[1]
 
 
 @pytest.mark.parametrize(

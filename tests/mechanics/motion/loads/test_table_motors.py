@@ -25,33 +25,33 @@ def torque(speed: float) -> float:
     return float(np.interp(speed, SPEED, MOMENT)) + min(100.0 - speed, 0.0) * 0.75
 
 
-def driven(scene: dict, on: str = "motor_shaft", formula: bool = False) -> dict:
-    """A sample machine with the motor by the table, or with the formula of it on the crank."""
-    by_formula = {"type": "formula", "on": "crank", "role": "driving", "moment": FORMULA}
-    scene["moments"]["dc"] = by_formula if formula else TABLE | {"on": on}
+def driven(scene: dict) -> dict:
+    """A sample machine with the motor by the table, on its shaft, and with the formula of it on the crank."""
+    scene["moments"]["dc"] = TABLE | {"on": "motor_shaft"}
+    scene["moments"]["said"] = {"type": "formula", "on": "crank", "role": "driving", "moment": FORMULA}
+    for name, regime in scene["regimes"].items():
+        regime["off"] = [*regime["off"], "dc" if name.startswith("said") else "said"]
     return scene
 
 
-REGIMES = {"start": run("dc rub cut", from_speed=1.0, cycles=3.0), "work": steady("dc rub oil cut")}
-ASKED = "start.time start.final_speed start.speed_min start.driving_work start.motor_work "
-ASKED += "work.mean_speed work.speed_min work.speed_max work.multiplier"
+START, WORK = run("dc rub cut", from_speed=1.0, cycles=3.0), steady("dc rub oil cut")
+REGIMES = {"start": START, "work": WORK, "said_start": START, "said_work": WORK}
+ASKED = "start.time start.final_speed start.speed_min work.mean_speed work.speed_min work.speed_max work.multiplier"
 
 
 def test_regimes_under_a_table__are_those_under_its_formula():
-    table, formula = (ask(driven(slider_crank(REGIMES), formula=f), ASKED) for f in (False, True))
-    for name in ASKED.split():
-        # What the formula does is no motor's work, though that of a driving moment.
-        if name in ("start.driving_work", "start.motor_work"):
-            continue
-        room = table.figure(name) + formula.figure(name) + 1e-13 * abs(formula[name])
-        assert abs(table[name] - formula[name]) <= room, name
-        assert table.figure(name) <= 1e-5 * abs(table[name])
-    room = table.figure("start.motor_work") + formula.figure("start.driving_work")
-    assert abs(table["start.motor_work"] - formula["start.driving_work"]) <= room
+    # What the formula does is no motor's work, though that of a driving moment.
+    pairs = {name: f"said_{name}" for name in ASKED.split()} | {"start.motor_work": "said_start.driving_work"}
+    found = ask(driven(slider_crank(REGIMES)), " ".join([*pairs, *pairs.values()]))
+    for name, said in pairs.items():
+        room = found.figure(name) + found.figure(said) + 1e-13 * abs(found[said])
+        assert abs(found[name] - found[said]) <= room, name
+        assert found.figure(name) <= 1e-5 * abs(found[name])
 
 
 def test_start_of_a_rotor__takes_the_integral_of_its_acceleration():
-    found = ask(driven(rotor({"start": run("dc", speed=13.0)})), "start.time start.angle start.motor_moment_peak")
+    scene = driven(rotor({"start": run("dc", from_speed=0.0, speed=13.0), "work": WORK}))
+    found = ask(scene, "start.time start.angle start.motor_moment_peak start.motor_work work.mean_speed")
     knots = [knot / RATIO for knot in SPEED if knot < 13.0 * RATIO]
     pieces = zip(knots, [*knots[1:], 13.0], strict=True)
     time = sum(quad(lambda w: INERTIA / (RATIO * torque(RATIO * w)), *piece, epsrel=1e-12)[0] for piece in pieces)
@@ -62,7 +62,9 @@ def test_start_of_a_rotor__takes_the_integral_of_its_acceleration():
 
 def test_torque_at_the_speed_of_the_scene__is_that_of_the_table():
     for speed in (1.0, 7.0, 14.0):
-        found = ask(driven(rotor({}, speed)), "motor_moment")
+        scene = rotor({}, speed)
+        scene["moments"]["dc"] = TABLE | {"on": "motor_shaft"}
+        found = ask(scene, "motor_moment")
         induction = ask({**rotor({}, speed), "moments": {"dc": rotor({})["moments"]["induction"]}}, "motor_moment")
         both = RATIO * torque(RATIO * speed) + induction["motor_moment"]
         assert found["motor_moment"] == pytest.approx(both, rel=1e-13)

@@ -11,8 +11,8 @@ from motion_scenes import INERTIA, ask, rotor, run, slider_crank, steady
 TURN = 2 * math.pi
 
 
-# A sawtooth: it jumps where the cycle begins.
-SAWTOOTH = {"over_angle": [0.0, 3.0, TURN, TURN], "moment": [1.0, 2.0, 6.0, 1.0]}
+# A sawtooth: it jumps where the cycle begins. All tables have as many rows, so that machines share their functions.
+SAWTOOTH = {"over_angle": [0.0, 1.5, 2.4, 3.0, TURN, TURN], "moment": [1.0, 1.5, 1.8, 2.0, 6.0, 1.0]}
 
 
 @pytest.mark.parametrize("start", [2.0, 0.0, TURN, 3.0])
@@ -39,11 +39,11 @@ def area(angles: list[float], moments: list[float]) -> float:
 
 # Rows with a break by a distance from another one, or from where the cycle or the run begins.
 CLOSE = {
-    "after the begin of the cycle": lambda d: ([0, d, d, TURN, TURN], [50, 50, -2, -2, 50], 0.0),
-    "before the end of the cycle": lambda d: ([0, TURN - d, TURN - d, TURN, TURN], [50, 50, -2, -2, 50], 0.0),
+    "after the begin of the cycle": lambda d: ([0, d, d, 3, TURN, TURN], [50, 50, -2, -2, -2, 50], 0.0),
+    "before the end of the cycle": lambda d: ([0, 3, TURN - d, TURN - d, TURN, TURN], [50, 50, 50, -2, -2, 50], 0.0),
     "after another": lambda d: ([0, 1, 1, 1 + d, 1 + d, TURN], [5, 5, 1e3, 1e3, 5, 5], 0.0),
-    "after the begin of the run": lambda d: ([0, 1, 1, TURN, TURN], [50, 50, -2, -2, 50], 1 - d),
-    "before the begin of the run": lambda d: ([0, 1, 1, TURN, TURN], [50, 50, -2, -2, 50], 1 + d),
+    "after the begin of the run": lambda d: ([0, 1, 1, 3, TURN, TURN], [50, 50, -2, -2, -2, 50], 1 - d),
+    "before the begin of the run": lambda d: ([0, 1, 1, 3, TURN, TURN], [50, 50, -2, -2, -2, 50], 1 + d),
 }
 
 

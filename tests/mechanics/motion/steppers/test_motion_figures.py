@@ -66,7 +66,7 @@ def test_error_figures__hold_for_nearly_all_of_200_random_machines(monkeypatch):
 def test_figures_of_runs_that_forget__cover_what_their_last_steps_miss(monkeypatch):
     # Motors so steep on a bare crank that nothing of a cycle's begin is left at its end; steps are implicit. Few of
     # many end where the last step of the run for comparison is nearly as short.
-    random, count = np.random.default_rng(5), 1000
+    random, count = np.random.default_rng(5), 384
     machines = {
         "moments.induction.breakdown_slip": np.exp(random.uniform(np.log(0.005), np.log(0.06), count)),
         "moments.induction.breakdown_moment": random.uniform(5.0, 15.0, count),
@@ -142,7 +142,7 @@ def test_company_of_other_variants__changes_nothing_to_the_last_bit(chosen):
 
 def test_extremes_of_steady_motion_with_steep_motors__as_with_shorter_steps(monkeypatch):
     # A bare crank follows its motor's characteristic: its speed turns back within a moment where a load bends.
-    random, count = np.random.default_rng(6), 500
+    random, count = np.random.default_rng(6), 192
     machines = {
         "moments.induction.breakdown_slip": np.exp(random.uniform(np.log(0.005), np.log(0.2), count)),
         "moments.induction.breakdown_moment": np.exp(random.uniform(np.log(10.0), np.log(4e3), count)),

@@ -10,7 +10,7 @@ import pytest
 from commands import done, refused
 from each_case import each
 
-from engine import Machine
+from engine import MovingMachine
 from sweeps import import_scene
 
 
@@ -75,9 +75,8 @@ def places(scene, crank_angle, names):
     """Where the engine finds points at a crank angle, x + iy [m]."""
     drive = scene.input.model_copy(update={"start": crank_angle, "stop": crank_angle + 1e-3})
     asked = [f"{name}.{axis}" for name in names for axis in "xy"]
-    machine = Machine(scene.model_copy(update={"input": drive}), [], asked, positions=8)
-    rows = machine.evaluate({}).fields
-    return [complex(rows[f"{name}.x"][0, 0], rows[f"{name}.y"][0, 0]) for name in names]
+    rows = MovingMachine(scene.model_copy(update={"input": drive}), positions=8).fields(asked)
+    return [complex(rows[f"{name}.x"][0], rows[f"{name}.y"][0]) for name in names]
 
 
 def test_joints_of_pylinkage__are_held_as_they_say(tmp_path):
