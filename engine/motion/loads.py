@@ -63,7 +63,7 @@ class PairLoads:
             self._sizes[size] = load.action, load.coefficient
             loads.append(load._replace(coefficient=size))
         known = Reactions(kinematics, mechanics.structure, loads, motion).variables | _shaking(mechanics, motion)
-        # The motors give a part of what the input needs.
+        # Motors give a part of the torque that the input needs.
         given = sum((load.coefficient * load.basis for load in loads[len(acting.terms) :]), graph.zero)
         known["input_moment_by_equilibrium"] = known["input_moment_by_equilibrium"] + given
         self.nodes = [known[name] for name in self.names]
