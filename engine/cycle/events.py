@@ -351,8 +351,9 @@ def enter_crossings(piece: MonotonePiece, level: Level, before: int, most: int, 
     """
     marks, counts, height = noted.marks, noted.counts, level.height
     for lane in range(LANES):
-        row, room = before + int(counts[lane]), counts[lane] < most
-        # A function that rests on its level touches it at every position; any surplus of these may be dropped.
+        # A function that rests on its level touches it at every position; any surplus of these may be dropped, and they
+        # leave half of the rows to crossings.
+        row, room = before + int(counts[lane]), counts[lane] < (most if marks[lane] == 1.0 else 0.5 * most)
         counts[lane] += 1.0 if (marks[lane] == 1.0) | (marks[lane] > 0.0) & room else 0.0
         if marks[lane] > 0.0 and room:
             root = open_row(row, level.function, level.number, crossings)

@@ -12,6 +12,8 @@ import numpy as np
 
 from engine.graph.functions import functions_at
 from engine.graph.nodes import Given, Node
+from engine.mechanism.actions.motors import motor_at_speed, motor_on_shaft
+from engine.mechanism.actions.paths import input_sense
 from engine.mechanism.inertia import shaking
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.loads import Loads
@@ -48,12 +50,22 @@ class PairLoads:
         motion = InputMotion(square, epsilon, speed)
         # The coefficient of each load is a number of the variant: 0 for actions that are off.
         self._sizes: dict[Given, tuple[str, Node]] = {}
+        acting = Loads(mechanics.scene, kinematics, graph.given("time"), speed)
+        self._facing, way = graph.given("facing of the motors"), input_sense(kinematics)
+        on_shafts = []
+        for name in acting.motors:
+            reduced = motor_at_speed(kinematics, name, graph.one, self._facing, speed)
+            load = motor_on_shaft(kinematics, name, reduced, way)
+            on_shafts.append(load._replace(coefficient=graph.derived(f"motor {name} is there", lambda n: 1.0)))
         loads = []
-        for i, load in enumerate(Loads(mechanics.scene, kinematics, graph.given("time"), speed).terms):
+        for i, load in enumerate((*acting.terms, *on_shafts)):
             size = graph.given(f"size of load {i}")
             self._sizes[size] = load.action, load.coefficient
             loads.append(load._replace(coefficient=size))
         known = Reactions(kinematics, mechanics.structure, loads, motion).variables | _shaking(mechanics, motion)
+        # Motors give a part of the torque that the input needs.
+        given = sum((load.coefficient * load.basis for load in loads[len(acting.terms) :]), graph.zero)
+        known["input_moment_by_equilibrium"] = known["input_moment_by_equilibrium"] + given
         self.nodes = [known[name] for name in self.names]
         functions = functions_at(
             graph,
@@ -87,6 +99,8 @@ class PairLoads:
             if node in self._sizes:
                 action, coefficient = self._sizes[node]
                 made[rows[node]] = 0.0 if action in off else made[rows[coefficient]]
+            elif node is self._facing:
+                made[rows[node]] = variants.direction * np.sign(variants.numbers["input.speed"])
             elif node not in self._moving:
                 # In steady running no load depends on time.
                 made[rows[node]] = 0.0
@@ -122,7 +136,8 @@ class PairLoads:
         moving = (omega, omega * omega, epsilon)
         given = {node: moving[row] for node, row in self._moving.items() if node in tabulation.given}
         if clock is not None:
-            given |= {node: clock for node in tabulation.given if node not in self._sizes and node not in self._moving}
+            known = {*self._sizes, *self._moving, self._facing}
+            given |= {node: clock for node in tabulation.given if node not in known}
         found = tabulation(parameters, places, given)
         fields = {name: found[row] for name, row in self._rows.items()}
         made = self.scene.flywheel

@@ -20,7 +20,7 @@ from engine.laws.motor_characteristics import (
     induction_motor_slope,
 )
 from engine.laws.senses import sense, side
-from engine.mechanism.actions.motors import motor_at_speed
+from engine.mechanism.actions.motors import motor_at_speed, motor_on_shaft
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.loads import Loads
 from engine.mechanism.mechanics import Mechanics
@@ -122,9 +122,13 @@ def moments_of(
         # Sum the terms that depend on the position only before multiplying by the power of the speed.
         parts = [(sizes.way * sum(terms, graph.zero)) * at_speed for at_speed, terms in orders.items()]
         channels[channel] = sum(parts, graph.zero)
+    return StateMoments(sum(motors_of(mechanics, sizes, speed, off).values(), graph.zero), channels)
+
+
+def motors_of(mechanics: Mechanics, sizes: Sizes, speed: Node, off: frozenset[str] = frozenset()) -> dict[str, Node]:
+    """Torque of each motor, in the direction of motion, without those in `off`."""
     acting = {name: on for on, name in sizes.motors.items() if name not in off}
-    motors = [motor_at_speed(mechanics.kinematics, name, on, sizes.facing, speed) for name, on in acting.items()]
-    return StateMoments(sum(motors, graph.zero), channels)
+    return {name: motor_at_speed(mechanics.kinematics, name, on, sizes.facing, speed) for name, on in acting.items()}
 
 
 def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tuple[System, Sizes]:
@@ -222,10 +226,19 @@ def shown_of(inertia: Node, epsilon: Node, moments: StateMoments) -> dict[str, N
     return {"inertia": inertia, "acceleration": epsilon, "motors": moments.motors, **moments.channels}
 
 
-def friction_of(mechanics: Mechanics, loads: Loads, sizes: Sizes, speed: Node, epsilon: Node) -> Node:
-    """Torque equivalent to friction in the pairs, in the direction of motion."""
+def friction_of(
+    mechanics: Mechanics,
+    loads: Loads,
+    sizes: Sizes,
+    speed: Node,
+    epsilon: Node,
+    off: frozenset[str] = frozenset(),
+) -> Node:
+    """Torque equivalent to friction in pairs and meshes, in the direction of motion; motors in `off` don't act."""
     motion = InputMotion(speed * speed, sizes.way * epsilon, speed)
     acting = [load._replace(coefficient=size) for size, load in zip(sizes.loads, loads.terms, strict=True)]
+    for name, reduced in motors_of(mechanics, sizes, speed, off).items():
+        acting.append(motor_on_shaft(mechanics.kinematics, name, reduced, sizes.way))
     reactions = Reactions(mechanics.kinematics, mechanics.structure, acting, motion)
     return sizes.way * reactions.variables["friction_moment"]
 

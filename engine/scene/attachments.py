@@ -185,6 +185,15 @@ def geared_to_input(scene: Scene) -> set[str]:
     return {n for n, s in scene.shafts.items() if s.geared_to == scene.input.link and s.carrier is None}
 
 
+def driven_by_gears(scene: Scene) -> set[str]:
+    """Shafts geared to the input on the frame, also through other shafts."""
+    found, grown = geared_to_input(scene), True
+    while grown:
+        further = {n for n, s in scene.shafts.items() if s.geared_to in found and s.carrier is None} - found
+        found, grown = found | further, bool(further)
+    return found
+
+
 @once
 def turning_evenly(scene: Scene) -> set[str]:
     """Links whose angle is a multiple of the crank's: the crank, and pivoted shafts geared to it through all gears."""

@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import NamedTuple
 
 from engine.parts.skeleton import FRAME, CrankInput
-from engine.scene.attachments import attachments, geared_to_input, input_point, sliders, still_links
+from engine.scene.attachments import attachments, driven_by_gears, geared_to_input, input_point, sliders, still_links
 from engine.scene.pairs import contact_pairs, pairs, rods_of
 from engine.scene.scene import Problem, Scene, SceneError, once
 from engine.words.glossary import listed
@@ -111,7 +111,7 @@ FITTING = {
     "geared shaft": Referable("is not a shaft geared to the crank", geared_to_input),
     "driven shaft": Referable(
         "can't have one: a motor drives the crank or a shaft geared to it",
-        lambda scene: _crank(scene) | geared_to_input(scene),
+        lambda scene: _crank(scene) | driven_by_gears(scene),
         "allowed",
     ),
     "crank or shaft": Referable(

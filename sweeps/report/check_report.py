@@ -40,8 +40,9 @@ def structure_text(scene: engine.Scene) -> str:
     if scene.input is None:
         return "none (only machine elements)"
     free = engine.order_groups(scene).free_groups.values()
-    planets = [(name, shaft) for name, shaft in scene.shafts.items() if shaft.carrier is not None]
-    touching = len(scene.cams) + len(planets) + len(scene.racks) + len(scene.pinions)
+    # A shaft that only passes on torque and inertia has no place in the mechanism.
+    wheels = [name for name, shaft in scene.shafts.items() if shaft.carrier or shaft.pivot]
+    touching = len(scene.cams) + len(wheels) + len(scene.racks) + len(scene.pinions)
     touching += len(scene.noncircular_wheels) + sum(second.drive == "crank" for second in scene.inputs.values())
     links = 1 + 2 * len(scene.groups) + sum(len(group.links) for group in free) + touching
     pairs = 1 + 3 * len(scene.groups) + sum(len(group.pairs) for group in free) + touching
@@ -60,7 +61,7 @@ def structure_text(scene: engine.Scene) -> str:
         f"cam {name} on {cam.on}: {cam.follower.type} follower {cam.follower.link}, {cam.follower.contact}"
         for name, cam in scene.cams.items()
     ]
-    lines += [f"planet {name} on {shaft.carrier}, geared to {shaft.geared_to}" for name, shaft in planets]
+    lines += [_wheel_text(scene, name) for name in wheels]
     lines += [
         f"non-circular wheel {name} about {wheel.pivot}, driven by {wheel.geared_to}: {wheel.law.type}"
         for name, wheel in scene.noncircular_wheels.items()
@@ -71,6 +72,13 @@ def structure_text(scene: engine.Scene) -> str:
     higher = (" − p₂", f" − {touching}") if touching else ("", "")
     lines.append(f"W = 3n − 2p₁{higher[0]} = 3·{links} − 2·{pairs}{higher[1]} = {3 * links - 2 * pairs - touching}")
     return "\n".join(lines)
+
+
+def _wheel_text(scene: engine.Scene, name: str) -> str:
+    """Bearing and driver of a shaft that belongs to the mechanism."""
+    shaft = scene.shafts[name]
+    placed = f"planet {name} on {shaft.carrier}" if shaft.carrier else f"shaft {name} about {shaft.pivot}"
+    return f"{placed}, geared to {shaft.geared_to}"
 
 
 def _second_input_text(scene: engine.Scene, name: str) -> str:

@@ -50,6 +50,7 @@ _SOUGHT = {
     "height, leading": Sought("height +1", 1),
     "height, lagging": Sought("height -1", 1),
     "curved height": Sought("curved height", 1),
+    "dip height": Sought("s", -1),
     "low angle": Sought("low angle", 1),
     "high angle": Sought("high angle", -1),
 }
@@ -158,14 +159,14 @@ class CamElement(CamProgram, Element):
         has |= {"inner": dynamic and (flat or roller), "outer": dynamic and roller}
         has |= dict.fromkeys(("height +1", "height -1"), steep and self.translating)
         has |= dict.fromkeys(("low angle", "high angle"), steep and not self.translating)
-        has |= {"curved height": limits is not None and self.translating}
+        has |= {"curved height": limits is not None and self.translating, "s": limits is not None}
         return tuple(name for name, sought in _SOUGHT.items() if has.get(sought.quantity, True))
 
     def _least_angles(self, n: Numbers, found: Measures) -> tuple[np.ndarray, PeakPlaces]:
         """Minimum arm angles that satisfy the limits, and the positions that determine them."""
-        angle, greatest, cams = point_angle(n), np.pi, cam_variants(self, n)
+        x = self._extremes(n, found.places)[0]
+        angle, greatest, cams = point_angle(n, x["dip height"]), np.pi, cam_variants(self, n)
         if "low angle" in self._sought:
-            x = self._extremes(n, found.places)[0]
             angle, greatest = np.fmax(angle, x["low angle"]), -x["high angle"]
         angle = np.where(angle < np.minimum(greatest, np.pi), angle, np.nan)
         angle, at = least_arm_angles(cams, angle)
@@ -233,7 +234,7 @@ class CamElement(CamProgram, Element):
         angle, p, u = (np.tile(part, copies) for part in (known, at.pieces, at.u))
         room, slope, bound = room_at(cam_variants(self, n), angle, p, np.arange(variants), u)
         curved = angle - room / np.maximum(slope, np.sqrt(np.abs(bound * room)))
-        least = np.fmax(point_angle(n), x.get("low angle", 0.0))
+        least = np.fmax(point_angle(n, x["dip height"]), x.get("low angle", 0.0))
         angle = np.where(np.isnan(u), least, curved) + 0.0 * angle
         if self.follower.contact == "flat":
             return np.where(angle <= np.pi / 2, d * np.sin(angle), np.nan)

@@ -22,14 +22,22 @@ _LEAST_ANGLE = 1e-9
 _POSITIONS, _STEPS = 60, 200
 
 
-def point_angle(n: dict[str, np.ndarray]) -> np.ndarray:
-    """Arm angle at which the base circle is a point, if the arm reaches that far; otherwise a minimal angle."""
+def point_angle(n: dict[str, np.ndarray], dip: np.ndarray) -> np.ndarray:
+    """Arm angle at which the base circle is a point, if the arm reaches that far; otherwise a minimal angle.
+
+    Parameters
+    ----------
+    n : dict of str to ndarray (variants,)
+    dip : ndarray (variants,)
+        How far the motion goes below zero displacement; there the arm must still be above the line of centres.
+    """
     arm, d = n.get("follower.arm"), n["follower.pivot_distance"]
+    least = np.fmax(dip, 0.0) + _LEAST_ANGLE
     if arm is None:
-        return np.full(d.size, _LEAST_ANGLE)
+        return least
     roller = n.get("follower.roller_radius", np.zeros(d.size))
     (point,) = over_arrays(least_arm_angle, roller, arm, d)
-    return np.where(roller > np.abs(d - arm), np.fmax(point, _LEAST_ANGLE), _LEAST_ANGLE)
+    return np.where(roller > np.abs(d - arm), np.fmax(point, least), least)
 
 
 def room_at(

@@ -149,8 +149,10 @@ def _forces(
     if "follower.friction" in n:
         length, overhang = (n[f"follower.{key}"][v] for key in ("guide_length", "overhang"))
         leans = 1.0 + 2.0 * np.maximum(overhang - s, 0.0) / length
-        found["kinks"] = sine, overhang - s
-        share = cosine - turn.directions[p] * n["follower.friction"][v] * leans * np.abs(sine)
+        # A groove may pull; friction opposes the motion all the same.
+        flank = np.sign(total) if cam.closure == "form" else 1.0
+        found["kinks"] = sine, overhang - s, total
+        share = cosine - flank * turn.directions[p] * n["follower.friction"][v] * leans * np.abs(sine)
     force = np.where(share > 0.0, total / (share * leverage), np.where(np.isnan(share), np.nan, np.inf))
     rows = {"force": force, "moment": total * s1 * (cosine / share), "shortfall": preload - total}
     # Relative decrease of the contact force with the square of the speed.

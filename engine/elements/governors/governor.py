@@ -49,8 +49,8 @@ _STATICS = (
     ElementResult("insensitivity", "maximum range of speeds within which friction holds the sleeve, as a share", "1"),
     further("least_speed_with_friction", "speed at which the sleeve falls to its lowest", "rad s-1"),
     further("greatest_speed_with_friction", "speed at which the sleeve rises to its highest", "rad s-1"),
-    further("sleeve_force", "force at the sleeve that holds the balls, at half of the lift", "N"),
-    ElementResult("effort", "mean force at the sleeve for the given change of speed, at half of the lift", "N"),
+    further("sleeve_force", "force at the sleeve that holds the balls, at half of the stable lift", "N"),
+    ElementResult("effort", "mean force at the sleeve for the given change of speed, at half of the stable lift", "N"),
     ElementResult("power", "effort times the lift that the given change of speed makes", "J", None, True),
 )
 _OF_ENGINE = (

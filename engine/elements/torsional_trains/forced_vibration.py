@@ -101,7 +101,9 @@ def under_mean_moments(train: ReducedTrain, moments: Measured) -> ForcedVibratio
     """
     nodes, still = range(len(train.parents)), np.zeros((1, *moments.shape[1:]))
     if train.ground.any():
-        return forced_vibration(train, still, moments[:, None])
+        # Hysteresis absorbs energy in cycles only.
+        springs = train._replace(absorptions=0.0 * train.absorptions, ground_loss=0.0 * train.ground_loss)
+        return forced_vibration(springs, still, moments[:, None])
     share = train.known(train.inertias / train.inertias.sum(axis=0))
     # The torque that accelerates a mass, less the one that acts on it.
     carried = [share[node] * moments.sum() - moments[node] for node in nodes]

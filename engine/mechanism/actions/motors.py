@@ -7,9 +7,11 @@ import numpy as np
 from engine.graph.nodes import Node
 from engine.laws.loads import sized
 from engine.laws.motor_characteristics import bend_of, induction_motor
+from engine.mechanism.acting import Grip, Load
 from engine.mechanism.kinematics import Kinematics
 from engine.parts.actions import InductionCharacteristic, Motor
 from engine.parts.motor_constants import MotorCurve, bends_of, motor_curve
+from engine.parts.skeleton import FRAME
 from engine.scene.scene import Numbers, Scene
 
 
@@ -60,6 +62,28 @@ def motor_at_speed(kinematics: Kinematics, name: str, on: Node, facing: Node, sp
     return ratio * graph.apply(sized, on, moment)
 
 
+def motor_on_shaft(kinematics: Kinematics, name: str, reduced: Node, way: Node) -> Load:
+    """A motor's torque on its own shaft, from the reduced one in the direction of motion; its stator is on the frame.
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+    name : str
+        A motor of the scene.
+    reduced : Node
+        From `motor_at_speed`.
+    way : Node
+        +1 or −1: sense in which the input moves.
+    """
+    on, graph = kinematics.scene.moments[name].on, kinematics.graph
+    rate = kinematics.links[on].w
+    grip = Grip(on, None, None, (FRAME, kinematics.links[FRAME].origin))
+    return Load(name, graph.one, way * reduced / rate, grip, rate, way * reduced, "driving", 0)
+
+
 def motor_ratio(scene: Scene, motor: Motor, numbers: Numbers) -> float | np.ndarray:
     """Speed of a motor divided by that of the input link, with its sign."""
-    return 1.0 if motor.on == scene.input.link else numbers[f"shafts.{motor.on}.ratio"]
+    ratio, on = 1.0, motor.on
+    while on != scene.input.link:
+        ratio, on = ratio * numbers[f"shafts.{on}.ratio"], scene.shafts[on].geared_to
+    return ratio

@@ -168,7 +168,7 @@ def at_two_speeds(
     smooth, m2 = of_crank.total - of_inertia, of_shaft.total
     if rubs:
         unknown[speed] = graph.given("acceleration", Stage.STATE)
-        rubbed = friction_of(mechanics, loads, crank, speed, unknown[speed])
+        rubbed = friction_of(mechanics, loads, crank, speed, unknown[speed], on_shaft)
         of_crank.channels["harmful" if works else "all"] += rubbed
     m1 = of_crank.total - of_inertia
     ahead, shaft_ahead = crank.facing * speed, other * shaft_speed

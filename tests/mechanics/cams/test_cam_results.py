@@ -5,7 +5,7 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from cam_samples import ARM, CAMS, FACE, FLAT, KNIFE, ROLLER, cam_answers, cam_of, cam_scene
+from cam_samples import ARM, CAMS, FACE, FACE_WITH, FLAT, KNIFE, ROLLER, cam_answers, cam_of, cam_scene
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -189,6 +189,33 @@ def swinging_cams(draw):
     }
 
 
+@pytest.mark.parametrize("cam", [ROLLER, FLAT, ARM, FACE_WITH], ids=["roller", "flat", "arm", "face with"])
+def test_least_base_circle__does_not_depend_on_where_the_displacement_is_zero(cam):
+    """Rows lowered by the same amount lower the follower at zero displacement on the same cam."""
+    angles, rows, key = [0, 60, 130, 180, 240, 300], np.array([0.0, 0.4, 1.0, 0.9, 0.3, 0.0]), "swing"
+    sliding = cam["follower"]["type"] == "translating"
+    if sliding:
+        key = "lift"
+    rows = rows * (0.01 if sliding else math.radians(8))
+    dip = 0.2 * rows.max()
+
+    def least(rows):
+        table = {"over_angle": [f"{angle} deg" for angle in angles], key: rows.tolist()}
+        limits = {"convex_radius": "4 mm"}
+        changes = {"sections": {}, "table": table, "limits": limits, "follower__offset": None}
+        return cam_answers(cam, "least_base_radius", **changes)[0]["least_base_radius"]
+
+    follower = cam_of(cam).follower
+    d, arm, roller = (getattr(follower, name, None) or 0.0 for name in ("pivot_distance", "arm", "roller_radius"))
+
+    def height(base):
+        if sliding:
+            return base + roller
+        return math.acos((d * d + arm * arm - (base + roller) ** 2) / (2 * d * arm)) if arm else math.asin(base / d)
+
+    assert height(least(rows - dip)) - dip == pytest.approx(height(least(rows)), rel=1e-9)
+
+
 @settings(max_examples=12, deadline=None)
 @given(swinging_cams())
 def test_least_base_circle_under_an_arm__is_the_least_that_keeps_its_limits(cam):
@@ -284,15 +311,17 @@ def test_groove__is_pressed_on_both_flanks():
     assert values["contact_pressure"] == pytest.approx(pressed.max(), rel=1e-6)
 
 
-def test_friction_in_the_guide__costs_work_and_may_jam():
-    guide = {"follower__guide_length": "60 mm", "follower__overhang": "40 mm"}
+@pytest.mark.parametrize("driven", [{}, {"closure": "form", "speed": "3000 rpm"}], ids=["spring", "groove that pulls"])
+def test_friction_in_the_guide__costs_work_and_may_jam(driven):
+    guide = {"follower__guide_length": "60 mm", "follower__overhang": "40 mm"} | driven
     values, errors, status = cam_answers(ROLLER, follower__friction=0.1, **guide)
     assert status == Verdict.OK
     assert values["mean_moment"] > 100 * errors["mean_moment"]
     # What is lost rubs in the guide: its force times the way, from the courses themselves.
     curves = cam_curves(cam_of(ROLLER, follower__friction=0.1, **guide), 40_000)
+    assert (curves.force.min() < 0.0) == bool(driven)
     share = 1 + 2 * (0.040 - curves.displacement) / 0.060
-    rubbed = 0.1 * share * curves.force * np.abs(np.sin(curves.pressure_angle) * curves.first)
+    rubbed = 0.1 * share * np.abs(curves.force * np.sin(curves.pressure_angle) * curves.first)
     assert values["mean_moment"] == pytest.approx(np.trapezoid(rubbed, curves.angle) / (2 * math.pi), rel=1e-5)
     assert cam_answers(ROLLER, follower__friction=1.5, **guide)[2] == Verdict.JAMS
 

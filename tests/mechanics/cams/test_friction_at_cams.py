@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from driving_cams import SLIDING, SWINGING, asked, changed
 
-from engine import Scene, SceneError
+from engine import Machine, Scene, SceneError, Verdict
 from engine.scene.structure.ordering import order
 
 EPS = np.finfo(float).eps
@@ -73,3 +73,18 @@ def test_wrong_friction_at_cams__is_refused_in_words(friction, told):
     with pytest.raises(SceneError) as caught:
         order(Scene.model_validate(changed(SLIDING, friction={"f": friction})))
     assert told in str(caught.value)
+
+
+def test_loss_of_a_cam__does_not_depend_on_where_the_cycle_begins():
+    """The sliding turns once between rise and return, and rests for half of the cycle, before that or after."""
+    sections = {
+        "out": {"type": "rise", "law": "3-4-5", "angle": "80 deg", "lift": "10 mm"},
+        "back": {"type": "return", "law": "cycloidal", "angle": "90 deg"},
+        "low": {"type": "dwell"},
+    }
+    data = changed(SLIDING, cams__cam__sections=sections, friction={"stem": {"pair": "cam.guide", "coefficient": 0.2}})
+    machine = Machine(Scene.model_validate(data), ["friction_loss"], varied=["cams.cam.begin"])
+    outcome = machine.evaluate({"cams.cam.begin": np.radians(np.arange(0.0, 360.0, 15.0))})
+    assert (outcome.status == Verdict.OK).all()
+    loss = outcome.summaries["friction_loss"]
+    assert np.ptp(loss) <= 2.0 * outcome.errors["friction_loss"].max()

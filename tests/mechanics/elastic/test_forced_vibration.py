@@ -126,6 +126,17 @@ def test_resonance_without_damping__is_a_status_and_with_damping_a_number():
     assert solved(train, "s0.alternating_moment")["s0.alternating_moment"][0] == pytest.approx(expected, rel=1e-11)
 
 
+def test_mean_moments_between_two_ends_held__share_by_the_stiffnesses_alone():
+    """Hysteresis absorbs energy in cycles only, whatever share of it a shaft has."""
+    train = chain([1.0, 1.0], [2e3], speed=50.0, excitations={"e": harmonic("m0", 0, 7.0)})
+    train["shafts"]["s0"]["energy_absorption"] = 0.8
+    for k, stiffness in enumerate((1e3, 3e3)):
+        train["shafts"][f"held{k}"] = {"between": ["frame", f"m{k}"], "stiffness": stiffness, "energy_absorption": k}
+    found, beyond = solved(train), 1.0 / (1.0 / 2e3 + 1.0 / 3e3)
+    assert found["s0.mean_moment"][0] == pytest.approx(7.0 * beyond / (1e3 + beyond), rel=1e-13)
+    assert found["held0.mean_moment"][0] == pytest.approx(-7.0 * 1e3 / (1e3 + beyond), rel=1e-13)
+
+
 def test_mean_moments__go_from_the_motor_to_the_load_through_the_gears():
     mean = {"e": harmonic("motor", 0, 80.0)}
     found = solved(BRANCHED | {"excitations": mean, "load": "table"})

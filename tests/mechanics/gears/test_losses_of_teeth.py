@@ -166,19 +166,34 @@ def test_noncircular_wheels__lose_a_share_of_what_rolls_through_them(teeth):
 
 
 def test_motion_with_losses__takes_their_work_from_the_motor():
+    """The motor sits two meshes away from the crank, the drag one; of the motor's two the second one is lossy."""
+    mesh = {"pressure_angle": "20 deg", "inertia": 0.02}
     data = changed(
         PAIR_OF_WHEELS,
         shafts__second__inertia=0.5,
-        moments__motor={"type": "dc_motor", "on": "crank", "stall_moment": 40.0, "no_load_speed": "180 rpm"},
+        shafts__middle=mesh | {"geared_to": "crank", "ratio": -2, "pivot": "M"},
+        shafts__fast=mesh | {"geared_to": "middle", "ratio": -2, "pivot": "F", "efficiency": 0.9},
+        points__M={"x": -0.2, "y": 0.0},
+        points__F={"x": -0.3, "y": 0.1},
+        moments__motor={"type": "dc_motor", "on": "fast", "stall_moment": 10.0, "no_load_speed": "720 rpm"},
         moments__load={"type": "linear_drag", "on": "second", "coefficient": 1.5},
         regimes={"steady": {"type": "steady"}},
     )
-    path, name, efficiency = "shafts.second.efficiency", "steady.speed_max", np.array([0.8, 1.0])
-    outcome = Machine(Scene.model_validate(data), [name], varied=[path]).evaluate({path: efficiency})
+    names = ["steady.speed_max", "steady.fast.reaction.max"]
+    paths = ["shafts.second.efficiency", "shafts.fast.efficiency"]
+    drag, drive = np.array([0.8, 1.0, 0.7]), np.array([1.0, 0.6, 0.9])
+    outcome = Machine(Scene.model_validate(data), names, varied=paths).evaluate(
+        dict(zip(paths, (drag, drive), strict=True))
+    )
     assert (outcome.status == Verdict.OK).all()
-    # 40 (1 − ω/ω₀) = 1.5 (ω/2)²/ω/η, the drag of a shaft at half the speed seen from the crank.
-    known = 40.0 / (40.0 / (6 * math.pi) + 1.5 * 0.25 / efficiency)
-    assert (np.abs(outcome.summaries[name] - known) <= outcome.errors[name] + 1e-9 * known).all()
+    # 40 η (1 − ω/ω₀) = 1.5 (ω/2)²/ω/η′, the motor's torque and the drag of a shaft at half the speed, at the crank.
+    stall, slope = 40.0 * drive, 1.5 * 0.25 / drag
+    known = stall / (stall / (6 * math.pi) + slope)
+    # The force between the teeth turns both wheels about their axes, so its arms add up to the centre distance.
+    taken = slope * known / 4 / drive
+    pressed = (taken + 2 * drive * taken) / math.hypot(0.1, 0.1) / math.cos(math.radians(20))
+    for name, exact in zip(names, (known, pressed), strict=True):
+        assert (np.abs(outcome.summaries[name] - exact) <= outcome.errors[name] + 1e-9 * exact).all(), name
 
 
 def test_losses_and_what_does_not_know_them__are_refused_in_words():

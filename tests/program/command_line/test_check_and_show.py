@@ -12,8 +12,12 @@ from commands import done, refused, said
 from each_case import each
 from press_texts import PRESS
 
+from engine.scene.pairs import pairs
+from sweeps import read_scene
+from sweeps.report.check_report import structure_text
 from sweeps.report.result_report import undecided_text
 from sweeps.report.sweep_result import SweepResult
+from sweeps.text.templates import bundled_templates, templates
 
 # check
 
@@ -38,6 +42,18 @@ free"""
     # In line, the stroke is twice the crank of 50 mm.
     assert any(line.split()[:2] == ["ram.stroke", "100"] for line in answer.stdout.splitlines())
     assert sorted(press_folder.rglob("*")) == before
+
+
+@each("name", sorted(templates()))
+def test_mobility__counts_every_pair_and_leaves_the_inputs(name):
+    scene = read_scene(bundled_templates()[name])
+    if scene.input is None:
+        return
+    told = structure_text(scene).splitlines()[-1]
+    links, lower, higher, left = map(int, re.search(r"3·(\d+) − 2·(\d+)(?: − (\d+))? = (\d+)$", told).groups("0"))
+    names = {link for pair in pairs(scene) for link in (pair.link, pair.other)} - {"frame"}
+    assert (links, lower) == (len(names), len(pairs(scene)))
+    assert 3 * links - 2 * lower - higher == left == 1 + sum(second.drive == "own" for second in scene.inputs.values())
 
 
 def test_fields_with_a_load_between_two_positions__are_warned_of(press_folder):
