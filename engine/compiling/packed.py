@@ -90,7 +90,14 @@ def _address(array: np.ndarray) -> int:
 
 
 _array_type = cache(lambda dtype, ndim: types.Array(from_dtype(dtype), ndim, "C"))
-_hints_of, _packed_type, _function_type = cache(get_type_hints), cache(PackedRecord), cache(types.FunctionType)
+_hints_of, _function_type = cache(get_type_hints), cache(types.FunctionType)
+# Types of records, by the identities of their fields' types, each of which is made once; comparing types takes long.
+_packed_types: dict[tuple, PackedRecord] = {}
+
+
+def _packed_type(record: type, fields: tuple[types.Type, ...]) -> PackedRecord:
+    key = record, *map(id, fields)
+    return _packed_types.get(key) or _packed_types.setdefault(key, PackedRecord(record, fields))
 
 
 def _pack(value: object, words: list[int], hint: object = None) -> types.Type:

@@ -309,7 +309,7 @@ class RegimeMotion:
         results_of = partial(self._of_run, variants)
         answers.values.update(results_of(outcome) | self._at_end(outcome, after))
         if outcome.changed is not None and longer == 1.0:
-            answers.missed.update(spread_errors(outcome, outcome.changed, results_of))
+            answers.missed.update(spread_errors(outcome, outcome.changed, results_of, self.asks))
         # The work residual is relative to the works, and rounds as they do.
         answers.scales.update(end_reached=np.zeros(variants.count), work_residual=np.ones(variants.count))
         low, high = self.reduction.range_of(variants.numbers, variants.count)
@@ -398,7 +398,7 @@ class RegimeMotion:
             return self._of_steady(variants, steady)
 
         if off is not None and longer == 1.0:
-            missed |= spread_errors(steady, off, results_of)
+            missed |= spread_errors(steady, off, results_of, self.asks)
         if off is not None and longer > 1.0:
             steady = steady.shifted(off)
         found |= results_of(steady)

@@ -111,7 +111,11 @@ class Schedule(AskedRegimes):
         driven = {off: dynamics.driven(variants) for off, dynamics in self.dynamics.items()}
         # Infinite or NaN numbers cause a verdict, not a warning.
         with np.errstate(all="ignore"):
-            (fine, regimes), (coarse, others) = (self._go(driven, longer) for longer in WALKS[:2])
+            fine, regimes = self._go(driven, WALKS[0])
+            # The errors of a single steady motion may all be known by propagation.
+            propagated = len(regimes) == 1 and regimes[0].known is True
+            propagated &= {*fine.values, *fine.rows} <= fine.missed.keys()
+            coarse, others = (fine, regimes) if propagated else self._go(driven, WALKS[1])
             verdict, other_verdict = (each[-1].standing.verdict for each in (regimes, others))
             # A verdict with coarser steps only is due to the method, not to the machine.
             whole, rough, compared = other_verdict == Verdict.OK, np.zeros(count, bool), [coarse.values | coarse.rows]

@@ -14,7 +14,10 @@ SKIPPED = ("verdict", "record", "steep")
 
 
 def spread_errors(
-    motion: Motion, errors: Changed | Steady, results_of: Callable[[Motion], dict[str, np.ndarray]]
+    motion: Motion,
+    errors: Changed | Steady,
+    results_of: Callable[[Motion], dict[str, np.ndarray]],
+    asks: Callable[[str], bool],
 ) -> dict[str, np.ndarray]:
     """Error estimates of results: the sum of the changes due to the error of each of a motion's own numbers.
 
@@ -25,14 +28,18 @@ def spread_errors(
         Error estimates of its numbers; works have one row each.
     results_of : callable
         Computes the results of a motion.
+    asks : callable
+        Whether a result is requested.
     """
-    known, nothing = results_of(motion), type(errors)(*(np.zeros_like(x) for x in errors))
+    nothing = type(errors)(*(np.zeros_like(x) for x in errors))
+    known = {name: value for name, value in results_of(motion).items() if asks(name)}
     off = {name: np.zeros_like(value) for name, value in known.items()}
     for name in errors._fields:
         rows = getattr(errors, name)
         for i in np.ndindex(rows.shape[:-1]) if name not in SKIPPED else ():
             alone = np.zeros_like(rows)
             alone[i] = rows[i]
-            for result, value in results_of(motion.shifted(nothing._replace(**{name: alone}))).items():
-                off[result] += np.abs(value - known[result])
+            changed = results_of(motion.shifted(nothing._replace(**{name: alone})))
+            for result, value in known.items():
+                off[result] += np.abs(changed[result] - value)
     return off
