@@ -26,12 +26,24 @@ from engine.stepping.steps.step_errors import (
     ROUNDED,
     SAFETY,
     carry_errors,
+    energy_beside,
     is_rounding,
     is_short,
     judge_steps,
     shorten,
 )
-from engine.stepping.steps.step_guards import fires, is_crossed, missed_top, narrow, next_root, switch, switches
+from engine.stepping.steps.step_guards import (
+    fires,
+    hides_top,
+    is_crossed,
+    missed_top,
+    narrow,
+    next_root,
+    settles,
+    steepness,
+    switch,
+    switches,
+)
 from engine.stepping.steps.step_lanes import (
     EDGE,
     FIRST,
@@ -170,6 +182,8 @@ def decide_steps(task: WalkTask, room: Room) -> bool:
         if own.length[lane] > 0.0:
             if not own.missed[lane] <= 1.0 and not is_rounding(lane, room):
                 shorten(lane, task, room)
+            elif hides_top(lane, task, room):
+                own.pace[lane] = SAFETY / steepness(lane, room)
             elif (own.fired[lane] == 0.0 and own.trials[lane] == 0.0) or narrow(lane, task, room):
                 own.taken[lane], took = 1.0, True
     return took
@@ -187,7 +201,8 @@ def advance(task: WalkTask, room: Room) -> None:
             begin[q, lane] = after[q, lane] if own.taken[lane] > 0.0 else begin[q, lane]
     for lane in range(LANES):
         speed, took = watched[row, lane], own.taken[lane] > 0.0
-        off = 0.5 * speed * carried_errors[0, lane] / begin[0, lane] if task.carries else math.nan
+        off = carried_errors[0, lane] + energy_beside(lane, task, room)
+        off = 0.5 * speed * off / begin[0, lane] if task.carries else math.nan
         off += own.top_off[lane]
         slower, faster = took and speed < own.slowest[lane], took and speed > own.fastest[lane]
         own.slowest[lane] = speed if slower else own.slowest[lane]
@@ -219,10 +234,15 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
                     own.ended[lane] = float(g)
     for lane in range(LANES):
         own.top_off[lane] = missed_top(lane, task, room)
+        rise = settles(lane, task, room) if own.fired[lane] > 0.0 else 0.0
+        own.settled[lane] = watched[SPEED, lane] + rise if rise != 0.0 else math.nan
     advance(task, room)
     for lane in range(LANES):
         if own.taken[lane] == 0.0:
             continue
+        above, below = own.settled[lane] - own.fastest[lane], own.slowest[lane] - own.settled[lane]
+        own.fast_off[lane] = above if above > own.fast_off[lane] else own.fast_off[lane]
+        own.slow_off[lane] = below if below > own.slow_off[lane] else own.slow_off[lane]
         at, edge = own.at[lane] + own.length[lane], edge_ahead(lane, room)
         if task.along_time:
             at_edge = own.ended[lane] == EDGE

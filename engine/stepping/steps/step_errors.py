@@ -138,6 +138,18 @@ def shorten(lane: int, task: WalkTask, room: Room) -> None:
         own.why[lane] = STEEP if fades > steepest and task.solved > 0 else LOST
 
 
+@inlined
+def energy_beside(lane: int, task: WalkTask, room: Room) -> float:
+    """Change of ½Iω² at this speed from an edge at the end of a step to where its inertia is evaluated.
+
+    Of steps along the angle.
+
+    ½ω²·dI/dφ is the rate of the energy less I ω dω/dφ.
+    """
+    rate = in_lanes(room.rates)[(task.stages - 1) * task.width, lane]
+    return room.lane.ahead[lane] * abs(rate - in_lanes(room.watched)[task.watched + SLOPE, lane])
+
+
 @routine
 def carry_errors(task: WalkTask, room: Room) -> None:
     """Propagate the error estimates of the energy and the integrals over the step, and add those of the step.
@@ -162,6 +174,9 @@ def carry_errors(task: WalkTask, room: Room) -> None:
             errors[q, lane] = abs(errors[q, lane]) + behind + ahead
     most, rounded = (-3.0, 4.0 * FOUND_TO) if task.implicit else (-1.0, 0.25 * EPS)
     for lane in range(LANES):
+        # A steep motor holds the speed that the energy and the inertia of this place beside the edge have.
+        fades = abs(own.length[lane] * watched[end + STEEPNESS, lane])
+        errors[0, lane] += energy_beside(lane, task, room) * (fades if fades < 1.0 else 1.0)
         grows = 0.5 * own.length[lane] * (watched[STEEPNESS, lane] + watched[end + STEEPNESS, lane])
         # A step damps an error no more than its method does.
         grows = grows if grows > most else most

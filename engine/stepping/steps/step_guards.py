@@ -122,8 +122,36 @@ def fires(rises: bool, task: WalkTask, room: Room) -> None:
             crossed = passes_zero(watched[row, lane], watched[task.watched + row, lane], task)
             own.fired[lane] = 1.0 if crossed else own.fired[lane]
     for lane in range(LANES if rises else 0):
-        if is_crossed(RISE, lane, task, room) and (own.trials[lane] > 0.0 or may_exceed(lane, task, room)):
+        leaves, comes = guard(RISE, lane, 0, task, room), guard(RISE, lane, 1, task, room)
+        if task.implicit:
+            # The sign of a steep machine's slope is that of an error within the tolerance.
+            off = own.missed[lane] * own.tolerance[lane] * watched[task.watched + SPEED, lane]
+            off *= 1.0 if task.along_time else 0.5 * own.work[lane] / room.after[0, lane]
+            comes -= steepness(lane, room) * off
+        if passes_zero(leaves, comes, task) and (own.trials[lane] > 0.0 or may_exceed(lane, task, room)):
             own.fired[lane] = 1.0
+
+
+@inlined
+def steepness(lane: int, room: Room) -> float:
+    """Magnitude of ∂f/∂y at the start of a step, the inverse of the length in which the speed settles."""
+    return abs(in_lanes(room.watched)[STEEPNESS, lane])
+
+
+@inlined
+def settles(lane: int, task: WalkTask, room: Room) -> float:
+    """Change of the speed while it settles within an implicit step, unresolved by its stages; 0 if it doesn't."""
+    steep = steepness(lane, room)
+    within = task.implicit and steep * room.lane.length[lane] > 1.0
+    return speed_slope(lane, 0, task, room) / steep if within else 0.0
+
+
+@inlined
+def hides_top(lane: int, task: WalkTask, room: Room) -> bool:
+    """Whether a step with an extreme of the speed is too long to find it: the speed settles within."""
+    own, rise = room.lane, abs(settles(lane, task, room))
+    hides = task.extremes and own.fired[lane] > 0.0 and own.trials[lane] == 0.0
+    return hides and rise > own.tolerance[lane] * in_lanes(room.watched)[SPEED, lane]
 
 
 @inlined

@@ -83,6 +83,8 @@ class Lane(NamedTuple):
         Number of the guard that ends the step; −1: none.
     top_off : row
         Speed by which a step that ends at an extreme of the speed misses it.
+    settled : row
+        Speed that may be reached within an implicit step with an extreme, unresolved; else NaN.
     refused : row
         Error estimate, relative to the tolerance, of the last rejected step; infinite if none since an accepted step.
     """
@@ -136,6 +138,7 @@ class Lane(NamedTuple):
     carried_error: Row
     ended: Row
     top_off: Row
+    settled: Row
     refused: Row
 
 

@@ -153,3 +153,39 @@ def test_load_that_jumps_on_a_steep_motor__slows_it_down_to_their_balance():
     period = 3.0 / slow + (2.0 * math.pi - 3.0) / light
     assert found["go.time"] == pytest.approx(turns * period, rel=0, abs=turns * 4e-9 + found.figure("go.time"))
     assert found.figure("go.speed_min") < 1e-3 * slow
+
+
+def test_kink_of_a_load_on_a_steep_motor__is_followed_to_the_extremes_behind_it():
+    inertia, light, most, fall = 0.1, 12.5, 1e3, 0.01
+    kinks = {"over_angle": [1.0, 2.0, 5.0, 6.0], "moment": [0.0, most, (1.0 - fall) * most, 0.0]}
+    scene = {
+        "points": {"O": {"x": 0, "y": 0}},
+        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.1, "speed": light},
+        "bodies": {"rotor": {"link": "crank", "mass": 1.0, "inertia": inertia}},
+        "moments": {
+            "dc": {"type": "dc_motor", "on": "crank", "stall_moment": 1e6, "no_load_speed": light},
+            "load": {"type": "table", "on": "crank", "interpolation": "linear", **kinks},
+        },
+        "regimes": {"on": {"type": "steady"}},
+    }
+    stalls = np.array([3e4, 1e5, 3e5, 1e6, 3e6, 1e7])
+    for accuracy in (None, 1e-6):
+        varied = {"moments.dc.stall_moment": stalls}
+        found = ask(scene, "on.speed_max", varied=varied, accuracy=accuracy)
+        for i, stall in enumerate(stalls):
+            # I ω dω/dφ = M₀ (1 − ω/ω₀) + M(φ) holds the speed to its balance within I ω₀²/M₀ radians.
+            layer = inertia * light**2 / stall
+
+            def rate(x: float, omega: np.ndarray, stall: float = stall) -> np.ndarray:
+                load = most * (1.0 + x if x < 0.0 else 1.0 - fall * x / 3.0)
+                return (stall * (1.0 - omega / light) + load) / (inertia * omega)
+
+            before = [light * (1.0 + most * (1.0 - 40.0 * layer) / stall)]
+            at_kink = solve_ivp(rate, (-40.0 * layer, 0.0), before, "DOP853", rtol=1e-13, atol=1e-13).y[0, -1:]
+            behind = solve_ivp(
+                rate, (0.0, 20.0 * layer), at_kink, "DOP853", rtol=1e-13, atol=1e-13, max_step=0.005 * layer
+            )
+            top, error = behind.y[0].max(), found.errors["on.speed_max"][i]
+            assert abs(found.values["on.speed_max"][i] - top) <= error + 1e-12 * top
+            # The tolerance of steps is relative to the load's work, a thousand times the energy here.
+            assert error <= 1e-6 * top
