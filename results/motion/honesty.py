@@ -1,4 +1,4 @@
-"""How honest the error figures of motion are: random machines with induction motors against 80 bits.
+"""How honest the error estimates of motion are: random machines with induction motors against 80 bits.
 
     python results/motion/honesty.py --machines 1000 --seed 1
 
@@ -79,7 +79,9 @@ def measure(count: int, seed: int, kept: Path) -> list[dict]:
             continue
         if name not in found:
             varied, scene = driven(every[name], seed), with_motor(every[name])
-            found[name] = scene, varied, Machine(scene, ASKED, (), list(varied)).evaluate(varied)
+            along = Machine(scene, (), ["even.speed"], list(varied), positions=16).evaluate(varied)
+            outcome = Machine(scene, ASKED, (), list(varied)).evaluate(varied)
+            found[name] = scene, varied, outcome, along.fields["even.speed"][:, 0]
         row = {"kind": name, "machine": k, **against(*found[name], k)}
         with kept.open("a", encoding="utf8") as file:
             file.write(json.dumps(row) + "\n")
@@ -87,10 +89,11 @@ def measure(count: int, seed: int, kept: Path) -> list[dict]:
     return known
 
 
-def against(scene: Scene, varied: Varied, outcome: object, k: int) -> dict:
+def against(scene: Scene, varied: Varied, outcome: object, begins: np.ndarray, k: int) -> dict:
     """One machine: its status, and by name true value, error and figure.
 
-    The latter are shares of the value, of the multiplier as they are.
+    The latter are shares of the value, of the multiplier as they are. A machine may repeat itself in two motions: the
+    reference is the one that begins at the speed of `begins`.
     """
     status = Verdict(outcome.status[k])
     if status != Verdict.OK:
@@ -100,8 +103,7 @@ def against(scene: Scene, varied: Varied, outcome: object, k: int) -> dict:
     machine = UnderMotor(Path80(scene, own), own["flywheel.inertia"], *motor)
     try:
         true = {f"go.{key}": value for key, value in machine.run(own["regimes.go.from_speed"], CYCLES).items()}
-        mean = outcome.summaries["even.mean_speed"][k]
-        true |= {f"even.{key}": value for key, value in machine.steady(mean).items()}
+        true |= {f"even.{key}": value for key, value in machine.steady(begins[k]).items()}
     except ArithmeticError:
         return {"status": "no reference"}
     if true["even.multiplier"] > 1:
@@ -120,7 +122,7 @@ def table(rows: list[dict]) -> list[str]:
     """Lines of the table: how many figures cover, how much too great, how great, of each answer."""
     sound = [row["values"] for row in rows if row["status"] == "OK"]
     lines = [
-        "| answer | figures that cover, % | figure / error, median | would cover at a median of 10, % | figure, median "
+        "| answer | estimates that cover, % | estimate / error, median | would cover at a median of 10, % | estimate, median "
         "| greatest | farthest beyond |",
         "|---|---|---|---|---|---|---|",
     ]
@@ -137,7 +139,7 @@ def table(rows: list[dict]) -> list[str]:
 
 def by_kind(rows: list[dict]) -> list[str]:
     """Lines of the table: how many figures of all answers cover, by kind of machine."""
-    lines = ["| kind | machines | figures that cover, % | figures as great as their values |", "|---|---|---|---|"]
+    lines = ["| kind | machines | estimates that cover, % | estimates as great as their values |", "|---|---|---|---|"]
     for kind in KINDS:
         sound = [row["values"] for row in rows if row["kind"] == kind and row["status"] == "OK"]
         _, error, figure = np.array([[values[name] for name in ASKED] for values in sound]).reshape(-1, 3).T
@@ -146,14 +148,13 @@ def by_kind(rows: list[dict]) -> list[str]:
     return lines
 
 
-TEXT = """# How honest the error figures of motion are
+TEXT = """# How honest the error estimates of motion are
 
 {count} random machines of {kinds} kinds with induction motors of breakdown slips from 0.5 to 20 %, on wheels from none
 to heavy, with loads that set in and jump anywhere: {cycles} cycles from {share} of the synchronous speed (`go`), and
 the motion that repeats itself (`even`), against collocation in 80 bits (`settled_path.py`). {statuses}.
-The last column says how far the worst error is beyond its figure; below 1 it is within. A figure is the change from
-less sure steps, and this change is more than a hundred times the error as a rule, but now and then hardly as much:
-figures made smaller, to ten times the error in the median, would cover what the third of these columns says. Made by
+The last column says how far the worst error is beyond its estimate; below 1 it is within. Smaller estimates, of ten
+times the error in the median, would cover what the third of these columns says. Made by
 `python results/motion/honesty.py --machines {count} --seed {seed}`.
 
 {table}
