@@ -122,8 +122,8 @@ def table(rows: list[dict]) -> list[str]:
     """Lines of the table: how many figures cover, how much too great, how great, of each answer."""
     sound = [row["values"] for row in rows if row["status"] == "OK"]
     lines = [
-        "| answer | estimates that cover, % | estimate / error, median | would cover at a median of 10, % | estimate, median "
-        "| greatest | farthest beyond |",
+        "| answer | estimates that cover, % | estimate / error, median | would cover at a median of 10, % "
+        "| estimate, median | greatest | farthest beyond |",
         "|---|---|---|---|---|---|---|",
     ]
     for name in ASKED:
