@@ -147,6 +147,27 @@ def settles(lane: int, task: WalkTask, room: Room) -> float:
 
 
 @inlined
+def hides_two(lane: int, task: WalkTask, room: Room) -> bool:
+    """Whether the speed may have two extremes in a step between slopes of one sign, beyond the extremes so far.
+
+    Source: Hermite's cubic through its values and slopes, whose slope is a quadratic.
+    """
+    own, watched, length = room.lane, in_lanes(room.watched), room.lane.length[lane]
+    near, far = watched[SPEED, lane], watched[task.watched + SPEED, lane]
+    a, b = speed_slope(lane, 0, task, room) * length, speed_slope(lane, 1, task, room) * length
+    linear, squared = 6.0 * (far - near) - 4.0 * a - 2.0 * b, 3.0 * (a + b) - 6.0 * (far - near)
+    under = linear * linear - 4.0 * squared * a
+    if not (a * b > 0.0 and a * squared > 0.0 and under > 0.0 and 0.0 < -linear / (2.0 * squared) < 1.0):
+        return False
+    hides, off = False, ROUNDED * near
+    for sign in range(-1, 2, 2):
+        x = 0.5 * (sign * math.sqrt(under) - linear) / squared
+        top = near + x * (a + x * (0.5 * linear + x * squared / 3.0))
+        hides |= top > max(own.fastest[lane], far) + off or top < min(own.slowest[lane], far) - off
+    return hides
+
+
+@inlined
 def hides_top(lane: int, task: WalkTask, room: Room) -> bool:
     """Whether a step with an extreme of the speed is too long to find it: the speed settles within."""
     own, rise = room.lane, abs(settles(lane, task, room))
