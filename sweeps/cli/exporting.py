@@ -5,13 +5,13 @@ from pathlib import Path
 import click
 
 from sweeps.cli import shared
-from sweeps.cli.shared import write_text
+from sweeps.cli.shared import main, write_text
 from sweeps.cli.waiting import doing
 
 TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
 
 
-@click.command()
+@main.command()
 @click.argument("file")
 @click.option(
     "--to",

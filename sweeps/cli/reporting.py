@@ -6,7 +6,7 @@ from threading import Thread
 
 import click
 
-from sweeps.cli.shared import ERRORS, foreseen_errors, make_folder, tell, tell_altered
+from sweeps.cli.shared import ERRORS, foreseen_errors, main, make_folder, tell, tell_altered
 from sweeps.cli.waiting import doing
 from sweeps.text.interruption import keeping
 
@@ -14,7 +14,7 @@ from sweeps.text.interruption import keeping
 LOOK = 0.05
 
 
-@click.command()
+@main.command()
 @click.argument("file")
 @click.option("--out", type=click.Path(path_type=Path), help="Page to write; default: FILE with .html.")
 @ERRORS
@@ -48,7 +48,7 @@ def report(file: str, out: Path | None) -> None:
     tell(f"Wrote {out}")
 
 
-@click.command()
+@main.command()
 @click.argument("file")
 def watch(file: str) -> None:
     """Show the machine of a scene or study in a browser, and again whenever the file is saved.

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 import click
 
 from sweeps.cli import shared
+from sweeps.cli.shared import main
 from sweeps.text.interruption import keeping
 
 if TYPE_CHECKING:
     from sweeps.report.sweep_result import SweepResult
 
 
-@click.command()
+@main.command()
 @click.argument("study")
 @click.option("--out", type=click.Path(path_type=Path), default=Path("results"), help="Result file to plan for.")
 @click.option("--source", is_flag=True, help="Print the generated kernel instead.")
@@ -56,7 +57,7 @@ def _tell_made(asked: shared.Options, result: "SweepResult", study: Path, begun:
     shared.tell_outdated(result.path, made)
 
 
-@click.command()
+@main.command()
 @click.argument("study")
 @shared.run_options("results/NAME.h5")
 @shared.study_options
@@ -113,7 +114,7 @@ def run(asked: shared.Options) -> None:
     shared.stop_without_answer(result)
 
 
-@click.command()
+@main.command()
 @click.argument("study")
 @shared.run_options("results/NAME_optimised.h5")
 @shared.ALL

@@ -68,6 +68,22 @@ class Commands(click.Group):
             fail(str(error), _code_of(error))
 
 
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="machine-sweeps", prog_name="sweeps", help="Version.")
+def main() -> None:
+    """Evaluate planar machines over many design variants: kinematics, reduced inertia and torque, flywheels.
+
+    Start with `sweeps list`, then `sweeps run crank_press`; `sweeps new slider_crank` writes a scene of your own.
+
+    \b
+    The Tab key completes commands and options after this line in the shell's start-up file:
+      ~/.bashrc                   eval "$(_SWEEPS_COMPLETE=bash_source sweeps)"
+      ~/.zshrc                    eval "$(_SWEEPS_COMPLETE=zsh_source sweeps)"
+      ~/.config/fish/config.fish  _SWEEPS_COMPLETE=fish_source sweeps | source
+    Editors complete scenes and studies after `sweeps schema`.
+    """  # noqa: D301
+
+
 def joints_by_letter(command: Command) -> Command:
     """Let the names asked of a FILE name the force in a joint by its letter, `A.reaction.peak`."""
 
@@ -235,15 +251,6 @@ def stop_without_answer(result: "SweepResult") -> None:
     works = result.verdict_counts().get(Verdict.OK, 0)
     if not works or (result.aim is not None and result.description.variants > 1 and result.best(result.aim) is None):
         sys.exit(NO_ANSWER)
-
-
-def tell_version(context: click.Context, _: click.Parameter, asked: bool) -> None:
-    """Print the version and exit."""
-    if asked:
-        from sweeps.text.versions import own_version
-
-        tell(f"sweeps, version {own_version()}")
-        context.exit()
 
 
 def tell_aside(sentence: str) -> None:

@@ -6,11 +6,11 @@ from pathlib import Path
 import click
 
 from sweeps.cli import shared
-from sweeps.cli.shared import POSITIONS
+from sweeps.cli.shared import POSITIONS, main
 from sweeps.cli.waiting import doing
 
 
-@click.command()
+@main.command()
 @click.argument("file", type=click.Path(path_type=Path))
 @shared.WHERE
 @click.option("--sort", help="Column to sort by.")
@@ -101,7 +101,7 @@ def _show_at(asked: shared.Options) -> None:
     shared.tell(readings_text(readings))
 
 
-@click.command()
+@main.command()
 @click.argument("file")
 @click.option("--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf); default: next to FILE.")
 @click.option("--variant", type=shared.WholeNumber(0), help="Variant of a result file to use.")
@@ -192,7 +192,7 @@ def plot(asked: shared.Options) -> None:
     shared.tell("\n".join(f"Wrote {path}" for path in dict.fromkeys(made)))
 
 
-@click.command()
+@main.command()
 @click.argument("file", required=False)
 @click.option("--out", type=click.Path(path_type=Path), help="Also draw the orders to this file (.png, .svg, .pdf).")
 @click.option("--variant", type=shared.WholeNumber(0), help="Variant of a result file to use.")
@@ -216,7 +216,7 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
         shared.tell(f"Wrote {out}")
 
 
-@click.command()
+@main.command()
 @click.argument("file")
 @click.option("--out", type=click.Path(path_type=Path), help="GIF file; default: NAME.gif.")
 @click.option("--variant", type=shared.WholeNumber(0), help="Variant of a result file to use.")

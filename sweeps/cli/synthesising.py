@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import tell, with_options, write_text
+from sweeps.cli.shared import main, tell, with_options, write_text
 from sweeps.cli.waiting import doing
 
 _RATIO = click.option(
@@ -20,7 +20,7 @@ _common = with_options(
 )
 
 
-@click.group()
+@main.group()
 def synthesise() -> None:
     """Synthesise a mechanism from its requirements and write its scene."""
 
