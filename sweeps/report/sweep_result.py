@@ -76,10 +76,11 @@ class SweepResult:
         """All columns, mapped from the file; use `parts` for many variants."""
         return self._mapped.columns
 
-    def parts(self) -> Iterator[slice]:
-        """Consecutive slices of variants; the memory of each is released after use."""
-        for start in range(0, self.description.variants, VARIANTS_AT_A_TIME):
-            yield slice(start, min(start + VARIANTS_AT_A_TIME, self.description.variants))
+    def parts(self, size: int | None = None) -> Iterator[slice]:
+        """Consecutive slices of variants, of a size; the memory of each is released after use."""
+        size = size or VARIANTS_AT_A_TIME
+        for start in range(0, self.description.variants, size):
+            yield slice(start, min(start + size, self.description.variants))
             self._mapped.release()
 
     def release(self) -> None:

@@ -6,6 +6,7 @@ from .layout import NOT_COMPUTED, POSITION_NAMES, Column, FieldAxis, FileLayout
 from .reading import (
     Description,
     MappedResult,
+    VariantIndex,
     damage_text,
     describe_result,
     mapped_columns,
