@@ -38,7 +38,7 @@ class Sensitivity:
 
     def __init__(self, study: StudyContent) -> None:
         self.study = study
-        self.tolerances, _ = read_tolerances(study.scene, study.tolerances)
+        self.tolerances = read_tolerances(study.scene, study.tolerances)
         left_out = (*engine.PLACE_STATISTICS, *engine.ACCURACY_SUMMARIES)
         smooth = [n for n in study.summaries if not n.endswith(left_out) and not engine.is_warning(n)]
         self._summaries = smooth if self.tolerances else []
@@ -201,13 +201,3 @@ class Sensitivity:
 
 def _table(rows: Iterable[np.ndarray]) -> np.ndarray:
     return np.stack(list(rows))
-
-
-def refusals(study: StudyContent) -> list[tuple[str, str]]:
-    """Key and message of all problems with a study's derivatives and tolerances."""
-    found = [(f"tolerances.{path}", message) for path, message in read_tolerances(study.scene, study.tolerances)[1]]
-    try:
-        Sensitivity(study)
-    except engine.AskError as error:
-        found.append(("outputs.derivatives", str(error)))
-    return found

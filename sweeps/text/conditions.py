@@ -39,6 +39,20 @@ def all_of(where: Where) -> str:
     return " and ".join(f"({text})" if re.search(r"\bor\b", text) else text for text in texts)
 
 
+def numeric_expression(text: str) -> engine.TextExpression:
+    """Parse an expression of a number.
+
+    Raises
+    ------
+    ExpressionError
+        Not an expression, or a condition.
+    """
+    expression = engine.parse_expression(text, engine.any_quantity)
+    if expression.is_condition:
+        raise engine.ExpressionError(f"{text!r} is a condition; a number is needed here")
+    return expression
+
+
 class Judgement(NamedTuple):
     """Whether each variant meets a condition, and whether other values within the estimates would change that."""
 

@@ -2,13 +2,14 @@
 
 import re
 import tomllib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from engine import SceneError, comma_advice, wrong_input
+from engine import MOST_PROBLEMS, SceneError, comma_advice, wrong_input
 from sweeps.text.input_files import InputError
 
 # Maximum line length for diagnosis, and maximum parts of a key.
@@ -151,7 +152,51 @@ def problems_in(
     return [(line_of(text, [*prefix, *key.split(".")]), key, message) for key, message in problems]
 
 
-def line_of(text: str, keys: list[str | int]) -> int | None:
+class Problems:
+    """Problems of a text, with the lines of their keys.
+
+    Parameters
+    ----------
+    source : str
+        Name of the text's file.
+    text : str
+    """
+
+    def __init__(self, source: str, text: str) -> None:
+        self.source, self.text = source, text
+        self.found: list[tuple[int | None, str, str]] = []
+
+    def add(self, keys: Sequence[str], message: str, entry: str = "") -> None:
+        """Note a problem of a key, or of an entry of its list.
+
+        Raises
+        ------
+        InputError
+            There are many.
+        """
+        place = keys if line_of(self.text, keys) else keys[:1]
+        line = line_of_entry(self.text, place, entry) if entry else line_of(self.text, place)
+        self.found.append((line, ".".join(keys), message))
+        if len(self.found) >= MOST_PROBLEMS:
+            self.refuse()
+
+    @contextmanager
+    def noted(
+        self, errors: type[Exception] | tuple[type[Exception], ...], keys: Sequence[str], entry: str = ""
+    ) -> Iterator[None]:
+        """Note an error that ends the block as a problem of a key."""
+        try:
+            yield
+        except errors as error:
+            self.add(keys, str(error), entry)
+
+    def refuse(self) -> None:
+        """Raise an `InputError` with the problems, if there are any."""
+        if self.found:
+            raise InputError(self.source, self.found)
+
+
+def line_of(text: str, keys: Sequence[str | int]) -> int | None:
     """Line of a key, or of its nearest enclosing table or key."""
     names = tuple(part for k in keys if not isinstance(k, int) for part in str(k).split("."))
     at, within = _lines_of(text)
@@ -160,7 +205,7 @@ def line_of(text: str, keys: list[str | int]) -> int | None:
     return next((at[names[:depth]] for depth in range(len(names), 0, -1) if names[:depth] in at), None)
 
 
-def line_of_entry(text: str, keys: list[str | int], entry: str) -> int | None:
+def line_of_entry(text: str, keys: Sequence[str | int], entry: str) -> int | None:
     """Line of an entry of a key's list, or of the key."""
     start = line_of(text, keys)
     lines = (number for number, line in enumerate(text.splitlines(), 1) if number >= (start or 1) and entry in line)
