@@ -7,6 +7,7 @@ import click
 from sweeps.cli import shared
 from sweeps.cli.shared import main, write_text
 from sweeps.cli.waiting import doing
+from sweeps.text.input_files import InputError
 
 TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
 
@@ -50,7 +51,6 @@ def export(asked: shared.Options) -> None:
     from sweeps.report.files.data_files import write_table
     from sweeps.report.readings import readings_at
     from sweeps.text.edited_text import edited_scene
-    from sweeps.text.input_files import InputError
     from sweeps.text.scene_text import with_values
 
     if asked.to.suffix not in (*TABLES, *DRAWINGS, ".toml"):

@@ -1,6 +1,8 @@
 """Commands that compute: check, run, optimise."""
 
 import time
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -8,10 +10,12 @@ import click
 
 from sweeps.cli import shared
 from sweeps.cli.shared import main
+from sweeps.study.bundled import find_study
 from sweeps.text.interruption import keeping
 
 if TYPE_CHECKING:
     from sweeps.report.sweep_result import SweepResult
+    from sweeps.run.progress import ProgressBar
 
 
 @main.command()
@@ -26,7 +30,6 @@ if TYPE_CHECKING:
 def check(asked: shared.Options) -> None:
     """Show what a study or scene will compute, what is skipped and why, and the time, memory and file size."""
     from sweeps.report.check_report import check_text
-    from sweeps.study.bundled import find_study
     from sweeps.study.settings import changed_study
     from sweeps.study.study_reader import read_study
 
@@ -43,15 +46,28 @@ def _made(asked: shared.Options, result: "SweepResult", study: Path) -> list[Pat
     return [result.path, *([] if asked.no_plots else shared.plots_of(result, study))]
 
 
-def _tell_answer(result: "SweepResult", *sentences: str) -> None:
-    """Print sentences on a result, and its warnings."""
-    for sentence in sentences:
+def _compute(asked: shared.Options, bar: "ProgressBar", compute: Callable[..., Path]) -> None:
+    """Compute a result file with progress, on the command's threads or cluster."""
+    shared.make_folder(asked.out)
+    shared.use_threads(asked.jobs)
+    with shared.cluster_client(asked.cluster, asked.jobs) as client:
+
+        def update(done: int, before: int, words: str = "") -> None:
+            bar.update(done, before, ", ".join(filter(None, (words, shared.workers_text(client)))))
+
+        compute(asked.out, asked.restart, update, asked.replace, shared.tell_aside, client)
+    bar.close()
+
+
+def _tell(
+    asked: shared.Options, result: "SweepResult", study: Path, begun: float, answer: Sequence[str], remark: str = ""
+) -> None:
+    """Print the answer of a result, its warnings, and the files made by a computation that began at `begun`."""
+    for sentence in answer:
         shared.tell(sentence)
     shared.tell_warnings(result)
-
-
-def _tell_made(asked: shared.Options, result: "SweepResult", study: Path, begun: float) -> None:
-    """Print the files made by a computation that began at `begun`."""
+    if remark:
+        shared.tell(remark)
     made = _made(asked, result, study)
     shared.tell_files(made, begun)
     shared.tell_outdated(result.path, made)
@@ -80,26 +96,16 @@ def run(asked: shared.Options) -> None:
     from sweeps.run.progress import ProgressBar
     from sweeps.run.runner import run_study
     from sweeps.store import variants_kept
-    from sweeps.study.bundled import find_study
     from sweeps.study.settings import changed_study
     from sweeps.study.study_reader import read_study
 
     begun, file = time.perf_counter(), find_study(asked.study)
     found = changed_study(read_study(file), asked.settings, asked.positions, asked.accuracy)
-    out = asked.out or Path("results") / f"{found.name}.h5"
-    shared.make_folder(out)
-    shared.use_threads(asked.jobs)
-    count = found.design.size
-    bar = ProgressBar(count, asked.quiet, kept=0 if asked.restart else variants_kept(out))
+    asked.out, count = asked.out or Path("results") / f"{found.name}.h5", found.design.size
+    bar = ProgressBar(count, asked.quiet, kept=0 if asked.restart else variants_kept(asked.out))
     with keeping(bar.kept_text):
-        with shared.cluster_client(asked.cluster, asked.jobs) as client:
-
-            def update(done: int, before: int) -> None:
-                bar.update(done, before, shared.workers_text(client))
-
-            run_study(found, out, asked.restart, update, asked.replace, shared.tell_aside, client)
-        bar.close()
-        result = SweepResult(out, found)
+        _compute(asked, bar, partial(run_study, found))
+        result = SweepResult(asked.out, found)
         if asked.as_json:
             best = result.best()
             told = [best] if best is not None else range(min(count, 1))
@@ -107,10 +113,8 @@ def run(asked: shared.Options) -> None:
             shared.tell_data(result_data(result, told) | {"warnings": shared.warnings_of(result), "files": files})
         else:
             head = f"{found.title or found.name}: {count} variant{'' if count == 1 else 's'}"
-            _tell_answer(result, head, counts_text(result), answer_text(result, asked.every))
-            if remark := between_positions_text(found):
-                shared.tell(remark)
-            _tell_made(asked, result, file, begun)
+            answer = head, counts_text(result), answer_text(result, asked.every)
+            _tell(asked, result, file, begun, answer, between_positions_text(found))
     shared.stop_without_answer(result)
 
 
@@ -130,26 +134,16 @@ def optimise(asked: shared.Options) -> None:
     from sweeps.report.result_report import counts_text
     from sweeps.report.sweep_result import SweepResult
     from sweeps.run.progress import ProgressBar
-    from sweeps.study.bundled import find_study
     from sweeps.study.search_task import task_of
     from sweeps.study.study_reader import read_study
 
     begun, file = time.perf_counter(), find_study(asked.study)
     found = read_study(file)
-    out = asked.out or Path("results") / f"{found.name}_optimised.h5"
-    shared.make_folder(out)
-    shared.use_threads(asked.jobs)
+    asked.out = asked.out or Path("results") / f"{found.name}_optimised.h5"
     bar = ProgressBar(task_of(found).generations, asked.quiet, "generations")
     with keeping(bar.kept_text):
-        with shared.cluster_client(asked.cluster, asked.jobs) as client:
-
-            def update(done: int, before: int, words: str) -> None:
-                bar.update(done, before, ", ".join(filter(None, (words, shared.workers_text(client)))))
-
-            optimise_study(found, out, asked.restart, update, asked.replace, shared.tell_aside, client)
-        bar.close()
-        result = SweepResult(out)
+        _compute(asked, bar, partial(optimise_study, found))
+        result = SweepResult(asked.out)
         head = f"{found.title or found.name}: {result.description.variants} candidates"
-        _tell_answer(result, head, counts_text(result), optimum_text(result, asked.every))
-        _tell_made(asked, result, file, begun)
+        _tell(asked, result, file, begun, (head, counts_text(result), optimum_text(result, asked.every)))
     shared.stop_without_answer(result)

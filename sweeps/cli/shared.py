@@ -14,7 +14,9 @@ from typing import TYPE_CHECKING
 import click
 
 from sweeps.cli.waiting import clear_the_line, doing, waiting_told
+from sweeps.text.input_files import InputError
 from sweeps.text.visible import visible
+from sweeps.text.whole_files import write_whole_text
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -126,7 +128,6 @@ def foreseen_errors() -> tuple[type[Exception], ...]:
     from sweeps.run.cluster.cluster_errors import ClusterError
     from sweeps.store import StoreError
     from sweeps.synthesis.synthesis_error import SynthesisError
-    from sweeps.text.input_files import InputError
 
     of_engine = (AskError, BalanceError, SceneError, SynthesisError, TableError, UnitError)
     return (InputError, StoreError, *of_engine, PictureError, ClusterError)
@@ -231,8 +232,6 @@ def variants_only(where: tuple[str, ...], is_sweep: bool) -> None:
     InputError
         There is one machine only.
     """
-    from sweeps.text.input_files import InputError
-
     if where and not is_sweep:
         raise InputError.of("--where", "chooses variants of a whole result file; here there is one machine")
 
@@ -382,8 +381,6 @@ def make_folder(path: Path) -> None:
     InputError
         It can't be created.
     """
-    from sweeps.text.input_files import InputError
-
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -407,9 +404,6 @@ def write_text(path: Path, text: str, replace: bool = False, mend: str = "name a
     InputError
         The file exists or can't be written.
     """
-    from sweeps.text.input_files import InputError
-    from sweeps.text.whole_files import write_whole_text
-
     if path.exists() and not replace:
         raise InputError.of(str(path), f"exists already; {mend}")
     make_folder(path)

@@ -8,6 +8,7 @@ import click
 from sweeps.cli import shared
 from sweeps.cli.shared import POSITIONS, main
 from sweeps.cli.waiting import doing
+from sweeps.text.input_files import InputError
 
 
 @main.command()
@@ -48,7 +49,6 @@ def show(asked: shared.Options) -> None:
         varied_text,
     )
     from sweeps.report.sweep_result import SweepResult
-    from sweeps.text.input_files import InputError
 
     if asked.settings or asked.variant is not None:
         raise InputError.of(str(asked.file), "--set and --variant require --at, which shows one machine")
@@ -201,7 +201,6 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
     from sweeps.cli.named_machine import machine_of
     from sweeps.pictures.elements.order_picture import order_picture
     from sweeps.report.order_table import engine_rows, order_table, well_known_engines
-    from sweeps.text.input_files import InputError
     from sweeps.text.scene_text import with_values
 
     rows = well_known_engines()

@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from sweeps.cli.shared import ERRORS, Options, WholeNumber, in_options, main, names_in, tell, write_text
+from sweeps.text.input_files import InputError
 
 
 @main.command()
@@ -57,8 +58,6 @@ def balance_command(asked: Options) -> None:
     and a header such as
     `plane, weight [g], weight_angle [deg], left [mm/s], left_phase [deg]`.
     """
-    from sweeps.text.input_files import InputError
-
     if (asked.file is None) == (asked.trial_runs is None):
         message = "give either a scene, study or result to balance, or --trial-runs with a table of readings"
         raise InputError.of("balance", message)

@@ -17,11 +17,9 @@ def list_command() -> None:
     from sweeps.text.templates import bundled_templates, templates
 
     tell("Studies (sweeps run NAME):")
-    subjects = {name: path.parent.name for name, path in bundled_studies().items()}
-    tell(table_by_subject(list(questions().items()), subjects))
+    tell(table_by_subject(questions(), bundled_studies()))
     tell("Templates (sweeps new NAME):")
-    subjects = {name: path.parent.name for name, path in bundled_templates().items()}
-    tell(table_by_subject(list(templates().items()), subjects))
+    tell(table_by_subject(templates(), bundled_templates()))
 
 
 @main.command()
