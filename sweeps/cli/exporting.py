@@ -67,7 +67,6 @@ def export(asked: shared.Options) -> None:
     is_sweep = asked.to.suffix in TABLES and named_machine.is_result(asked.file) and not of_one
     shared.variants_only(asked.where, is_sweep)
     if is_sweep:
-        shared.make_folder(asked.to)
         columns, source, where = shared.names_in(asked.columns), Path(asked.file), asked.where
         with doing("Writing the table"):
             write_table(asked.to, exports.result_table(source, columns, where))
@@ -75,7 +74,6 @@ def export(asked: shared.Options) -> None:
         return
     scene, values, name = named_machine.machine_of(asked.file, asked.variant, asked.settings)
     machine, columns = with_values(scene, values), shared.names_in(asked.columns)
-    shared.make_folder(asked.to)
     if asked.to.suffix == ".toml":
         given, replaced = named_machine.numbers_replaced(asked.file, values, asked.settings)
         text = edited_scene(given, replaced, named_machine.scene_text_of(asked.file), asked.to.parent)

@@ -6,7 +6,7 @@ from threading import Thread
 
 import click
 
-from sweeps.cli.shared import ERRORS, foreseen_errors, main, make_folder, tell, tell_altered
+from sweeps.cli.shared import ERRORS, foreseen_errors, main, tell, tell_altered
 from sweeps.cli.waiting import doing
 from sweeps.study.bundled import find_study
 from sweeps.text.input_files import InputError
@@ -33,7 +33,6 @@ def report(file: str, out: Path | None) -> None:
 
     text = None if is_result(file) else find_study(file)
     out = out or Path(file).with_suffix(".html")
-    make_folder(out)
     if text is None:
         tell_altered(file)
         with doing("Writing the page"):

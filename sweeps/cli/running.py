@@ -11,6 +11,7 @@ import click
 from sweeps.cli import shared
 from sweeps.cli.shared import main
 from sweeps.study.bundled import find_study
+from sweeps.text.input_files import InputError
 from sweeps.text.interruption import keeping
 
 if TYPE_CHECKING:
@@ -48,7 +49,10 @@ def _made(asked: shared.Options, result: "SweepResult", study: Path) -> list[Pat
 
 def _compute(asked: shared.Options, bar: "ProgressBar", compute: Callable[..., Path]) -> None:
     """Compute a result file with progress, on the command's threads or cluster."""
-    shared.make_folder(asked.out)
+    try:
+        asked.out.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError.of(str(asked.out.parent), f"can't be made: {error.strerror}") from None
     shared.use_threads(asked.jobs)
     with shared.cluster_client(asked.cluster, asked.jobs) as client:
 

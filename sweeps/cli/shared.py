@@ -50,12 +50,6 @@ def shown_message(message: str) -> str:
     return f"{begin.strip()} … (cut: {len(message)} characters)"
 
 
-def fail(message: str, code: int = WRONG_INPUT) -> None:
-    """Print an error and exit."""
-    tell(f"Error: {shown_message(message)}", err=True)
-    sys.exit(code)
-
-
 class Commands(click.Group):
     """A group of commands that turns user errors into messages."""
 
@@ -67,7 +61,10 @@ class Commands(click.Group):
         except Exception as error:
             if not isinstance(error, foreseen_errors()):
                 raise
-            fail(str(error), _code_of(error))
+            from sweeps.run.cluster.cluster_errors import UnfinishedError
+
+            tell_aside(f"Error: {shown_message(str(error))}")
+            sys.exit(NOT_ALL_DONE if isinstance(error, UnfinishedError) else WRONG_INPUT)
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
@@ -113,12 +110,6 @@ def in_options(command: Command) -> Command:
         command(Options(**asked))
 
     return gathered
-
-
-def _code_of(error: Exception) -> int:
-    from sweeps.run.cluster.cluster_errors import UnfinishedError
-
-    return NOT_ALL_DONE if isinstance(error, UnfinishedError) else WRONG_INPUT
 
 
 def foreseen_errors() -> tuple[type[Exception], ...]:
@@ -373,20 +364,6 @@ def workers_text(client: "Client | None") -> str:
     return f"{count} worker{'' if count == 1 else 's'}"
 
 
-def make_folder(path: Path) -> None:
-    """Create the folder of a file.
-
-    Raises
-    ------
-    InputError
-        It can't be created.
-    """
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError.of(str(path.parent), f"can't be made: {error.strerror}") from None
-
-
 def write_text(path: Path, text: str, replace: bool = False, mend: str = "name another file with --out") -> None:
     """Write a text file.
 
@@ -406,5 +383,4 @@ def write_text(path: Path, text: str, replace: bool = False, mend: str = "name a
     """
     if path.exists() and not replace:
         raise InputError.of(str(path), f"exists already; {mend}")
-    make_folder(path)
     write_whole_text(path, text)

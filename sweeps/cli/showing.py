@@ -234,7 +234,6 @@ def animate(asked: shared.Options) -> None:
 
     scene, values, name = machine_of(asked.file, asked.variant, asked.settings)
     out = asked.out or Path(f"{name}.gif")
-    shared.make_folder(out)
     moving = element_named(with_numbers(scene, values), ["cam", "gear_train"], asked.element)
     if moving is not None:
         save_animation(lambda count: element_frames(moving, count), out, asked.frames)

@@ -92,13 +92,11 @@ class Earlier:
         if not self.names or not self.names >= {*self._file.flat, *self._file.fields} - {*self.parameters}:
             return False
         size, step = study.design.size, self._file.block
-        done = [
-            variant_keys(self._file.columns, self.parameters, self._file.rows(i))
-            for i in np.flatnonzero(self._file.done)
-        ]
+        done = np.repeat(self._file.done, step)[: self._file.variants]
+        theirs = variant_keys(self._file.columns, self.parameters, slice(0, self._file.variants))[done]
         parts = ((start, min(start + step, size)) for start in range(0, size, step))
         ours = [variant_keys(study.values(*part)[0], self.parameters, slice(0, part[1] - part[0])) for part in parts]
-        return not done or bool(np.isin(np.concatenate(done), np.concatenate(ours)).all())
+        return bool(np.isin(theirs, np.concatenate(ours)).all())
 
 
 def _shared(

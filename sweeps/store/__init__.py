@@ -2,7 +2,7 @@
 
 from .creating import part_path
 from .errors import DamagedError, StoreError
-from .layout import NOT_COMPUTED, POSITION_NAMES, Column, FieldAxis, FileLayout
+from .layout import NOT_COMPUTED, POSITION_NAMES, Column, FieldAxis, FileLayout, columns_of_number
 from .reading import (
     Description,
     MappedResult,

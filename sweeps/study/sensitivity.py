@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 import engine
-from sweeps.store import Column
+from sweeps.store import Column, columns_of_number
 from sweeps.study.study_content import AskedDerivative, StudyContent
 from sweeps.study.tolerances import Tolerance, read_tolerances
 
@@ -99,10 +99,7 @@ class Sensitivity:
     @property
     def columns(self) -> list[Column]:
         """Columns filled by `of_variants`."""
-        found = []
-        for quantity in self.quantities:
-            name, words, units = quantity.name, quantity.long_name, quantity.units
-            found += [Column(name, words, units), Column(f"{name}_error", f"error estimate of: {words}", units)]
+        found = [c for q in self.quantities for c in columns_of_number(q.name, q.long_name, q.units)]
         words = "verdict on the variant's neighbours along"
         return found + [Column(f"status_by.{by}", f"{words} {by}", "1", dtype=np.uint8) for by in self._derived_by]
 

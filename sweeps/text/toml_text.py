@@ -2,7 +2,7 @@
 
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any
@@ -72,9 +72,17 @@ def _parts(piece: str) -> int:
     return 1 + len(_DOT_IN_KEY.findall(piece))
 
 
-_BARE_QUANTITY = re.compile(r"=\s*(?P<value>[-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?\s*[A-Za-zµ°%][^\"',}\]#]*)")
-_BARE_COMMA = re.compile(r"=\s*(?P<value>[-+]?[0-9]+,[0-9]+(?:\s*[A-Za-zµ°%][^\"',}\]#]*)?)\s*(?:$|[#}])")
-_BARE_WORD = re.compile(r"=\s*(?P<value>(?!true\b|false\b|inf\b|nan\b)[A-Za-z][\w ./*^-]*?)\s*(?:$|[,#}\]])")
+# Slips in a line, and what is said of them.
+_SLIPS: dict[str, str | Callable[[str], str]] = {
+    r"=\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?\s*[A-Za-zµ°%][^\"',}\]#]*)": '{0} has a unit, so it needs quotes: "{0}"',
+    r"=\s*([-+]?[0-9]+,[0-9]+(?:\s*[A-Za-zµ°%][^\"',}\]#]*)?)\s*(?:$|[#}])": comma_advice,
+    r"=\s*((?!true\b|false\b|inf\b|nan\b)[A-Za-z][\w ./*^-]*?)\s*(?:$|[,#}\]])": (
+        '{0} is a text, so it needs quotes: "{0}"'
+    ),
+    "=\\s*([“”„‘’])": 'write straight quotation marks, ", not typographic ones',
+    r"^\s*([\w.]+)\s*:": "write KEY = VALUE, not KEY: VALUE",
+    r"(=)\s*$": "no value after =",
+}
 
 
 def _slip(text: str, line: int | None, source: str) -> str:
@@ -85,20 +93,9 @@ def _slip(text: str, line: int | None, source: str) -> str:
     # An incomplete line is reported at the start of the next one.
     for whole in lines[line - 1 : line] + lines[line - 2 : line - 1]:
         written = whole[:_LINE_LOOKED_AT]
-        if (slip := _BARE_QUANTITY.search(written)) is not None:
-            value = slip["value"].strip()
-            return f'{value} has a unit, so it needs quotes: "{value}"'
-        if (slip := _BARE_COMMA.search(written)) is not None:
-            return comma_advice(slip["value"].strip())
-        if (slip := _BARE_WORD.search(written)) is not None:
-            value = slip["value"].strip()
-            return f'{value} is a text, so it needs quotes: "{value}"'
-        if re.search("=\\s*[“”„‘’]", written):
-            return 'write straight quotation marks, ", not typographic ones'
-        if re.match(r"\s*[\w.]+\s*:", written):
-            return "write KEY = VALUE, not KEY: VALUE"
-        if re.search(r"=\s*$", written):
-            return "no value after ="
+        for pattern, words in _SLIPS.items():
+            if slip := re.search(pattern, written):
+                return (words if callable(words) else words.format)(slip[1].strip())
         if whole.count('"') % 2:
             return "a quotation mark is missing"
     return ""
