@@ -107,10 +107,10 @@ def nominal_text(study: Study, machine: engine.Machine | engine.ElementsAlone) -
     if machine.has_regimes or not set(wanted) <= set(machine.asked_summaries):
         machine = engine.made_ready(study.scene, wanted)
     outcome = machine.evaluate({})
-    rows = _asked_rows(machine, outcome, [n for n in wanted if np.isfinite(outcome.summaries[n][0])])
-    verdict, lines = engine.Verdict(outcome.status[0]), []
+    verdict, lines, alone = engine.Verdict(outcome.status[0]), [], isinstance(machine, engine.ElementsAlone)
+    rows = _asked_rows(machine, outcome, [n for n in wanted if alone or np.isfinite(outcome.summaries[n][0])])
     # The mode depends on the path to a position, so ranges would be meaningless.
-    if isinstance(machine, engine.Machine) and verdict != engine.Verdict.OTHER_MODE:
+    if not alone and verdict != engine.Verdict.OTHER_MODE:
         lines.append(assembly_text(machine))
     if verdict not in (engine.Verdict.OK, engine.Verdict.CANNOT_ASSEMBLE):
         lines.append(verdict.sentence)
