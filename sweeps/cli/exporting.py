@@ -50,7 +50,6 @@ def export(asked: shared.Options) -> None:
     from sweeps.report.files import exports
     from sweeps.report.files.data_files import write_table
     from sweeps.report.readings import readings_at
-    from sweeps.text.edited_text import edited_scene
     from sweeps.text.scene_text import with_values
 
     if asked.to.suffix not in (*TABLES, *DRAWINGS, ".toml"):
@@ -75,8 +74,7 @@ def export(asked: shared.Options) -> None:
     scene, values, name = named_machine.machine_of(asked.file, asked.variant, asked.settings)
     machine, columns = with_values(scene, values), shared.names_in(asked.columns)
     if asked.to.suffix == ".toml":
-        given, replaced = named_machine.numbers_replaced(asked.file, values, asked.settings)
-        text = edited_scene(given, replaced, named_machine.scene_text_of(asked.file), asked.to.parent)
+        text = named_machine.edited_machine(asked.file, asked.variant, asked.settings, asked.to.parent)
         write_text(asked.to, text, asked.overwrite, "name another file, or give --overwrite")
     elif (cam := named_machine.element_named(machine, ["cam"], asked.element)) is not None:
         export_cam(cam, asked.to)
