@@ -246,9 +246,7 @@ def _cost_sections(
 ) -> list[tuple[str, str]]:
     """Evaluation, time, memory and file size of a study; runs on elastic shafts report their own."""
     cost = probe(study, machine)
-    way = "no sharing between variants"
-    seconds = f"about {_duration(cost.seconds * study.design.size)}"
-    seconds = on_shafts or seconds
+    seconds = on_shafts or f"about {_duration(cost.seconds * study.design.size)}"
     if machine.has_regimes:
         seconds += "; plus up to a minute of compilation the first time"
     numbers = 8 * (machine.numbers_kept + 4 * len(study.summaries))
@@ -258,7 +256,7 @@ def _cost_sections(
     reached = [] if cost.tried is None else [("Accuracy", accuracy_words.of_sample(study, cost.tried))]
     return [
         *reached,
-        ("Evaluation", f"{way}; fields in {study.field_precision}; {saved}"),
+        ("Evaluation", f"no sharing between variants; fields in {study.field_precision}; {saved}"),
         ("Time", seconds),
         ("Memory", f"about {(memory + cost.motion_bytes) / 1e6:.3g} MB plus the program itself"),
         *_file_sections(study, machine, out),
