@@ -8,10 +8,8 @@ import click
 
 from sweeps.cli.shared import ERRORS, foreseen_errors, main, tell, tell_altered
 from sweeps.cli.waiting import doing
-from sweeps.study.bundled import find_study
 from sweeps.text.input_files import InputError
 from sweeps.text.interruption import keeping
-from sweeps.text.whole_files import scratch_folder
 
 # How often files are looked at [s].
 LOOK = 0.05
@@ -29,7 +27,9 @@ def report(file: str, out: Path | None) -> None:
     from sweeps.cli.named_machine import is_result
     from sweeps.page.page import write_page
     from sweeps.run.runner import run_study
+    from sweeps.study.bundled import find_study
     from sweeps.study.study_reader import read_study
+    from sweeps.text.whole_files import scratch_folder
 
     text = None if is_result(file) else find_study(file)
     out = out or Path(file).with_suffix(".html")
@@ -58,6 +58,7 @@ def watch(file: str) -> None:
     from sweeps.cli.named_machine import is_result, machine_of
     from sweeps.page.page_server import PageServer
     from sweeps.page.watched_page import WatchedPage
+    from sweeps.study.bundled import find_study
 
     if is_result(file):
         raise InputError.of(file, "is a result, which doesn't change; sweeps report makes its page")

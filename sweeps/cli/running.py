@@ -10,7 +10,6 @@ import click
 
 from sweeps.cli import shared
 from sweeps.cli.shared import main
-from sweeps.study.bundled import find_study
 from sweeps.text.input_files import InputError
 from sweeps.text.interruption import keeping
 
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
 def check(asked: shared.Options) -> None:
     """Show what a study or scene will compute, what is skipped and why, and the time, memory and file size."""
     from sweeps.report.check_report import check_text
+    from sweeps.study.bundled import find_study
     from sweeps.study.settings import changed_study
     from sweeps.study.study_reader import read_study
 
@@ -100,6 +100,7 @@ def run(asked: shared.Options) -> None:
     from sweeps.run.progress import ProgressBar
     from sweeps.run.runner import run_study
     from sweeps.store import variants_kept
+    from sweeps.study.bundled import find_study
     from sweeps.study.settings import changed_study
     from sweeps.study.study_reader import read_study
 
@@ -138,6 +139,7 @@ def optimise(asked: shared.Options) -> None:
     from sweeps.report.result_report import counts_text
     from sweeps.report.sweep_result import SweepResult
     from sweeps.run.progress import ProgressBar
+    from sweeps.study.bundled import find_study
     from sweeps.study.search_task import task_of
     from sweeps.study.study_reader import read_study
 

@@ -16,7 +16,6 @@ import click
 from sweeps.cli.waiting import clear_the_line, doing, waiting_told
 from sweeps.text.input_files import InputError
 from sweeps.text.visible import visible
-from sweeps.text.whole_files import write_whole_text
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -381,6 +380,8 @@ def write_text(path: Path, text: str, replace: bool = False, mend: str = "name a
     InputError
         The file exists or can't be written.
     """
+    from sweeps.text.whole_files import write_whole_text
+
     if path.exists() and not replace:
         raise InputError.of(str(path), f"exists already; {mend}")
     write_whole_text(path, text)
