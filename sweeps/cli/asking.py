@@ -5,10 +5,10 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import DIFFERENT, ERRORS, tell
+from sweeps.cli.shared import DIFFERENT, ERRORS, main, tell
 
 
-@click.command()
+@main.command()
 @click.argument("file")
 @click.argument("words", nargs=-1)
 def quantities(file: str, words: tuple[str, ...]) -> None:
@@ -19,7 +19,7 @@ def quantities(file: str, words: tuple[str, ...]) -> None:
     tell(quantities_text(machine_of(file, None)[0], file, words))
 
 
-@click.command("help")
+@main.command("help")
 @click.argument("words", nargs=-1)
 def help_command(words: tuple[str, ...]) -> None:
     """Explain a key of scenes and studies, input.length, a table, or a type such as compressor; or search for words."""
@@ -28,7 +28,7 @@ def help_command(words: tuple[str, ...]) -> None:
     tell(key_text(" ".join(words)) if words else tables_text())
 
 
-@click.command("compare")
+@main.command("compare")
 @click.argument("one", type=click.Path(path_type=Path))
 @click.argument("other", type=click.Path(path_type=Path))
 @ERRORS

@@ -5,13 +5,14 @@ from pathlib import Path
 import click
 
 from sweeps.cli import shared
-from sweeps.cli.shared import write_text
+from sweeps.cli.shared import main, write_text
 from sweeps.cli.waiting import doing
+from sweeps.text.input_files import InputError
 
 TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
 
 
-@click.command()
+@main.command()
 @click.argument("file")
 @click.option(
     "--to",
@@ -49,8 +50,6 @@ def export(asked: shared.Options) -> None:
     from sweeps.report.files import exports
     from sweeps.report.files.data_files import write_table
     from sweeps.report.readings import readings_at
-    from sweeps.text.edited_text import edited_scene
-    from sweeps.text.input_files import InputError
     from sweeps.text.scene_text import with_values
 
     if asked.to.suffix not in (*TABLES, *DRAWINGS, ".toml"):
@@ -67,7 +66,6 @@ def export(asked: shared.Options) -> None:
     is_sweep = asked.to.suffix in TABLES and named_machine.is_result(asked.file) and not of_one
     shared.variants_only(asked.where, is_sweep)
     if is_sweep:
-        shared.make_folder(asked.to)
         columns, source, where = shared.names_in(asked.columns), Path(asked.file), asked.where
         with doing("Writing the table"):
             write_table(asked.to, exports.result_table(source, columns, where))
@@ -75,10 +73,8 @@ def export(asked: shared.Options) -> None:
         return
     scene, values, name = named_machine.machine_of(asked.file, asked.variant, asked.settings)
     machine, columns = with_values(scene, values), shared.names_in(asked.columns)
-    shared.make_folder(asked.to)
     if asked.to.suffix == ".toml":
-        given, replaced = named_machine.numbers_replaced(asked.file, values, asked.settings)
-        text = edited_scene(given, replaced, named_machine.scene_text_of(asked.file), asked.to.parent)
+        text = named_machine.edited_machine(asked.file, asked.variant, asked.settings, asked.to.parent)
         write_text(asked.to, text, asked.overwrite, "name another file, or give --overwrite")
     elif (cam := named_machine.element_named(machine, ["cam"], asked.element)) is not None:
         export_cam(cam, asked.to)

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import tell, write_text
+from sweeps.cli.shared import main, tell, write_text
 
 
-@click.command("import")
+@main.command("import")
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--unit", help="Length unit of FILE (default: 1 mm, or the unit in a PMKS+ address).")
 @click.option("--speed", help="Crank speed (default: 60 rpm, or the speed in a PMKS+ address).")

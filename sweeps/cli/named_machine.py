@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 from engine import (
     CrankInput,
@@ -24,32 +24,51 @@ from sweeps.text.scene_settings import changed_scene, given_values
 from sweeps.text.scene_text import scene_from, with_values
 from sweeps.text.toml_text import parse_toml, problems_in
 
-if TYPE_CHECKING:
-    from sweeps.report.sweep_result import SweepResult
-    from sweeps.study.study import Study
-
 
 def is_result(file: str) -> bool:
     """Whether a file is a sweep result, judged by extension or content."""
     return file.endswith(".h5") or is_hdf5(Path(file))
 
 
-def _result(file: str) -> "SweepResult":
-    # Slow imports that a scene doesn't need.
-    from sweeps.report.sweep_result import SweepResult
+class _Written(NamedTuple):
+    """A scene as it is written, its TOML source ("" if unknown), and a variant's numbers (SI) and name."""
 
-    return SweepResult(Path(file))
+    scene: Scene
+    text: str
+    values: Mapping[str, float]
+    name: str
 
 
-def _study(file: str) -> "Study":
+def _written(file: str, variant: int | None) -> _Written:
+    """What a file says of a machine, as for `machine_of`."""
+    if is_result(file):
+        # Slow imports that a scene doesn't need.
+        from sweeps.optimising.optimum import choices, is_front
+        from sweeps.report.sweep_result import SweepResult
+
+        result = SweepResult(Path(file))
+        result.show_own_units()
+        if variant is None:
+            variant = result.best()
+        if variant is None and is_front(result):
+            variant = next((choice.variant for choice in reversed(choices(result))), None)
+        chosen, text = 0 if variant is None else variant, result.description.attributes.get("scene_text", "")
+        return _Written(result.scene, text, result.variant_values(chosen), f"{Path(file).stem}_{chosen}")
+    if variant is None and (alone := _scene_alone(find_study(file))):
+        return alone
     from sweeps.study.study_reader import read_study
 
-    return read_study(find_study(file))
+    study = read_study(find_study(file))
+    if variant is None:
+        return _Written(study.scene, study.scene_text, {}, study.name)
+    if not 0 <= variant < study.design.size:
+        raise InputError.of(file, f"{variant} is not one of 0 … {study.design.size - 1}", key="variant")
+    values = {path: float(row[0]) for path, row in study.values(variant, variant + 1)[0].items() if path in study.fixed}
+    return _Written(study.scene, study.scene_text, values, f"{study.name}_{variant}")
 
 
-def _scene_alone(file: str) -> Scene | None:
+def _scene_alone(path: Path) -> _Written | None:
     """The scene in a file; None for a study, whose reader is slow to import."""
-    path = find_study(file)
     text = read_text(path)
     data = parse_toml(text, path.name)
     if not is_scene(data):
@@ -60,7 +79,7 @@ def _scene_alone(file: str) -> Scene | None:
             Mechanics(scene)
     except SceneError as error:
         raise InputError(path.name, problems_in(text, error.problems)) from None
-    return scene
+    return _Written(scene, text, {}, path.stem)
 
 
 def machine_of(file: str, variant: int | None, settings: Sequence[str] = ()) -> tuple[Scene, Mapping[str, float], str]:
@@ -80,27 +99,8 @@ def machine_of(file: str, variant: int | None, settings: Sequence[str] = ()) -> 
     InputError, StoreError
         The file can't be read, or has no such variant.
     """
-    if is_result(file):
-        from sweeps.optimising.optimum import choices, is_front
-
-        result = _result(file)
-        result.show_own_units()
-        if variant is None:
-            variant = result.best()
-        if variant is None and is_front(result):
-            variant = next((choice.variant for choice in reversed(choices(result))), None)
-        chosen = 0 if variant is None else variant
-        return (*_set_anew(result.scene, result.variant_values(chosen), settings), f"{Path(file).stem}_{chosen}")
-    scene = _scene_alone(file) if variant is None else None
-    if scene is not None:
-        return (*_set_anew(scene, {}, settings), find_study(file).stem)
-    study = _study(file)
-    if variant is None:
-        return (*_set_anew(study.scene, {}, settings), study.name)
-    if not 0 <= variant < study.design.size:
-        raise InputError.of(file, f"{variant} is not one of 0 … {study.design.size - 1}", key="variant")
-    values, _ = study.values(variant, variant + 1)
-    return (*_set_anew(study.scene, {p: float(values[p][0]) for p in study.paths}, settings), f"{study.name}_{variant}")
+    found = _written(file, variant)
+    return (*_set_anew(found.scene, found.values, settings), found.name)
 
 
 def _set_anew(scene: Scene, values: Mapping[str, float], settings: Sequence[str]) -> tuple[Scene, Mapping[str, float]]:
@@ -117,37 +117,34 @@ def in_full(file: str, asked: str | tuple[str, ...]) -> str | tuple[str, ...]:
     AskError
         Several pairs are in a joint.
     """
-    scene = _result(file).scene if is_result(file) else machine_of(file, None)[0]
+    scene = machine_of(file, 0 if is_result(file) else None)[0]
     return full_names(scene, asked) if isinstance(asked, str) else tuple(full_names(scene, text) for text in asked)
 
 
-def scene_text_of(file: str) -> str:
-    """TOML source of the scene in a file; "" if unknown."""
-    if is_result(file):
-        return _result(file).description.attributes.get("scene_text", "")
-    return _study(file).scene_text
-
-
-def numbers_replaced(file: str, values: Mapping[str, float], settings: Sequence[str]) -> tuple[Scene, dict[str, float]]:
-    """The scene of a file and all replaced numbers: the variant's and the settings.
+def edited_machine(file: str, variant: int | None, settings: Sequence[str], folder: Path) -> str:
+    """TOML text of a file's scene with the numbers of a variant and of settings, in its author's words and units.
 
     Parameters
     ----------
-    file : str
-    values : mapping of str to float
-        The variant's numbers (SI) by path.
-    settings : sequence of str
-        As for `given_values`.
+    file, variant, settings
+        As for `machine_of`.
+    folder : Path
+        Of the files that the text names.
 
     Raises
     ------
     SceneError
         The variant can't be assembled in the scene's assembly mode.
     """
-    scene = _result(file).scene if is_result(file) else _study(file).scene
+    from sweeps.text.edited_text import edited_scene
+
+    scene, text, values, _ = _written(file, variant)
     own, rest = _set_anew(scene, values, settings)
-    told = {p: number.value for p, number in scene_numbers(with_values(own, rest)).items() if p.startswith("near.")}
-    return scene, {**values, **given_values(scene, settings), **(told if rest or settings else {})}
+    replaced = {**values, **given_values(scene, settings)}
+    if rest or settings:
+        numbers = scene_numbers(with_values(own, rest)).items()
+        replaced |= {path: number.value for path, number in numbers if path.startswith("near.")}
+    return edited_scene(scene, replaced, text, folder)
 
 
 def element_named(scene: Scene, types: Sequence[str], name: str | None) -> Element | None:

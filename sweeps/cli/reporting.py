@@ -6,15 +6,16 @@ from threading import Thread
 
 import click
 
-from sweeps.cli.shared import ERRORS, foreseen_errors, make_folder, tell, tell_altered
+from sweeps.cli.shared import ERRORS, foreseen_errors, main, tell, tell_altered
 from sweeps.cli.waiting import doing
+from sweeps.text.input_files import InputError
 from sweeps.text.interruption import keeping
 
 # How often files are looked at [s].
 LOOK = 0.05
 
 
-@click.command()
+@main.command()
 @click.argument("file")
 @click.option("--out", type=click.Path(path_type=Path), help="Page to write; default: FILE with .html.")
 @ERRORS
@@ -28,12 +29,10 @@ def report(file: str, out: Path | None) -> None:
     from sweeps.run.runner import run_study
     from sweeps.study.bundled import find_study
     from sweeps.study.study_reader import read_study
-    from sweeps.text.input_files import InputError
     from sweeps.text.whole_files import scratch_folder
 
     text = None if is_result(file) else find_study(file)
     out = out or Path(file).with_suffix(".html")
-    make_folder(out)
     if text is None:
         tell_altered(file)
         with doing("Writing the page"):
@@ -48,7 +47,7 @@ def report(file: str, out: Path | None) -> None:
     tell(f"Wrote {out}")
 
 
-@click.command()
+@main.command()
 @click.argument("file")
 def watch(file: str) -> None:
     """Show the machine of a scene or study in a browser, and again whenever the file is saved.
@@ -60,7 +59,6 @@ def watch(file: str) -> None:
     from sweeps.page.page_server import PageServer
     from sweeps.page.watched_page import WatchedPage
     from sweeps.study.bundled import find_study
-    from sweeps.text.input_files import InputError
 
     if is_result(file):
         raise InputError.of(file, "is a result, which doesn't change; sweeps report makes its page")

@@ -1,19 +1,24 @@
 """Commands that compute: check, run, optimise."""
 
 import time
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from sweeps.cli import shared
+from sweeps.cli.shared import main
+from sweeps.text.input_files import InputError
 from sweeps.text.interruption import keeping
 
 if TYPE_CHECKING:
     from sweeps.report.sweep_result import SweepResult
+    from sweeps.run.progress import ProgressBar
 
 
-@click.command()
+@main.command()
 @click.argument("study")
 @click.option("--out", type=click.Path(path_type=Path), default=Path("results"), help="Result file to plan for.")
 @click.option("--source", is_flag=True, help="Print the generated kernel instead.")
@@ -42,21 +47,37 @@ def _made(asked: shared.Options, result: "SweepResult", study: Path) -> list[Pat
     return [result.path, *([] if asked.no_plots else shared.plots_of(result, study))]
 
 
-def _tell_answer(result: "SweepResult", *sentences: str) -> None:
-    """Print sentences on a result, and its warnings."""
-    for sentence in sentences:
+def _compute(asked: shared.Options, bar: "ProgressBar", compute: Callable[..., Path]) -> None:
+    """Compute a result file with progress, on the command's threads or cluster."""
+    try:
+        asked.out.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError.of(str(asked.out.parent), f"can't be made: {error.strerror}") from None
+    shared.use_threads(asked.jobs)
+    with shared.cluster_client(asked.cluster, asked.jobs) as client:
+
+        def update(done: int, before: int, words: str = "") -> None:
+            bar.update(done, before, ", ".join(filter(None, (words, shared.workers_text(client)))))
+
+        compute(asked.out, asked.restart, update, asked.replace, shared.tell_aside, client)
+    bar.close()
+
+
+def _tell(
+    asked: shared.Options, result: "SweepResult", study: Path, begun: float, answer: Sequence[str], remark: str = ""
+) -> None:
+    """Print the answer of a result, its warnings, and the files made by a computation that began at `begun`."""
+    for sentence in answer:
         shared.tell(sentence)
     shared.tell_warnings(result)
-
-
-def _tell_made(asked: shared.Options, result: "SweepResult", study: Path, begun: float) -> None:
-    """Print the files made by a computation that began at `begun`."""
+    if remark:
+        shared.tell(remark)
     made = _made(asked, result, study)
     shared.tell_files(made, begun)
     shared.tell_outdated(result.path, made)
 
 
-@click.command()
+@main.command()
 @click.argument("study")
 @shared.run_options("results/NAME.h5")
 @shared.study_options
@@ -85,20 +106,11 @@ def run(asked: shared.Options) -> None:
 
     begun, file = time.perf_counter(), find_study(asked.study)
     found = changed_study(read_study(file), asked.settings, asked.positions, asked.accuracy)
-    out = asked.out or Path("results") / f"{found.name}.h5"
-    shared.make_folder(out)
-    shared.use_threads(asked.jobs)
-    count = found.design.size
-    bar = ProgressBar(count, asked.quiet, kept=0 if asked.restart else variants_kept(out))
+    asked.out, count = asked.out or Path("results") / f"{found.name}.h5", found.design.size
+    bar = ProgressBar(count, asked.quiet, kept=0 if asked.restart else variants_kept(asked.out))
     with keeping(bar.kept_text):
-        with shared.cluster_client(asked.cluster, asked.jobs) as client:
-
-            def update(done: int, before: int) -> None:
-                bar.update(done, before, shared.workers_text(client))
-
-            run_study(found, out, asked.restart, update, asked.replace, shared.tell_aside, client)
-        bar.close()
-        result = SweepResult(out, found)
+        _compute(asked, bar, partial(run_study, found))
+        result = SweepResult(asked.out, found)
         if asked.as_json:
             best = result.best()
             told = [best] if best is not None else range(min(count, 1))
@@ -106,14 +118,12 @@ def run(asked: shared.Options) -> None:
             shared.tell_data(result_data(result, told) | {"warnings": shared.warnings_of(result), "files": files})
         else:
             head = f"{found.title or found.name}: {count} variant{'' if count == 1 else 's'}"
-            _tell_answer(result, head, counts_text(result), answer_text(result, asked.every))
-            if remark := between_positions_text(found):
-                shared.tell(remark)
-            _tell_made(asked, result, file, begun)
+            answer = head, counts_text(result), answer_text(result, asked.every)
+            _tell(asked, result, file, begun, answer, between_positions_text(found))
     shared.stop_without_answer(result)
 
 
-@click.command()
+@main.command()
 @click.argument("study")
 @shared.run_options("results/NAME_optimised.h5")
 @shared.ALL
@@ -135,20 +145,11 @@ def optimise(asked: shared.Options) -> None:
 
     begun, file = time.perf_counter(), find_study(asked.study)
     found = read_study(file)
-    out = asked.out or Path("results") / f"{found.name}_optimised.h5"
-    shared.make_folder(out)
-    shared.use_threads(asked.jobs)
+    asked.out = asked.out or Path("results") / f"{found.name}_optimised.h5"
     bar = ProgressBar(task_of(found).generations, asked.quiet, "generations")
     with keeping(bar.kept_text):
-        with shared.cluster_client(asked.cluster, asked.jobs) as client:
-
-            def update(done: int, before: int, words: str) -> None:
-                bar.update(done, before, ", ".join(filter(None, (words, shared.workers_text(client)))))
-
-            optimise_study(found, out, asked.restart, update, asked.replace, shared.tell_aside, client)
-        bar.close()
-        result = SweepResult(out)
+        _compute(asked, bar, partial(optimise_study, found))
+        result = SweepResult(asked.out)
         head = f"{found.title or found.name}: {result.description.variants} candidates"
-        _tell_answer(result, head, counts_text(result), optimum_text(result, asked.every))
-        _tell_made(asked, result, file, begun)
+        _tell(asked, result, file, begun, (head, counts_text(result), optimum_text(result, asked.every)))
     shared.stop_without_answer(result)

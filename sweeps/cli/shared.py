@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import click
 
 from sweeps.cli.waiting import clear_the_line, doing, waiting_told
+from sweeps.text.input_files import InputError
 from sweeps.text.visible import visible
 
 if TYPE_CHECKING:
@@ -48,12 +49,6 @@ def shown_message(message: str) -> str:
     return f"{begin.strip()} … (cut: {len(message)} characters)"
 
 
-def fail(message: str, code: int = WRONG_INPUT) -> None:
-    """Print an error and exit."""
-    tell(f"Error: {shown_message(message)}", err=True)
-    sys.exit(code)
-
-
 class Commands(click.Group):
     """A group of commands that turns user errors into messages."""
 
@@ -65,7 +60,26 @@ class Commands(click.Group):
         except Exception as error:
             if not isinstance(error, foreseen_errors()):
                 raise
-            fail(str(error), _code_of(error))
+            from sweeps.run.cluster.cluster_errors import UnfinishedError
+
+            tell_aside(f"Error: {shown_message(str(error))}")
+            sys.exit(NOT_ALL_DONE if isinstance(error, UnfinishedError) else WRONG_INPUT)
+
+
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="machine-sweeps", prog_name="sweeps", help="Version.")
+def main() -> None:
+    """Evaluate planar machines over many design variants: kinematics, reduced inertia and torque, flywheels.
+
+    Start with `sweeps list`, then `sweeps run crank_press`; `sweeps new slider_crank` writes a scene of your own.
+
+    \b
+    The Tab key completes commands and options after this line in the shell's start-up file:
+      ~/.bashrc                   eval "$(_SWEEPS_COMPLETE=bash_source sweeps)"
+      ~/.zshrc                    eval "$(_SWEEPS_COMPLETE=zsh_source sweeps)"
+      ~/.config/fish/config.fish  _SWEEPS_COMPLETE=fish_source sweeps | source
+    Editors complete scenes and studies after `sweeps schema`.
+    """  # noqa: D301
 
 
 def joints_by_letter(command: Command) -> Command:
@@ -97,12 +111,6 @@ def in_options(command: Command) -> Command:
     return gathered
 
 
-def _code_of(error: Exception) -> int:
-    from sweeps.run.cluster.cluster_errors import UnfinishedError
-
-    return NOT_ALL_DONE if isinstance(error, UnfinishedError) else WRONG_INPUT
-
-
 def foreseen_errors() -> tuple[type[Exception], ...]:
     """Errors meant for the user; imported only when one occurs, as that is slow."""
     from engine import AskError, BalanceError, SceneError, TableError, UnitError
@@ -110,7 +118,6 @@ def foreseen_errors() -> tuple[type[Exception], ...]:
     from sweeps.run.cluster.cluster_errors import ClusterError
     from sweeps.store import StoreError
     from sweeps.synthesis.synthesis_error import SynthesisError
-    from sweeps.text.input_files import InputError
 
     of_engine = (AskError, BalanceError, SceneError, SynthesisError, TableError, UnitError)
     return (InputError, StoreError, *of_engine, PictureError, ClusterError)
@@ -215,8 +222,6 @@ def variants_only(where: tuple[str, ...], is_sweep: bool) -> None:
     InputError
         There is one machine only.
     """
-    from sweeps.text.input_files import InputError
-
     if where and not is_sweep:
         raise InputError.of("--where", "chooses variants of a whole result file; here there is one machine")
 
@@ -235,15 +240,6 @@ def stop_without_answer(result: "SweepResult") -> None:
     works = result.verdict_counts().get(Verdict.OK, 0)
     if not works or (result.aim is not None and result.description.variants > 1 and result.best(result.aim) is None):
         sys.exit(NO_ANSWER)
-
-
-def tell_version(context: click.Context, _: click.Parameter, asked: bool) -> None:
-    """Print the version and exit."""
-    if asked:
-        from sweeps.text.versions import own_version
-
-        tell(f"sweeps, version {own_version()}")
-        context.exit()
 
 
 def tell_aside(sentence: str) -> None:
@@ -367,22 +363,6 @@ def workers_text(client: "Client | None") -> str:
     return f"{count} worker{'' if count == 1 else 's'}"
 
 
-def make_folder(path: Path) -> None:
-    """Create the folder of a file.
-
-    Raises
-    ------
-    InputError
-        It can't be created.
-    """
-    from sweeps.text.input_files import InputError
-
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError.of(str(path.parent), f"can't be made: {error.strerror}") from None
-
-
 def write_text(path: Path, text: str, replace: bool = False, mend: str = "name another file with --out") -> None:
     """Write a text file.
 
@@ -400,10 +380,8 @@ def write_text(path: Path, text: str, replace: bool = False, mend: str = "name a
     InputError
         The file exists or can't be written.
     """
-    from sweeps.text.input_files import InputError
     from sweeps.text.whole_files import write_whole_text
 
     if path.exists() and not replace:
         raise InputError.of(str(path), f"exists already; {mend}")
-    make_folder(path)
     write_whole_text(path, text)

@@ -6,11 +6,12 @@ from pathlib import Path
 import click
 
 from sweeps.cli import shared
-from sweeps.cli.shared import POSITIONS
+from sweeps.cli.shared import POSITIONS, main
 from sweeps.cli.waiting import doing
+from sweeps.text.input_files import InputError
 
 
-@click.command()
+@main.command()
 @click.argument("file", type=click.Path(path_type=Path))
 @shared.WHERE
 @click.option("--sort", help="Column to sort by.")
@@ -48,7 +49,6 @@ def show(asked: shared.Options) -> None:
         varied_text,
     )
     from sweeps.report.sweep_result import SweepResult
-    from sweeps.text.input_files import InputError
 
     if asked.settings or asked.variant is not None:
         raise InputError.of(str(asked.file), "--set and --variant require --at, which shows one machine")
@@ -101,7 +101,7 @@ def _show_at(asked: shared.Options) -> None:
     shared.tell(readings_text(readings))
 
 
-@click.command()
+@main.command()
 @click.argument("file")
 @click.option("--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf); default: next to FILE.")
 @click.option("--variant", type=shared.WholeNumber(0), help="Variant of a result file to use.")
@@ -192,7 +192,7 @@ def plot(asked: shared.Options) -> None:
     shared.tell("\n".join(f"Wrote {path}" for path in dict.fromkeys(made)))
 
 
-@click.command()
+@main.command()
 @click.argument("file", required=False)
 @click.option("--out", type=click.Path(path_type=Path), help="Also draw the orders to this file (.png, .svg, .pdf).")
 @click.option("--variant", type=shared.WholeNumber(0), help="Variant of a result file to use.")
@@ -201,7 +201,6 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
     from sweeps.cli.named_machine import machine_of
     from sweeps.pictures.elements.order_picture import order_picture
     from sweeps.report.order_table import engine_rows, order_table, well_known_engines
-    from sweeps.text.input_files import InputError
     from sweeps.text.scene_text import with_values
 
     rows = well_known_engines()
@@ -216,7 +215,7 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
         shared.tell(f"Wrote {out}")
 
 
-@click.command()
+@main.command()
 @click.argument("file")
 @click.option("--out", type=click.Path(path_type=Path), help="GIF file; default: NAME.gif.")
 @click.option("--variant", type=shared.WholeNumber(0), help="Variant of a result file to use.")
@@ -235,7 +234,6 @@ def animate(asked: shared.Options) -> None:
 
     scene, values, name = machine_of(asked.file, asked.variant, asked.settings)
     out = asked.out or Path(f"{name}.gif")
-    shared.make_folder(out)
     moving = element_named(with_numbers(scene, values), ["cam", "gear_train"], asked.element)
     if moving is not None:
         save_animation(lambda count: element_frames(moving, count), out, asked.frames)

@@ -4,10 +4,11 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import ERRORS, Options, WholeNumber, in_options, names_in, tell, write_text
+from sweeps.cli.shared import ERRORS, Options, WholeNumber, in_options, main, names_in, tell, write_text
+from sweeps.text.input_files import InputError
 
 
-@click.command()
+@main.command()
 @click.argument("table", type=click.Path(path_type=Path))
 @click.option("--speed", required=True, help="Mean of maximum and minimum speed, such as '250 rpm'.")
 @click.option(
@@ -31,7 +32,7 @@ def flywheel(
     tell(flywheel_text(table, speed, fluctuation, interpolation, inertia, area_energy))
 
 
-@click.command("balance")
+@main.command("balance")
 @click.argument("file", required=False)
 @click.option("--links", default="", help="Links on fixed axes, comma-separated (default: the crank).")
 @click.option("--place", "places", multiple=True, help="Place on any link, 'rod: -60 mm, 0 mm'; repeatable.")
@@ -57,8 +58,6 @@ def balance_command(asked: Options) -> None:
     and a header such as
     `plane, weight [g], weight_angle [deg], left [mm/s], left_phase [deg]`.
     """
-    from sweeps.text.input_files import InputError
-
     if (asked.file is None) == (asked.trial_runs is None):
         message = "give either a scene, study or result to balance, or --trial-runs with a table of readings"
         raise InputError.of("balance", message)

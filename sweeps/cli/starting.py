@@ -5,11 +5,11 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import tell, write_text
+from sweeps.cli.shared import main, tell, write_text
 from sweeps.cli.waiting import doing
 
 
-@click.command("list")
+@main.command("list")
 def list_command() -> None:
     """List the bundled studies and the templates for scenes."""
     from sweeps.study.bundled import bundled_studies, questions
@@ -17,14 +17,12 @@ def list_command() -> None:
     from sweeps.text.templates import bundled_templates, templates
 
     tell("Studies (sweeps run NAME):")
-    subjects = {name: path.parent.name for name, path in bundled_studies().items()}
-    tell(table_by_subject(list(questions().items()), subjects))
+    tell(table_by_subject(questions(), bundled_studies()))
     tell("Templates (sweeps new NAME):")
-    subjects = {name: path.parent.name for name, path in bundled_templates().items()}
-    tell(table_by_subject(list(templates().items()), subjects))
+    tell(table_by_subject(templates(), bundled_templates()))
 
 
-@click.command()
+@main.command()
 @click.argument("template")
 @click.option("--out", type=click.Path(path_type=Path), help="File to write; default: TEMPLATE.toml.")
 def new(template: str, out: Path | None) -> None:
@@ -38,7 +36,7 @@ def new(template: str, out: Path | None) -> None:
     tell("Editors complete and check it after: sweeps schema")
 
 
-@click.command()
+@main.command()
 @click.option("--out", type=click.Path(path_type=Path), default=Path("."), help="Folder of the scenes; default: this.")
 def schema(out: Path) -> None:
     """Write JSON Schemas of scenes and studies, by which editors complete keys and mark mistakes while you type.
@@ -53,7 +51,7 @@ def schema(out: Path) -> None:
         tell(f"Wrote {out / name}")
 
 
-@click.command()
+@main.command()
 @click.argument("scene")
 @click.option(
     "--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf); default: SCENE_modes.png."
@@ -78,7 +76,7 @@ def modes(scene: str, out: Path | None, no_plots: bool) -> None:
             tell(f"Wrote {path}" if refusal is None else f"Not drawn: {path}: {refusal}")
 
 
-@click.command("guide")
+@main.command("guide")
 @click.argument("chapter", required=False)
 @click.option("--web", is_flag=True, help="Make a site of the whole guide, with pictures, search and reference.")
 @click.option(
@@ -113,9 +111,8 @@ def reference_pages() -> Mapping[str, Callable[[], str]]:
 
 def commands_page() -> str:
     """Help on all commands, in Markdown."""
-    commands = click.get_current_context().find_root().command.commands
     helps = (
         f"## {name}\n\n```text\n{command.get_help(click.Context(command, info_name=f'sweeps {name}'))}\n```"
-        for name, command in commands.items()
+        for name, command in sorted(main.commands.items())
     )
     return "\n\n".join(["# Commands", *helps])

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import tell, with_options, write_text
+from sweeps.cli.shared import main, tell, with_options, write_text
 from sweeps.cli.waiting import doing
 
 _RATIO = click.option(
@@ -20,7 +20,7 @@ _common = with_options(
 )
 
 
-@click.group()
+@main.group()
 def synthesise() -> None:
     """Synthesise a mechanism from its requirements and write its scene."""
 
@@ -125,16 +125,16 @@ def path_command(table: Path, seed: int, speed: str, out: Path | None) -> None:
 
     TABLE is a CSV with the columns `x [mm]` and `y [mm]`: points on the path in order.
     """
-    from sweeps.synthesis.path_table import path_places
     from sweeps.synthesis.paths import four_bar_along
     from sweeps.synthesis.synthesised_scenes import path_text
-    from sweeps.text.csv_text import read_csv
+    from sweeps.text.csv_text import named_columns, read_csv
 
-    places, given = path_places(table), _speed(speed)
+    x, y = named_columns(table, {"x": "length", "y": "length"}, "x [mm], y [mm]")
+    given = _speed(speed)
     with doing("Searching"):
-        found = four_bar_along(places, seed)
+        found = four_bar_along([complex(*place) for place in zip(x, y, strict=True)], seed)
     headers = (f"1 {column.unit}" for column in read_csv(table).values() if column.unit)
-    _write(out or Path("path.toml"), lambda: path_text(found, len(places), given), *headers)
+    _write(out or Path("path.toml"), lambda: path_text(found, len(x), given), *headers)
 
 
 def _length(option: str, text: str) -> float:

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import tell, tell_aside
+from sweeps.cli.shared import main, tell, tell_aside
 
 DAMAGED = 1
 
 
-@click.command()
+@main.command()
 @click.argument("file", type=click.Path(path_type=Path))
 def verify(file: Path) -> None:
     """Check a result file against its checksums; exit code 1 if it was modified."""

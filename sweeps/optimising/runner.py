@@ -27,6 +27,7 @@ from sweeps.store import (
     MappedResult,
     Store,
     StoreError,
+    columns_of_number,
     describe_result,
     part_path,
     read_columns,
@@ -278,8 +279,7 @@ def _layout(trials: Trials, count: int, block: int) -> FileLayout:
     for objective in task.objectives:
         if not objective.is_column:
             words = " ".join(objective.expression.text.split())
-            extra.append(Column(objective.name, words, objective.units or "1"))
-            extra.append(Column(f"{objective.name}_error", f"error estimate of: {words}", objective.units or "1"))
+            extra += columns_of_number(objective.name, words, objective.units or "1")
     record = json.loads(base.attributes["study_json"]) | {"best": _goal(task), "search": search_record(task)}
     attributes = {"study_json": json.dumps(record), "study_hash": task.digest, "searched_with": _versions()}
     columns = (*base.columns, *extra)

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from engine import Outcome, Verdict
-from sweeps.run.blocks import joined, most_at_once
+from engine import Verdict
+from sweeps.run.blocks import evaluate_variants
 from sweeps.study.search_task import Objective, SearchTask
 from sweeps.text.conditions import Values, value_with_error
 
@@ -61,7 +61,6 @@ class Trials:
 
     def __init__(self, task: SearchTask, crew: "Crew | None" = None) -> None:
         self.task, self.crew, self.machine = task, crew, task.study.machine()
-        self._most = most_at_once(task.study, self.machine)
 
     def evaluate(self, coordinates: np.ndarray) -> Batch:
         """Evaluate the candidates at coordinates (candidates, variables), each from 0 to 1.
@@ -81,28 +80,20 @@ class Trials:
         drop : bool
             Skip candidates that fail `require`.
         """
-        if count > self._most:
-            starts = range(0, count, self._most)
-            some = ({name: v[start : start + self._most] for name, v in varied.items()} for start in starts)
-            return joined([self.columns(part, next(iter(part.values())).size, drop) for part in some])
         study = self.task.study
         values, missed = study.completed(varied, count)
-        dropped = missed.any(axis=0) if drop else None
-        asked = {p: values[p] for p in study.paths}
-        outcome = self._shared_out(asked, dropped, count) if self.crew else self.machine.evaluate(asked, dropped)
-        found = dict(values)
-        found |= {"status": outcome.status, "status_group": outcome.status_group, "status_at": outcome.status_at}
-        found |= outcome.summaries | {f"{name}_error": error for name, error in outcome.errors.items()}
+        dropped = missed.any(axis=0) & drop
+        if self.crew is None:
+            found = evaluate_variants(study, self.machine, values, dropped)
+        else:
+            from sweeps.run.cluster.sharing import share_out
+
+            found = share_out(self.crew, values, dropped)
         for objective in self.task.objectives:
             if not objective.is_column:
                 known = study.requirements.known(found)
                 found[objective.name], found[f"{objective.name}_error"] = _with_error(objective, *known, count)
         return found
-
-    def _shared_out(self, values: Mapping[str, np.ndarray], dropped: np.ndarray | None, count: int) -> Outcome:
-        from sweeps.run.cluster.sharing import share_out
-
-        return share_out(self.crew, values, dropped, count)
 
     def judged(self, columns: dict[str, np.ndarray]) -> Batch:
         """Costs, margins and violations from the candidates' columns."""

@@ -103,16 +103,15 @@ def assembly_text(machine: engine.Machine) -> str:
 
 def nominal_text(study: Study, machine: engine.Machine | engine.ElementsAlone) -> str:
     """Answers of the unmodified scene, without those of its regimes; by the machine of the study if it has them all."""
-    if isinstance(machine, engine.ElementsAlone):
-        return _elements_text(study.scene)
     wanted = [name for name in answers(machine) if name.partition(".")[0] not in study.scene.regimes]
     if machine.has_regimes or not set(wanted) <= set(machine.asked_summaries):
-        machine = engine.Machine(study.scene, wanted)
+        machine = engine.made_ready(study.scene, wanted)
     outcome = machine.evaluate({})
-    rows = _asked_rows(machine, outcome, [n for n in wanted if np.isfinite(outcome.summaries[n][0])])
-    verdict = engine.Verdict(outcome.status[0])
+    verdict, lines, alone = engine.Verdict(outcome.status[0]), [], isinstance(machine, engine.ElementsAlone)
+    rows = _asked_rows(machine, outcome, [n for n in wanted if alone or np.isfinite(outcome.summaries[n][0])])
     # The mode depends on the path to a position, so ranges would be meaningless.
-    lines = [] if verdict == engine.Verdict.OTHER_MODE else [assembly_text(machine)]
+    if not alone and verdict != engine.Verdict.OTHER_MODE:
+        lines.append(assembly_text(machine))
     if verdict not in (engine.Verdict.OK, engine.Verdict.CANNOT_ASSEMBLE):
         lines.append(verdict.sentence)
     return "\n".join([*lines, table(rows)] if rows else lines)
@@ -136,15 +135,6 @@ def between_positions_text(study: Study) -> str:
             lines.append(f"{name}: peak {shown[0]}, at the {study.positions} kept positions {shown[1]}")
     hint = "these fields peak between the kept positions; use summaries or more positions:"
     return "\n".join([hint, *lines]) if lines else ""
-
-
-def _elements_text(scene: engine.Scene) -> str:
-    """Results of the unmodified machine elements."""
-    machine = engine.made_ready(scene, answers(engine.made_ready(scene)))
-    outcome = machine.evaluate({})
-    rows = _asked_rows(machine, outcome, machine.asked_summaries)
-    verdict = engine.Verdict(outcome.status[0])
-    return table(rows) if verdict == engine.Verdict.OK else f"{verdict.sentence}\n{table(rows)}"
 
 
 def regimes_text(machine: engine.Machine, outcome: engine.Outcome) -> str:
@@ -256,9 +246,7 @@ def _cost_sections(
 ) -> list[tuple[str, str]]:
     """Evaluation, time, memory and file size of a study; runs on elastic shafts report their own."""
     cost = probe(study, machine)
-    way = "no sharing between variants"
-    seconds = f"about {_duration(cost.seconds * study.design.size)}"
-    seconds = on_shafts or seconds
+    seconds = on_shafts or f"about {_duration(cost.seconds * study.design.size)}"
     if machine.has_regimes:
         seconds += "; plus up to a minute of compilation the first time"
     numbers = 8 * (machine.numbers_kept + 4 * len(study.summaries))
@@ -268,7 +256,7 @@ def _cost_sections(
     reached = [] if cost.tried is None else [("Accuracy", accuracy_words.of_sample(study, cost.tried))]
     return [
         *reached,
-        ("Evaluation", f"{way}; fields in {study.field_precision}; {saved}"),
+        ("Evaluation", f"no sharing between variants; fields in {study.field_precision}; {saved}"),
         ("Time", seconds),
         ("Memory", f"about {(memory + cost.motion_bytes) / 1e6:.3g} MB plus the program itself"),
         *_file_sections(study, machine, out),
@@ -333,7 +321,8 @@ def _required_text(study: Study) -> list[str]:
     size, block = study.design.size, LARGEST_BLOCK
     whole = size <= MOST_COUNTED
     starts = range(0, size, block) if whole else np.linspace(0, size - block, MOST_COUNTED // block).astype(np.int64)
-    found = [study.values_and_misses(int(start), min(int(start) + block, size))[1] for start in starts]
+    parts = [(int(start), min(int(start) + block, size)) for start in starts]
+    found = [study.completed(study.design.values(*part), part[1] - part[0])[1] for part in parts]
     lines = drop_lines([condition.text for condition in study.require], found, None if whole else size)
     dropped = np.concatenate([part.any(axis=0) for part in found]).mean()
     share = f"{round(dropped * size)}" if whole else f"about {100 * dropped:.3g} %"

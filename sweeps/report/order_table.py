@@ -6,29 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import (
-    SHAKING_ORDERS,
-    Engine,
-    EngineElement,
-    EngineLayout,
-    Hodograph,
-    MasterRod,
-    Scene,
-    boxer_engine,
-    crank_radius,
-    display_unit,
-    engine_shaking,
-    even_firing_order,
-    firing_angles,
-    firing_intervals,
-    firing_sums,
-    in_line_engine,
-    piston_harmonics,
-    radial_engine,
-    usual_throws,
-    v_engine,
-    w_engine,
-)
+import engine
 from sweeps.text.tables import table
 
 # Crank-rod ratio of the table; without master rods the multiples don't depend on it.
@@ -69,9 +47,9 @@ class EngineRow(NamedTuple):
     """
 
     name: str
-    layout: EngineLayout
+    layout: engine.EngineLayout
     firing_order: tuple[int, ...] | None = None
-    master: MasterRod | None = None
+    master: engine.MasterRod | None = None
     ratio: float = RATIO
     offset: float = 0.0
 
@@ -88,8 +66,8 @@ class Remaining(NamedTuple):
         Between firings [rad].
     """
 
-    forces: Hodograph
-    couples: Hodograph
+    forces: engine.Hodograph
+    couples: engine.Hodograph
     torque_orders: tuple[float, ...] | None
     intervals: np.ndarray | None
 
@@ -98,50 +76,50 @@ def well_known_engines() -> list[EngineRow]:
     """Common engines."""
     right, narrow = math.pi / 2, math.pi / 3
     rows = [
-        EngineRow("single cylinder", in_line_engine(1).layout(), (1,)),
-        EngineRow("in-line 2, 360°", in_line_engine(2, (0, 0)).layout(), (1, 2)),
-        EngineRow("in-line 2, 180°", in_line_engine(2).layout(), (1, 2)),
-        EngineRow("V2 90°", v_engine(2).layout(right), (1, 2)),
-        EngineRow("V2 52°, pins 76°", v_engine(2).layout(math.radians(52), math.radians(76)), (1, 2)),
+        EngineRow("single cylinder", engine.in_line_engine(1).layout(), (1,)),
+        EngineRow("in-line 2, 360°", engine.in_line_engine(2, (0, 0)).layout(), (1, 2)),
+        EngineRow("in-line 2, 180°", engine.in_line_engine(2).layout(), (1, 2)),
+        EngineRow("V2 90°", engine.v_engine(2).layout(right), (1, 2)),
+        EngineRow("V2 52°, pins 76°", engine.v_engine(2).layout(math.radians(52), math.radians(76)), (1, 2)),
     ]
-    rows += [EngineRow(f"in-line {n}", in_line_engine(n).layout()) for n in (3, 4, 5, 6, 8)]
-    rows += [EngineRow(f"boxer {n}", boxer_engine(n).layout()) for n in (2, 4, 6)]
+    rows += [EngineRow(f"in-line {n}", engine.in_line_engine(n).layout()) for n in (3, 4, 5, 6, 8)]
+    rows += [EngineRow(f"boxer {n}", engine.boxer_engine(n).layout()) for n in (2, 4, 6)]
     rows += [
-        EngineRow("V6 90°, 3 throws", v_engine(6).layout(right), (1, 5, 2, 6, 3, 4)),
-        EngineRow("V6 60°, pins 60°", v_engine(6).layout(narrow, narrow)),
-        EngineRow("V8 90° cross-plane", v_engine(8).layout(right)),
-        EngineRow("V8 90° flat-plane", v_engine(8, usual_throws(4)).layout(right)),
-        EngineRow("V10 72°", v_engine(10).layout(math.radians(72))),
-        EngineRow("V12 60°", v_engine(12).layout(narrow)),
-        EngineRow("W12 60°", w_engine(12).layout(narrow)),
+        EngineRow("V6 90°, 3 throws", engine.v_engine(6).layout(right), (1, 5, 2, 6, 3, 4)),
+        EngineRow("V6 60°, pins 60°", engine.v_engine(6).layout(narrow, narrow)),
+        EngineRow("V8 90° cross-plane", engine.v_engine(8).layout(right)),
+        EngineRow("V8 90° flat-plane", engine.v_engine(8, engine.usual_throws(4)).layout(right)),
+        EngineRow("V10 72°", engine.v_engine(10).layout(math.radians(72))),
+        EngineRow("V12 60°", engine.v_engine(12).layout(narrow)),
+        EngineRow("W12 60°", engine.w_engine(12).layout(narrow)),
     ]
-    rows += [EngineRow(f"radial {n}", radial_engine(n).layout()) for n in (3, 5, 7, 9)]
-    master = MasterRod(0, 0.9, 1 / RATIO - 0.9)
-    return [*rows, EngineRow("radial 9, master rod", radial_engine(9).layout(), master=master)]
+    rows += [EngineRow(f"radial {n}", engine.radial_engine(n).layout()) for n in (3, 5, 7, 9)]
+    master = engine.MasterRod(0, 0.9, 1 / RATIO - 0.9)
+    return [*rows, EngineRow("radial 9, master rod", engine.radial_engine(9).layout(), master=master)]
 
 
-def engine_rows(scene: Scene) -> list[EngineRow]:
+def engine_rows(scene: engine.Scene) -> list[EngineRow]:
     """The engines of a scene; couples are multiples of the cylinder spacing, or of the rod distance on one throw.
 
     Parameters
     ----------
     scene : Scene
     """
-    return [_row(name, e) for name, e in scene.elements.items() if isinstance(e, EngineElement)]
+    return [_row(name, e) for name, e in scene.elements.items() if isinstance(e, engine.EngineElement)]
 
 
-def _row(name: str, engine: EngineElement) -> EngineRow:
-    unit = engine.spacing or abs(engine.rod_distance) or 1.0
-    bank, pins = engine.bank_angle or 0.0, engine.pin_offset or 0.0
+def _row(name: str, element: engine.EngineElement) -> EngineRow:
+    unit = element.spacing or abs(element.rod_distance) or 1.0
+    bank, pins = element.bank_angle or 0.0, element.pin_offset or 0.0
     # Without a spacing couples are omitted; a spacing of 1 gives the layout's multiples.
-    spacing = 1.0 if engine.spacing is None else engine.spacing / unit
-    layout = engine.pattern().layout(bank, pins, spacing, engine.rod_distance / unit)
-    radius = float(crank_radius(engine.stroke, engine.rod, engine.gudgeon_offset or 0.0))
-    index, master = engine.master_index, None
+    spacing = 1.0 if element.spacing is None else element.spacing / unit
+    layout = element.pattern().layout(bank, pins, spacing, element.rod_distance / unit)
+    radius = float(engine.crank_radius(element.stroke, element.rod, element.gudgeon_offset or 0.0))
+    index, master = element.master_index, None
     if index is not None:
-        master = MasterRod(index, engine.knuckle_radius / radius, engine.link_rod / radius)
-    ratio, offset = radius / engine.rod, (engine.gudgeon_offset or 0.0) / radius
-    return EngineRow(name, layout, engine.firing_order, master, ratio, offset)
+        master = engine.MasterRod(index, element.knuckle_radius / radius, element.link_rod / radius)
+    ratio, offset = radius / element.rod, (element.gudgeon_offset or 0.0) / radius
+    return EngineRow(name, layout, element.firing_order, master, ratio, offset)
 
 
 def remaining_orders(row: EngineRow) -> Remaining:
@@ -151,19 +129,19 @@ def remaining_orders(row: EngineRow) -> Remaining:
     ----------
     row : EngineRow
     """
-    found = engine_shaking(Engine(row.layout, 1.0, 1.0 / row.ratio, offset=row.offset, master=row.master))
-    units = np.abs(piston_harmonics(row.ratio, SHAKING_ORDERS, row.offset * row.ratio))
+    found = engine.engine_shaking(engine.Engine(row.layout, 1.0, 1.0 / row.ratio, offset=row.offset, master=row.master))
+    units = np.abs(engine.piston_harmonics(row.ratio, engine.SHAKING_ORDERS, row.offset * row.ratio))
     forces, couples = (
-        Hodograph(SHAKING_ORDERS, _clean(vector.forward / units), _clean(vector.backward / units))
+        engine.Hodograph(engine.SHAKING_ORDERS, _clean(vector.forward / units), _clean(vector.backward / units))
         for vector in (found.forces, found.couples)
     )
-    order = row.firing_order or even_firing_order(row.layout)
+    order = row.firing_order or engine.even_firing_order(row.layout)
     if order is None:
         return Remaining(forces, couples, None, None)
-    angles = firing_angles(row.layout, order)
+    angles = engine.firing_angles(row.layout, order)
     orders = np.arange(1, 2 * HIGHEST_TORQUE_ORDER + 1) / 2
-    left = orders[np.abs(firing_sums(orders, angles)) > BALANCED * len(order)]
-    return Remaining(forces, couples, tuple(left.tolist()), firing_intervals(angles))
+    left = orders[np.abs(engine.firing_sums(orders, angles)) > BALANCED * len(order)]
+    return Remaining(forces, couples, tuple(left.tolist()), engine.firing_intervals(angles))
 
 
 def order_table(rows: Sequence[EngineRow]) -> str:
@@ -174,9 +152,10 @@ def order_table(rows: Sequence[EngineRow]) -> str:
 
 
 def _harmonics_text(ratio: float, offset: float) -> str:
-    harmonics = piston_harmonics(ratio, SHAKING_ORDERS, offset * ratio)
+    harmonics = engine.piston_harmonics(ratio, engine.SHAKING_ORDERS, offset * ratio)
     sizes = np.abs(harmonics) if offset else harmonics.real
-    values = ", ".join(f"A{subscript_of(n)} = {value:.4g}" for n, value in zip(SHAKING_ORDERS, sizes, strict=True))
+    pairs = zip(engine.SHAKING_ORDERS, sizes, strict=True)
+    values = ", ".join(f"A{subscript_of(n)} = {value:.4g}" for n, value in pairs)
     displaced = f" and an offset of {offset:.3g} r" if offset else ""
     return f"At λ = {ratio:.4g}{displaced}: {values}."
 
@@ -205,19 +184,19 @@ def _cells(row: EngineRow) -> tuple[str, ...]:
     higher = [
         f"{kind} {order}: {ellipse_text(vector, order)}"
         for vector, kind in zip(vectors, ("force", "couple"), strict=True)
-        for order in SHAKING_ORDERS[2:]
+        for order in engine.SHAKING_ORDERS[2:]
         if any(abs(part) for part in vector.of(order))
     ]
     return row.name, _firing_text(found.intervals), *amplitudes, "; ".join(higher) or "0", _torque_text(found)
 
 
-def ellipse_text(vector: Hodograph, order: int, units: str = "1") -> str:
+def ellipse_text(vector: engine.Hodograph, order: int, units: str = "1") -> str:
     """The vector of one order: 0, size of a line or circle, or half axes of an ellipse."""
     i = vector.orders.index(order)
     major, minor = float(vector.major[i]), float(vector.minor[i])
     if major == 0:
         return "0"
-    factor, unit = display_unit(units, np.array([major]))
+    factor, unit = engine.display_unit(units, np.array([major]))
     turns = "↺" if abs(vector.forward[i]) > abs(vector.backward[i]) else "↻"
     sizes = [f"{factor * size:.4g}" for size in (major, minor)]
     if minor <= LINE * major:

@@ -121,16 +121,15 @@ def answer_text(result: SweepResult, every: bool = False) -> str:
     every : bool
         All results, also further ones, checks, and derived helper numbers.
     """
-    goal = result.goal
+    goal, lines = result.goal, [result.question] if result.question else []
     if result.description.variants == 1:
-        return "\n".join([*([result.question] if result.question else []), _only_text(result, every)])
+        return "\n".join([*lines, _only_text(result, every)])
     if goal is None:
         return "The study has no [best]; see `sweeps show`."
     best = result.best()
     if best is None:
-        return "\n".join([*([result.question] if result.question else []), no_answer_text(result)])
+        return "\n".join([*lines, no_answer_text(result)])
     rivals = result.rivals(best)
-    lines = [result.question] if result.question else []
     lines += [*best_lines(result, goal, best, every), *ends_text(result, best)]
     if undecided_text(result, goal.where):
         lines.append(f"{meeting_text(result, goal.where)}.")

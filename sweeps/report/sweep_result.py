@@ -76,10 +76,11 @@ class SweepResult:
         """All columns, mapped from the file; use `parts` for many variants."""
         return self._mapped.columns
 
-    def parts(self) -> Iterator[slice]:
-        """Consecutive slices of variants; the memory of each is released after use."""
-        for start in range(0, self.description.variants, VARIANTS_AT_A_TIME):
-            yield slice(start, min(start + VARIANTS_AT_A_TIME, self.description.variants))
+    def parts(self, size: int | None = None) -> Iterator[slice]:
+        """Consecutive slices of variants, of a size; the memory of each is released after use."""
+        size = size or VARIANTS_AT_A_TIME
+        for start in range(0, self.description.variants, size):
+            yield slice(start, min(start + size, self.description.variants))
             self._mapped.release()
 
     def release(self) -> None:
@@ -143,8 +144,7 @@ class SweepResult:
     @property
     def done(self) -> int:
         """Number of variants computed or dropped so far."""
-        status = self.columns["status"]
-        return sum(int(np.count_nonzero(status[part] != engine.Verdict.NOT_COMPUTED)) for part in self.parts())
+        return self.description.variants - self.verdict_counts().get(engine.Verdict.NOT_COMPUTED, 0)
 
     @property
     def finished(self) -> str:
@@ -268,13 +268,6 @@ class SweepResult:
                 found = [_first(found, most)]
         return _first(found, most)[0]
 
-    def meeting(self, where: Where) -> np.ndarray:
-        """Which computed variants meet a condition (variants,), as for `select`."""
-        met, found = self.meets(where), np.zeros(self.description.variants, bool)
-        for part in self.parts():
-            found[part] = met(part)
-        return found
-
     def count_meeting(self, where: Where) -> int:
         """Number of computed variants that meet a condition, as for `select`."""
         met = self.meets(where)
@@ -356,18 +349,17 @@ class SweepResult:
         """All columns of some variants, in memory."""
         found = {}
         for name, column in self.columns.items():
-            pieces = [chosen] if isinstance(chosen, slice) else self._pieces(chosen)
-            found[name] = np.concatenate([np.array(column[piece]) for piece in pieces])
-            self._mapped.release()
+            found[name] = np.concatenate([np.array(column[piece]) for piece in self._pieces(chosen)])
         return found
 
-    def _pieces(self, chosen: np.ndarray) -> Iterator[np.ndarray]:
+    def _pieces(self, chosen: np.ndarray | slice) -> Iterator[np.ndarray | slice]:
         """Some variants in parts; the memory of each is released after use.
 
         Each access maps at least a page of the file.
         """
-        for start in range(0, max(chosen.size, 1), CHOSEN_AT_A_TIME):
-            yield chosen[start : start + CHOSEN_AT_A_TIME]
+        whole = isinstance(chosen, slice)
+        for start in range(0, 1 if whole else max(chosen.size, 1), CHOSEN_AT_A_TIME):
+            yield chosen if whole else chosen[start : start + CHOSEN_AT_A_TIME]
             self._mapped.release()
 
     def rows(self, part: slice | np.ndarray, names: Iterable[str]) -> dict[str, np.ndarray]:
@@ -381,8 +373,6 @@ class SweepResult:
 
     def candidates(self, chosen: np.ndarray | slice = slice(None)) -> np.ndarray:
         """Which variants were computed and meet the condition for the best."""
-        if isinstance(chosen, slice):
-            return self.meeting(self.condition)[chosen]
         met = self.meets(self.condition)
         return np.concatenate([met(piece) for piece in self._pieces(chosen)])
 

@@ -87,8 +87,8 @@ def evaluate_variants(
     buffer : ndarray, optional
         Memory for their fields.
     """
-    if machine.has_regimes and drop.size > MOST_AT_ONCE_IN_MOTION:
-        ends = [*range(0, drop.size, MOST_AT_ONCE_IN_MOTION), drop.size]
+    if drop.size > (most := most_at_once(study, machine)):
+        ends = [*range(0, drop.size, most), drop.size]
         some = [slice(*part) for part in pairwise(ends)]
         parts = [evaluate_variants(study, machine, {n: v[s] for n, v in values.items()}, drop[s]) for s in some]
         return joined(parts)

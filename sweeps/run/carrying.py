@@ -15,7 +15,7 @@ import numpy as np
 
 from engine import Verdict
 from sweeps.run.blocks import evaluate_block, evaluate_variants
-from sweeps.store import Column, FileLayout, MappedResult, StoreError, describe_result, variant_keys
+from sweeps.store import Column, FileLayout, MappedResult, StoreError, VariantIndex, describe_result, variant_keys
 from sweeps.study.study import Study
 from sweeps.study.study_record import machine_record
 
@@ -53,16 +53,8 @@ class Earlier:
             return
 
     @cached_property
-    def _index(self) -> tuple[np.ndarray, np.ndarray]:
-        """Sorted keys of all variants, and their variants."""
-        keys = np.concatenate(
-            [
-                variant_keys(self._file.columns, self.parameters, self._file.rows(block))
-                for block in range(self._file.done.size)
-            ]
-        )
-        order = np.argsort(keys, kind="stable")
-        return keys[order], order
+    def _index(self) -> VariantIndex:
+        return VariantIndex(self._file.columns, self.parameters, slice(0, self._file.variants))
 
     def rows_of(self, values: Mapping[str, np.ndarray], count: int) -> np.ndarray:
         """Its variants with these parameters (count,); −1 if missing or damaged.
@@ -72,12 +64,7 @@ class Earlier:
         values : mapping of str to ndarray (count,)
         count : int
         """
-        keys, order = self._index
-        wanted = variant_keys(values, self.parameters, slice(0, count))
-        at = np.minimum(np.searchsorted(keys, wanted), keys.size - 1)
-        rows = np.where(keys[at] == wanted, order[at], -1)
-        for name in self.parameters:
-            rows[self._file.columns[name][rows] != values[name]] = -1
+        rows = self._index.variants_of(values, slice(0, count))
         blocks = rows // self._file.block
         for block in np.unique(blocks[rows >= 0]):
             if not (self._file.done[block] and self._file.is_sound(int(block))):
@@ -105,13 +92,11 @@ class Earlier:
         if not self.names or not self.names >= {*self._file.flat, *self._file.fields} - {*self.parameters}:
             return False
         size, step = study.design.size, self._file.block
-        done = [
-            variant_keys(self._file.columns, self.parameters, self._file.rows(i))
-            for i in np.flatnonzero(self._file.done)
-        ]
+        done = np.repeat(self._file.done, step)[: self._file.variants]
+        theirs = variant_keys(self._file.columns, self.parameters, slice(0, self._file.variants))[done]
         parts = ((start, min(start + step, size)) for start in range(0, size, step))
         ours = [variant_keys(study.values(*part)[0], self.parameters, slice(0, part[1] - part[0])) for part in parts]
-        return not done or bool(np.isin(np.concatenate(done), np.concatenate(ours)).all())
+        return bool(np.isin(theirs, np.concatenate(ours)).all())
 
 
 def _shared(

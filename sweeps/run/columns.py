@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from engine import ElementsAlone, InputUnits, Machine
-from sweeps.store import POSITION_NAMES, Column, FieldAxis
+from sweeps.store import POSITION_NAMES, Column, FieldAxis, columns_of_number
 
 
 def position_axis(machine: Machine | ElementsAlone) -> FieldAxis:
@@ -25,8 +25,7 @@ def number_columns(machine: Machine | ElementsAlone, summaries: Iterable[str]) -
     ]
     known = machine.available_summaries
     for name in summaries:
-        columns.append(Column(name, known[name].long_name, known[name].units))
-        columns.append(Column(f"{name}_error", f"error estimate of: {known[name].long_name}", known[name].units))
+        columns += columns_of_number(name, known[name].long_name, known[name].units)
     return columns
 
 

@@ -2,10 +2,11 @@
 
 from .creating import part_path
 from .errors import DamagedError, StoreError
-from .layout import NOT_COMPUTED, POSITION_NAMES, Column, FieldAxis, FileLayout
+from .layout import NOT_COMPUTED, POSITION_NAMES, Column, FieldAxis, FileLayout, columns_of_number
 from .reading import (
     Description,
     MappedResult,
+    VariantIndex,
     damage_text,
     describe_result,
     mapped_columns,

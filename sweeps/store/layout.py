@@ -47,6 +47,11 @@ class Column(NamedTuple):
     dtype: Any = np.float64
 
 
+def columns_of_number(name: str, long_name: str, units: str) -> list[Column]:
+    """The columns of a number of each variant and of its error estimate."""
+    return [Column(name, long_name, units), Column(f"{name}_error", f"error estimate of: {long_name}", units)]
+
+
 class FieldAxis(NamedTuple):
     """Axis of fields (input positions or times of a run): name, meaning, units and values."""
 

@@ -294,6 +294,42 @@ def variant_keys(columns: Mapping[str, np.ndarray], names: Iterable[str], rows: 
     return found
 
 
+class VariantIndex:
+    """Variants of a result file, found by their parameters.
+
+    Parameters
+    ----------
+    columns : mapping of str to ndarray
+        The file's.
+    names : sequence of str
+        The parameters.
+    rows : slice
+        Which variants.
+    """
+
+    def __init__(self, columns: Mapping[str, np.ndarray], names: Sequence[str], rows: slice) -> None:
+        self.columns, self.names = columns, names
+        keys = variant_keys(columns, names, rows)
+        order = np.argsort(keys, kind="stable")
+        self._keys, self._variants = keys[order], rows.start + order
+
+    def variants_of(self, columns: Mapping[str, np.ndarray], rows: slice) -> np.ndarray:
+        """Variants with the parameters of some others (rows,); −1 where there is none.
+
+        Parameters
+        ----------
+        columns : mapping of str to ndarray
+            Those of the others.
+        rows : slice
+        """
+        wanted = variant_keys(columns, self.names, rows)
+        at = np.minimum(np.searchsorted(self._keys, wanted), self._keys.size - 1)
+        found = np.where(self._keys[at] == wanted, self._variants[at], -1)
+        for name in self.names:
+            found[self.columns[name][found] != columns[name][rows]] = -1
+        return found
+
+
 def damage_text(result: MappedResult, blocks: Sequence[int]) -> str:
     """Name the variants of some blocks, "0 … 4095, 8192 … 12287", limited to the first few."""
     shown = [result.rows(i) for i in blocks[:_SHOWN]]

@@ -7,7 +7,7 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
 
@@ -21,21 +21,6 @@ _UNIT_POINTS = {"random": random_points, "sobol": sobol_points, "latin": latin_p
 
 class SamplingError(ValueError):
     """Invalid sampling; the message names the path and the value."""
-
-
-class Axis(Protocol):
-    """Parameters that vary together: `size` sets of values for `names`."""
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Dotted paths of the parameters."""
-
-    @property
-    def size(self) -> int:
-        """Number of sets of values."""
-
-    def values(self, indices: np.ndarray) -> dict[str, np.ndarray]:
-        """Values of each parameter at the indices (int64, each in 0..size-1), as float64."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,6 +221,10 @@ class Sampled:
             values = between(fraction, low, high, is_logarithmic) if sizes is None else entry_at(fraction, sizes)
             found[name] = values[back]
         return found
+
+
+# Parameters that vary together: `size` sets of `values` for `names`, dotted paths.
+Axis = Listed | Linear | Logarithmic | Columns | Sampled
 
 
 @dataclass(frozen=True)

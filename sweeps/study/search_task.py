@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -13,9 +12,8 @@ from sweeps.study.search_variables import Variables
 from sweeps.study.study import KnownNames, Study
 from sweeps.study.study_text import Optimise
 from sweeps.study.tolerances import Tolerance, read_tolerances
-from sweeps.text.conditions import Condition
-from sweeps.text.input_files import InputError
-from sweeps.text.toml_text import line_of, line_of_entry
+from sweeps.text.conditions import Condition, numeric_expression
+from sweeps.text.toml_text import Problems
 
 EVOLUTION, GENETIC, LOCAL = "differential evolution", "NSGA-II", "local"
 
@@ -119,7 +117,7 @@ class _TaskReader:
 
     def __init__(self, study: Study) -> None:
         self.study, self.raw = study, study.optimise or Optimise()
-        self.problems: list[tuple[int | None, str, str]] = []
+        self.problems = Problems(f"{study.name}.toml", study.text)
         self.names = KnownNames(study)
         self.units = self.names.units
 
@@ -127,22 +125,22 @@ class _TaskReader:
         texts = [
             (key, text, sign) for key, sign in (("minimise", 1.0), ("maximise", -1.0)) for text in self._goals(key)
         ]
-        objectives = [o for i, (key, text, sign) in enumerate(texts, 1) if (o := self._objective(key, text, sign, i))]
-        conditions = [c for text in self._conditions() if (c := self._condition(text))]
+        objectives, conditions = [], []
+        for number, (key, text, sign) in enumerate(texts, 1):
+            with self.problems.noted(engine.ExpressionError, ["optimise", key], text):
+                objectives.append(self._objective(text, sign, number))
+        for text in self._conditions():
+            with self.problems.noted(engine.ExpressionError, ["optimise", "where"], text):
+                conditions.append(self.names.condition(text))
         variables = Variables.of(self.study.design)
         method = self.raw.method or (EVOLUTION if len(texts) < 2 else GENETIC)
         self._check_method(method, len(texts), variables)
-        start, tolerances = self._start(variables), self._tolerances()
-        if self.problems:
-            raise InputError(f"{self.study.name}.toml", self.problems)
+        start, tolerances = self._start(variables), read_tolerances(self.study.scene, self.study.tolerances)
+        self.problems.refuse()
         study = replace(self.study, summaries=self.names.summaries, fields=(), derivatives=(), tolerances={})
         found = (tuple(objectives), tuple(conditions), method)
         numbers = (self.raw.population, self.raw.generations, self.raw.seed)
         return SearchTask(study, variables, *found, *numbers, start, tolerances)
-
-    def _problem(self, keys: list[str], message: str, entry: str = "") -> None:
-        found = keys if line_of(self.study.text, keys) else keys[:1]
-        self.problems.append((line_of_entry(self.study.text, found, entry), ".".join(keys), message))
 
     # Objectives and conditions
 
@@ -154,89 +152,58 @@ class _TaskReader:
             return [goal] if (goal := getattr(best, key)) else []
         if key == "minimise":
             message = "no objective: give minimise or maximise, expressions of summaries and parameters"
-            self._problem(["optimise"], message)
+            self.problems.add(["optimise"], message)
         return []
 
     def _conditions(self) -> list[str]:
         best, own = self.study.best, self.raw.minimise or self.raw.maximise
         return [*(best.where if best and not own else ()), *self.raw.where]
 
-    def _objective(self, key: str, text: str, sign: float, number: int) -> Objective | None:
-        expression = self._expression(key, text)
-        if expression is None:
-            return None
-        plain = isinstance(expression.tree, str)
-        units = self.units[expression.tree] if plain else self._units_of(expression)
-        return Objective(expression.tree if plain else f"objective_{number}", expression, sign, units)
-
-    def _units_of(self, expression: engine.TextExpression) -> str:
-        known = self._dimensions(expression)
-        return (
-            engine.unit_of_dimension(engine.dimension_of(expression, known)) or "1"
-            if None not in known.values()
-            else ""
-        )
-
-    def _dimensions(self, expression: engine.TextExpression) -> dict[str, engine.Powers | None]:
-        return engine.dimensions_by_unit({name: self.units[name] for name in expression.names})
-
-    def _expression(self, key: str, text: str) -> engine.TextExpression | None:
-        """A numeric expression, if all of its names are available."""
-        keys = ["optimise", key]
-        try:
-            expression = engine.parse_expression(text, engine.any_quantity)
-            if expression.is_condition:
-                raise engine.ExpressionError(f"{text!r} is a condition; a number is needed here")
-            if isinstance(expression.tree, str):
-                self.names.request_goal(expression.tree)
-            for name in expression.names:
-                self.names.request(name)
-            known = self._dimensions(expression)
-            if None not in known.values():
-                engine.dimension_of(expression, known)
-        except engine.ExpressionError as error:
-            self._problem(keys, str(error), text)
-            return None
-        return expression
-
-    def _condition(self, text: str) -> Condition | None:
-        try:
-            return self.names.condition(text)
-        except engine.ExpressionError as error:
-            self._problem(["optimise", "where"], str(error), text)
-            return None
+    def _objective(self, text: str, sign: float, number: int) -> Objective:
+        expression = numeric_expression(text)
+        if isinstance(expression.tree, str):
+            self.names.request_goal(expression.tree)
+        for name in expression.names:
+            self.names.request(name)
+        known = engine.dimensions_by_unit({name: self.units[name] for name in expression.names})
+        dimension = None if None in known.values() else engine.dimension_of(expression, known)
+        if isinstance(expression.tree, str):
+            return Objective(expression.tree, expression, sign, self.units[expression.tree])
+        units = "" if dimension is None else engine.unit_of_dimension(dimension) or "1"
+        return Objective(f"objective_{number}", expression, sign, units)
 
     # Method, start, tolerances
 
     def _check_method(self, method: str, objectives: int, variables: Variables) -> None:
         keys = ["optimise", "method"]
         if not variables.varies or not self.study.paths:
-            self._problem(["vary"], "nothing varies; give ranges or lists of variables")
+            self.problems.add(["vary"], "nothing varies; give ranges or lists of variables")
         elif method == LOCAL and not variables.free.any():
             message = f"{LOCAL!r} needs ranges, but only lists vary: give low and high, or use {EVOLUTION!r}"
-            self._problem(keys, message)
+            self.problems.add(keys, message)
         if method == GENETIC and objectives == 1:
-            self._problem(keys, f"{GENETIC!r} needs several objectives: use {EVOLUTION!r}")
+            self.problems.add(keys, f"{GENETIC!r} needs several objectives: use {EVOLUTION!r}")
         if method != GENETIC and objectives > 1:
             message = f"{method!r} needs one objective, but there are {objectives}: use {GENETIC!r}, or combine them"
-            self._problem(keys, message)
+            self.problems.add(keys, message)
 
     def _start(self, variables: Variables) -> np.ndarray:
         """Coordinates of the start: as given, else of the unmodified scene."""
-        given = {}
+        given, numbers = {}, engine.scene_numbers(self.study.scene)
         for name, value in self.raw.start.items():
-            keys = ["optimise", "start", name]
             if name not in variables.names:
-                self._problem(keys, engine.unknown_name_message(name, variables.names))
-            elif (number := self._quantity(name, value, keys)) is not None:
-                given[name] = number
+                self.problems.add(["optimise", "start", name], engine.unknown_name_message(name, variables.names))
+                continue
+            with self.problems.noted(engine.UnitError, ["optimise", "start", name]):
+                known = name in numbers
+                given[name] = engine.in_text(value, numbers[name].dimension) if known else engine.recognised(value)[0]
         place = variables.coordinates(self.study.fixed | given)
         found = variables.values(place[None])
         for name, value in given.items():
             # Allow for rounding in the conversion.
             if not np.isclose(found[name][0], value, rtol=1e-12, atol=0):
                 keys, text = ["optimise", "start", name], engine.quantity_text(value, self.units[name])
-                self._problem(keys, f"{text} is not allowed by vary.{name}; {self._allowed(name, variables)}")
+                self.problems.add(keys, f"{text} is not allowed by vary.{name}; {self._allowed(name, variables)}")
         return place
 
     def _allowed(self, name: str, variables: Variables) -> str:
@@ -249,17 +216,3 @@ class _TaskReader:
         return (
             f"allowed: {', '.join(engine.quantity_text(v, self.units[name]) for v in dict.fromkeys(listed.tolist()))}"
         )
-
-    def _quantity(self, name: str, value: float | str, keys: Iterable[str]) -> float | None:
-        number = engine.scene_numbers(self.study.scene).get(name)
-        try:
-            return engine.recognised(value)[0] if number is None else engine.in_text(value, number.dimension)
-        except engine.UnitError as error:
-            self._problem(list(keys), str(error))
-            return None
-
-    def _tolerances(self) -> tuple[Tolerance, ...]:
-        found, problems = read_tolerances(self.study.scene, self.study.tolerances)
-        for path, message in problems:
-            self._problem(["tolerances", path], message)
-        return found

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 import engine
-from sweeps.store import Column
+from sweeps.store import Column, columns_of_number
 from sweeps.study.study_content import AskedDerivative, StudyContent
 from sweeps.study.tolerances import Tolerance, read_tolerances
 
@@ -38,7 +38,7 @@ class Sensitivity:
 
     def __init__(self, study: StudyContent) -> None:
         self.study = study
-        self.tolerances, _ = read_tolerances(study.scene, study.tolerances)
+        self.tolerances = read_tolerances(study.scene, study.tolerances)
         left_out = (*engine.PLACE_STATISTICS, *engine.ACCURACY_SUMMARIES)
         smooth = [n for n in study.summaries if not n.endswith(left_out) and not engine.is_warning(n)]
         self._summaries = smooth if self.tolerances else []
@@ -99,10 +99,7 @@ class Sensitivity:
     @property
     def columns(self) -> list[Column]:
         """Columns filled by `of_variants`."""
-        found = []
-        for quantity in self.quantities:
-            name, words, units = quantity.name, quantity.long_name, quantity.units
-            found += [Column(name, words, units), Column(f"{name}_error", f"error estimate of: {words}", units)]
+        found = [c for q in self.quantities for c in columns_of_number(q.name, q.long_name, q.units)]
         words = "verdict on the variant's neighbours along"
         return found + [Column(f"status_by.{by}", f"{words} {by}", "1", dtype=np.uint8) for by in self._derived_by]
 
@@ -201,13 +198,3 @@ class Sensitivity:
 
 def _table(rows: Iterable[np.ndarray]) -> np.ndarray:
     return np.stack(list(rows))
-
-
-def refusals(study: StudyContent) -> list[tuple[str, str]]:
-    """Key and message of all problems with a study's derivatives and tolerances."""
-    found = [(f"tolerances.{path}", message) for path, message in read_tolerances(study.scene, study.tolerances)[1]]
-    try:
-        Sensitivity(study)
-    except engine.AskError as error:
-        found.append(("outputs.derivatives", str(error)))
-    return found

@@ -128,12 +128,8 @@ class Study(StudyContent):
 
         They are independent of the block size.
         """
-        values, missed = self.values_and_misses(start, stop)
+        values, missed = self.completed(self.design.values(start, stop), stop - start)
         return values, missed.any(axis=0)
-
-    def values_and_misses(self, start: int, stop: int) -> tuple[dict[str, np.ndarray], np.ndarray]:
-        """Parameters of the variants start … stop − 1 (SI), and which of them fail which condition of `require`."""
-        return self.completed(self.design.values(start, stop), stop - start)
 
     def completed(self, varied: Mapping[str, np.ndarray], count: int) -> tuple[dict[str, np.ndarray], np.ndarray]:
         """Varied and derived parameters of `count` variants, and which fail which condition."""

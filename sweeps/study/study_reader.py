@@ -14,15 +14,16 @@ from sweeps.study import study_text
 from sweeps.study.default_summaries import default_summaries
 from sweeps.study.sampling import Axis, Columns, Design, Linear, Listed, Logarithmic, Sampled, SamplingError
 from sweeps.study.search_task import task_of
-from sweeps.study.sensitivity import refusals
+from sweeps.study.sensitivity import Sensitivity
 from sweeps.study.study import KnownNames, Study
-from sweeps.study.study_content import AskedDerivative
+from sweeps.study.study_content import AskedDerivative, number_units
+from sweeps.study.tolerances import read_tolerances
 from sweeps.study.variant_tables import read_variant_table
-from sweeps.text.conditions import Condition, UnknownNameError
+from sweeps.text.conditions import Condition, UnknownNameError, numeric_expression
 from sweeps.text.csv_text import TableColumn
 from sweeps.text.input_files import InputError, read_text
 from sweeps.text.scene_text import scene_from, with_numbers
-from sweeps.text.toml_text import line_of, line_of_entry, parse_toml, problems_in, validate
+from sweeps.text.toml_text import Problems, line_of, parse_toml, problems_in, validate
 
 # Keys that are attributes of a study.
 _AS_GIVEN = ("positions", "field_precision", "accuracy", "question", "best", "optimise", "tolerances")
@@ -62,11 +63,8 @@ class StudyReader:
         self.scene = self._scene()
         self.raw = validate(study_text.StudyText, self._with_full_names(data), text, path.name)
         self.numbers = engine.scene_numbers(self.scene)
-        self.problems: list[tuple[int | None, str, str]] = []
-        self.dimensions = {
-            path: engine.dimension_of_unit(engine.described_dimension(n.dimension).unit)
-            for path, n in self.numbers.items()
-        }
+        self.problems = Problems(path.name, text)
+        self.dimensions = engine.dimensions_by_unit(number_units(self.scene))
 
     def _scene(self) -> engine.Scene:
         self.scene_text = ""
@@ -106,10 +104,11 @@ class StudyReader:
         design = self._design()
         names = design.names if design else ()
         derived = self._derived(names)
-        require = tuple(e for i, t in enumerate(self.raw.require) if (e := self._condition(t, i)))
-        derivatives = self._derivatives()
-        if self.problems:
-            raise InputError(self.path.name, self.problems)
+        require, derivatives = self._required(), []
+        for text in dict.fromkeys(self.raw.outputs.derivatives):
+            with self.problems.noted(engine.AskError, ["outputs", "derivatives"]):
+                derivatives.append(AskedDerivative.read(text))
+        self.problems.refuse()
         outputs = self.raw.outputs
         summaries = tuple(dict.fromkeys(outputs.summaries))
         if not summaries and not outputs.fields:
@@ -124,7 +123,7 @@ class StudyReader:
             "require": require,
             "summaries": summaries,
             "fields": tuple(dict.fromkeys(outputs.fields)),
-            "derivatives": derivatives,
+            "derivatives": tuple(derivatives),
             "name": self.path.stem,
             "title": self.raw.title or self.scene.title,
             "text": self.text,
@@ -132,56 +131,42 @@ class StudyReader:
             "free_units": {name: engine.unit_of_dimension(self.dimensions[name]) for name in free},
         }
 
-    def _derivatives(self) -> tuple[AskedDerivative, ...]:
-        found = []
-        for text in dict.fromkeys(self.raw.outputs.derivatives):
-            try:
-                found.append(AskedDerivative.read(text))
-            except engine.AskError as error:
-                self._problem(["outputs", "derivatives"], str(error))
-        return tuple(found)
-
-    def _problem(self, keys: list[str], message: str, line: int | None = None) -> None:
-        line = line or line_of(self.text, keys) or line_of(self.text, _split(keys))
-        self.problems.append((line, ".".join(keys), message))
-        if len(self.problems) >= engine.MOST_PROBLEMS:
-            raise InputError(self.path.name, self.problems)
-
     # Variables
 
     def _design(self) -> Design | None:
         axes: list[Axis] = []
-        sampled: dict[str, study_text.Between | study_text.Sizes] = {}
+        ranges: dict[str, list[float]] = {}
+        sizes: dict[str, list[float]] = {}
         samples = self.raw.sampling or any(isinstance(axis, study_text.Between) for axis in self.raw.vary.values())
         for path, axis in self.raw.vary.items():
-            if not self._is_variable(path, ["vary", path]):
-                continue
-            if isinstance(axis, study_text.Between) or (samples and isinstance(axis, study_text.Sizes)):
-                sampled[path] = axis
-            else:
-                self._add(axes, path, axis)
+            with self.problems.noted((engine.UnitError, SamplingError), ["vary", path]):
+                self._check_variable(path)
+                if isinstance(axis, study_text.Between):
+                    ranges[path] = self._quantities(path, (axis.low, axis.high))
+                elif samples and isinstance(axis, study_text.Sizes):
+                    sizes[path] = self._sizes(path, axis)
+                else:
+                    axes.append(self._axis(path, axis))
         if self.raw.variants is not None:
             self._add_columns(axes, self.raw.variants)
-        if sampled:
-            self._add_sampled(axes, sampled)
+        if ranges or sizes:
+            self._add_sampled(axes, ranges, sizes)
         elif self.raw.sampling is not None:
-            self._problem(
-                ["sampling"], "nothing is sampled; give low and high, or choose, for a variable, or remove this"
-            )
-        try:
+            message = "nothing is sampled; give low and high, or choose, for a variable, or remove this"
+            self.problems.add(["sampling"], message)
+        with self.problems.noted(SamplingError, ["vary"]):
             design = Design(tuple(axes))
-        except SamplingError as error:
-            self._problem(["vary"], str(error))
-            return None
-        if design.size > MOST_VARIANTS:
-            message = f"{design.size} variants, at most {MOST_VARIANTS}; reduce a count, or sample with low and high"
-            self._problem(["vary"], message)
-        return design
+            if design.size > MOST_VARIANTS:
+                message = (
+                    f"{design.size} variants, at most {MOST_VARIANTS}; reduce a count, or sample with low and high"
+                )
+                self.problems.add(["vary"], message)
+            return design
+        return None
 
-    def _is_variable(self, path: str, keys: list[str], others: Iterable[str] = ()) -> bool:
-        if message := self._why_no_variable(path, others):
-            self._problem(keys, message)
-        return not message
+    def _check_variable(self, path: str) -> None:
+        if message := self._why_no_variable(path):
+            raise SamplingError(message)
 
     def _why_no_variable(self, path: str, others: Iterable[str] = ()) -> str:
         """Why a name can't vary, or ""."""
@@ -222,155 +207,116 @@ class StudyReader:
                 found.update(re.findall(r"[^\W\d][\w.]*", text))
         return found
 
-    def _quantities(self, path: str, values: Iterable[float | str], keys: list[str]) -> list[float] | None:
-        """Values in SI units; None if one is invalid."""
-        try:
-            if path in self.numbers:
-                return [engine.in_text(value, self.numbers[path].dimension) for value in values]
-            found = [engine.recognised(value) for value in values]
-        except engine.UnitError as error:
-            self._problem(keys, str(error))
-            return None
+    def _quantities(self, path: str, values: Iterable[float | str]) -> list[float]:
+        """Values in SI units."""
+        if path in self.numbers:
+            return [engine.in_text(value, self.numbers[path].dimension) for value in values]
+        found = [engine.recognised(value) for value in values]
         # A bare 0 is valid in any unit.
         kinds = dict.fromkeys(kind for number, kind in found if number or kind != "number") or ["number"]
         if len(kinds) > 1:
             words = " and ".join(kind.replace("_", " ") for kind in kinds)
-            self._problem(keys, f"has values of several dimensions ({words}); use one dimension")
-            return None
-        self.dimensions[path] = engine.dimension_of_unit(engine.described_dimension(next(iter(kinds))).unit)
+            raise SamplingError(f"has values of several dimensions ({words}); use one dimension")
+        self.dimensions[path] = _powers(next(iter(kinds)))
         return [number for number, _ in found]
 
-    def _sizes(self, path: str, axis: study_text.Sizes, keys: list[str]) -> list[float] | None:
-        """Sizes in SI units, ascending; None if there are none."""
+    def _sizes(self, path: str, axis: study_text.Sizes) -> list[float]:
+        """Sizes in SI units, ascending."""
         if isinstance(axis, study_text.SizeList):
-            listed = self._quantities(path, axis.choose, keys)
-            return None if listed is None else sorted(set(listed))
+            return sorted(set(self._quantities(path, axis.choose)))
         series = engine.STANDARD_SIZES[axis.choose]
-        described = engine.described_dimension(series.dimension)
-        dimension = engine.dimension_of_unit(described.unit)
+        dimension = _powers(series.dimension)
         if self.dimensions.setdefault(path, dimension) != dimension:
             example = engine.described_dimension(self.numbers[path].dimension).example
-            self._problem(keys, f"{axis.choose!r} is a series of {series.dimension}s; list the sizes: ['{example}', …]")
-            return None
-        try:
-            low, high = (engine.in_text(end, series.dimension) for end in (axis.low, axis.high))
-        except engine.UnitError as error:
-            self._problem(keys, str(error))
-            return None
+            words = f"{axis.choose!r} is a series of {series.dimension}s; list the sizes: ['{example}', …]"
+            raise SamplingError(words)
+        low, high = (engine.in_text(end, series.dimension) for end in (axis.low, axis.high))
         if not 0 < low <= high:
-            self._problem(keys, f"low {axis.low!r} must be above 0 and not above high {axis.high!r}")
-            return None
-        sizes = series.between(low, high)
-        if not sizes:
-            near = " and ".join(engine.quantity_text(size, described.unit) for size in series.around(low, high))
-            self._problem(keys, f"no size of {axis.choose!r} lies from {axis.low!r} to {axis.high!r}; nearest: {near}")
-        return sizes or None
+            raise SamplingError(f"low {axis.low!r} must be above 0 and not above high {axis.high!r}")
+        if sizes := series.between(low, high):
+            return sizes
+        unit = engine.described_dimension(series.dimension).unit
+        near = " and ".join(engine.quantity_text(size, unit) for size in series.around(low, high))
+        raise SamplingError(f"no size of {axis.choose!r} lies from {axis.low!r} to {axis.high!r}; nearest: {near}")
 
-    def _add(self, axes: list[Axis], path: str, axis: study_text.Range | study_text.Listing | study_text.Sizes) -> None:
-        keys = ["vary", path]
+    def _axis(self, path: str, axis: study_text.Range | study_text.Listing | study_text.Sizes) -> Axis:
         if isinstance(axis, study_text.Sizes):
-            numbers = self._sizes(path, axis, keys)
-        else:
-            ends = axis.values if isinstance(axis, study_text.Listing) else (axis.start, axis.stop)
-            numbers = self._quantities(path, ends, keys)
-        if numbers is None:
-            return
-        try:
-            if isinstance(axis, study_text.Listing | study_text.Sizes):
-                axes.append(Listed(path, tuple(numbers)))
-            else:
-                kind = Linear if axis.spacing == "linear" else Logarithmic
-                axes.append(kind(path, *numbers, axis.count))
-        except SamplingError as error:
-            self._problem(keys, str(error))
+            return Listed(path, tuple(self._sizes(path, axis)))
+        if isinstance(axis, study_text.Listing):
+            return Listed(path, tuple(self._quantities(path, axis.values)))
+        kind = Linear if axis.spacing == "linear" else Logarithmic
+        return kind(path, *self._quantities(path, (axis.start, axis.stop)), axis.count)
 
     def _add_columns(self, axes: list[Axis], name: str) -> None:
-        try:
+        columns, table = {}, []
+        with self.problems.noted(InputError, ["variants"]):
             columns = read_variant_table(self.folder / name)
-        except InputError as error:
-            self._problem(["variants"], str(error))
-            return
-        table = [self._column(path, column, columns) for path, column in columns.items()]
-        if len(table) == len(columns) and None not in table:
+        for path, column in columns.items():
+            with self.problems.noted(InputError, ["variants"]):
+                table.append(self._column(path, column, columns))
+        if columns and len(table) == len(columns):
             axes.append(Columns(tuple(columns), tuple(table)))
 
-    def _column(self, path: str, column: TableColumn, others: Iterable[str]) -> list[float] | None:
-        """Values of a table column in SI units; None if invalid."""
-        try:
-            if message := self._why_no_variable(path, others):
-                raise column.problem(0, message)
-            if path in self.numbers:
-                return column.numbers(self.numbers[path].dimension)
-            dimension = column.dimension
-            self.dimensions[path] = engine.dimension_of_unit(engine.described_dimension(dimension).unit)
-            return column.numbers(dimension)
-        except InputError as error:
-            self._problem(["variants"], str(error))
-            return None
+    def _column(self, path: str, column: TableColumn, others: Iterable[str]) -> list[float]:
+        """Values of a table column in SI units."""
+        if message := self._why_no_variable(path, others):
+            raise column.problem(0, message)
+        if path in self.numbers:
+            return column.numbers(self.numbers[path].dimension)
+        dimension = column.dimension
+        self.dimensions[path] = _powers(dimension)
+        return column.numbers(dimension)
 
-    def _add_sampled(self, axes: list[Axis], sampled: dict[str, study_text.Between | study_text.Sizes]) -> None:
-        sampling = self.raw.sampling
+    def _add_sampled(self, axes: list[Axis], ranges: dict[str, list[float]], sizes: dict[str, list[float]]) -> None:
+        sampling, paths = self.raw.sampling, tuple(path for path in self.raw.vary if path in ranges or path in sizes)
         if sampling is None and self.raw.optimise is not None:
             # Optional for a search; a sweep then uses the population size.
             sampling = study_text.Sampling(
                 method="latin", count=self.raw.optimise.population, seed=self.raw.optimise.seed
             )
         if sampling is None:
-            self._problem(["vary", next(iter(sampled))], "low and high need a [sampling] table with method and count")
+            self.problems.add(["vary", paths[0]], "low and high need a [sampling] table with method and count")
+        if self.problems.found:
             return
-        chosen = {
-            p: self._sizes(p, a, ["vary", p]) for p, a in sampled.items() if not isinstance(a, study_text.Between)
-        }
-        ranges = {p: a for p, a in sampled.items() if isinstance(a, study_text.Between)}
-        ends = {p: self._quantities(p, (a.low, a.high), ["vary", p]) for p, a in ranges.items()}
-        if self.problems:
-            return
-        ends |= {path: (sizes[0], sizes[-1]) for path, sizes in chosen.items()}
-        lows, highs = zip(*(ends[path] for path in sampled), strict=True)
-        logs = tuple(path in ranges and ranges[path].spacing == "log" for path in sampled)
+        lows, highs = zip(*(ranges.get(path) or (sizes[path][0], sizes[path][-1]) for path in paths), strict=True)
+        logs = tuple(path in ranges and self.raw.vary[path].spacing == "log" for path in paths)
         how = (sampling.count, sampling.method, sampling.seed)
-        try:
-            axes.append(Sampled(tuple(sampled), lows, highs, *how, logs, chosen))
-        except SamplingError as error:
-            self._problem(["sampling"], str(error))
+        with self.problems.noted(SamplingError, ["sampling"]):
+            axes.append(Sampled(paths, lows, highs, *how, logs, sizes))
 
     # Expressions
 
     def _derived(self, varied: tuple[str, ...]) -> dict[str, engine.TextExpression]:
         found: dict[str, engine.TextExpression] = {}
         for path, text in self.raw.derive.items():
-            keys = ["derive", path]
-            if path in varied:
-                self._problem(keys, "varies already; a number is either varied or derived")
-            elif self._is_variable(path, keys):
-                expression = self._expression(text, keys, {*self.numbers, *varied, *found})
-                if expression and expression.is_condition:
-                    self._problem(keys, f"{text!r} is a condition; a number is needed here")
-                elif expression and self._has_dimension(expression, path, keys):
-                    found[path] = expression
+            with self.problems.noted((engine.ExpressionError, SamplingError), ["derive", path]):
+                if path in varied:
+                    raise SamplingError("varies already; a number is either varied or derived")
+                self._check_variable(path)
+                expression, known = numeric_expression(text), {*self.numbers, *varied, *found}
+                unknown = [name for name in expression.names if name not in known]
+                for name in unknown:
+                    self.problems.add(["derive", path], engine.unknown_name_message(name, known))
+                if unknown:
+                    continue
+                if path in self.numbers:
+                    engine.check_yields(expression, self.dimensions[path], self.dimensions)
+                else:
+                    self.dimensions[path] = engine.dimension_of(expression, self.dimensions)
+                found[path] = expression
         return found
 
-    def _has_dimension(self, expression: engine.TextExpression, path: str, keys: list[str]) -> bool:
-        """Whether a derived number has the dimension of its path; a free one takes its expression's."""
-        try:
-            if path in self.numbers:
-                engine.check_yields(expression, self.dimensions[path], self.dimensions)
-            else:
-                self.dimensions[path] = engine.dimension_of(expression, self.dimensions)
-        except engine.ExpressionError as error:
-            self._problem(keys, str(error))
-            return False
-        return True
-
-    def _condition(self, text: str, entry: int) -> Condition | None:
-        try:
-            return Condition.read(text, self.dimensions)
-        except engine.ExpressionError as error:
-            message, number = str(error), f"entry {entry + 1}, " if len(self.raw.require) > 1 else ""
-            if isinstance(error, UnknownNameError) and (result := self._result_in(text)):
-                message = f"{result!r} is a result; require drops variants before they are computed, so write where"
-            self._problem(["require"], f"{number}{message}", line_of_entry(self.text, ["require"], text))
-            return None
+    def _required(self) -> tuple[Condition, ...]:
+        found = []
+        for number, text in enumerate(self.raw.require, 1):
+            try:
+                found.append(Condition.read(text, self.dimensions))
+            except engine.ExpressionError as error:
+                message, place = str(error), f"entry {number}, " if len(self.raw.require) > 1 else ""
+                if isinstance(error, UnknownNameError) and (result := self._result_in(text)):
+                    message = f"{result!r} is a result; require drops variants before they are computed, so write where"
+                self.problems.add(["require"], f"{place}{message}", text)
+        return tuple(found)
 
     def _result_in(self, text: str) -> str:
         """A result that a condition names, or ""."""
@@ -381,20 +327,9 @@ class StudyReader:
                     return name
         return ""
 
-    def _expression(self, text: str, keys: list[str], known: Iterable[str]) -> engine.TextExpression | None:
-        try:
-            expression = engine.parse_expression(text, engine.any_quantity)
-        except engine.ExpressionError as error:
-            self._problem(keys, str(error))
-            return None
-        unknown = [name for name in expression.names if name not in set(known)]
-        for name in unknown:
-            self._problem(keys, engine.unknown_name_message(name, known))
-        return None if unknown else expression
 
-
-def _split(keys: list[str]) -> list[str]:
-    return [part for key in keys for part in key.split(".")]
+def _powers(dimension: str) -> engine.Powers:
+    return engine.dimension_of_unit(engine.described_dimension(dimension).unit)
 
 
 def read_study(path: Path | str) -> Study:
@@ -434,27 +369,28 @@ def read_study(path: Path | str) -> Study:
 
 def _with_best(study: Study, source: str) -> Study:
     """The study, with the results requested that its [best] names."""
-    best, names, problems = study.best, KnownNames(study), []
-    try:
+    best, names, problems = study.best, KnownNames(study), Problems(source, study.text)
+    with problems.noted(engine.ExpressionError, ["best", best.key]):
         names.request_goal(best.goal)
-    except engine.ExpressionError as error:
-        problems += problems_in(study.text, [(f"best.{best.key}", str(error))])
     for text in best.where:
-        try:
+        with problems.noted(engine.ExpressionError, ["best", "where"], text):
             names.condition(text)
-        except engine.ExpressionError as error:
-            problems.append((line_of_entry(study.text, ["best", "where"], text), "best.where", str(error)))
-    if problems:
-        raise InputError(source, problems)
+    problems.refuse()
     return study if names.summaries == study.summaries else replace(study, summaries=names.summaries)
 
 
 def _checked(study: Study, path: Path) -> Study:
     """The study, if all requested outputs exist."""
+    problems = Problems(path.name, study.text)
     try:
         study.machine()
-        if found := refusals(study):
-            raise InputError(path.name, problems_in(study.text, found))
+        for name, tolerance in study.tolerances.items():
+            with problems.noted((engine.AskError, engine.UnitError), ["tolerances", name]):
+                read_tolerances(study.scene, {name: tolerance})
+        problems.refuse()
+        with problems.noted(engine.AskError, ["outputs", "derivatives"]):
+            Sensitivity(study)
+        problems.refuse()
         if study.best:
             study = _with_best(study, path.name)
     except engine.AskError as error:

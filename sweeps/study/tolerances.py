@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import MOST_PROBLEMS, Scene, UnitError, in_text, scene_numbers, unknown_name_message
+from engine import AskError, Scene, in_text, scene_numbers, unknown_name_message
 from sweeps.study.study_text import ToleranceText
 
 
@@ -22,10 +22,8 @@ class Tolerance(NamedTuple):
         return self.half_width / (3.0 if self.distribution == "normal" else 3.0**0.5)
 
 
-def read_tolerances(
-    scene: Scene, texts: Mapping[str, ToleranceText]
-) -> tuple[tuple[Tolerance, ...], list[tuple[str, str]]]:
-    """Tolerances in SI units, and problems.
+def read_tolerances(scene: Scene, texts: Mapping[str, ToleranceText]) -> tuple[Tolerance, ...]:
+    """Tolerances in SI units.
 
     Parameters
     ----------
@@ -33,25 +31,17 @@ def read_tolerances(
     texts : mapping of str to ToleranceText
         By path of the number.
 
-    Returns
-    -------
-    tolerances : tuple of Tolerance
-    problems : list of (str, str)
-        Path and message.
+    Raises
+    ------
+    AskError, UnitError
+        No number of the scene, or no width.
     """
-    numbers, found, problems = scene_numbers(scene), [], []
+    numbers, found = scene_numbers(scene), []
     for path, text in texts.items():
-        if len(problems) == MOST_PROBLEMS:
-            break
         if path not in numbers:
-            problems.append((path, f"is not a number of the scene. {unknown_name_message(path, numbers)}"))
-            continue
-        try:
-            half_width = in_text(text.plus_minus, numbers[path].dimension)
-        except UnitError as error:
-            problems.append((path, str(error)))
-            continue
+            raise AskError(f"is not a number of the scene. {unknown_name_message(path, numbers)}")
+        half_width = in_text(text.plus_minus, numbers[path].dimension)
         if not 0 < half_width < np.inf:
-            problems.append((path, f"{text.plus_minus!r}: a tolerance must be greater than 0, such as '0.1 mm'"))
+            raise AskError(f"{text.plus_minus!r}: a tolerance must be greater than 0, such as '0.1 mm'")
         found.append(Tolerance(path, half_width, text.distribution))
-    return tuple(found), problems
+    return tuple(found)

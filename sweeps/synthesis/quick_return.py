@@ -16,11 +16,12 @@ gegebene Totlagen.
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 from sweeps.synthesis.synthesis_error import SynthesisError
 
-# Trial lengths in the range, and refinements about the best.
+# _Trial lengths in the range, and refinements about the best.
 _TRIALS, _FINER = 200, 12
 
 
@@ -50,6 +51,11 @@ class QuickLever(NamedTuple):
     lever: float
     frame: float
     swing: float
+
+
+_Linkage = QuickSliderCrank | QuickCrankRocker
+# The linkage with a length of its coupler, if there is one.
+_Trial = Callable[[float], _Linkage | None]
 
 
 def quick_return_angle(ratio: float) -> float:
@@ -88,22 +94,12 @@ def quick_slider_crank(stroke: float, ratio: float, rod: float | None = None) ->
         There is none.
     """
     theta = _checked(stroke, "stroke", ratio)
+    if rod is None and theta == 0.0:
+        raise SynthesisError("at a quick-return ratio of 1 any rod longer than half the stroke works: give the rod")
+    none = f"no slider-crank has a quick-return ratio of {ratio:g}: it must be less than 3"
     words = f"a stroke of {stroke:g} m with a quick-return ratio of {ratio:g}"
-
-    def trial(length: float) -> QuickSliderCrank | None:
-        return _slider_crank(stroke, theta, length)
-
-    if rod is None:
-        if theta == 0.0:
-            raise SynthesisError("at a quick-return ratio of 1 any rod longer than half the stroke works: give the rod")
-        rod = _best(trial, _lengths(stroke, theta))
-        if rod is None:
-            raise SynthesisError(f"no slider-crank has a quick-return ratio of {ratio:g}: it must be less than 3")
-    found = trial(rod)
-    if found is None:
-        reach = _reach(trial, stroke, theta)
-        raise SynthesisError(f"no slider-crank with a rod of {rod:g} m has {words}: {reach}")
-    return found
+    not_this = f"no slider-crank with a rod of {{:g}} m has {words}"
+    return _chosen(partial(_slider_crank, stroke, theta), rod, _lengths(stroke, theta), none, not_this)
 
 
 def quick_crank_rocker(rocker: float, swing: float, ratio: float, coupler: float | None = None) -> QuickCrankRocker:
@@ -128,22 +124,14 @@ def quick_crank_rocker(rocker: float, swing: float, ratio: float, coupler: float
     theta = _checked(rocker, "length of the rocker", ratio)
     if not 0.0 < swing < math.pi:
         raise SynthesisError(f"a rocker can't swing by {math.degrees(swing):g}°: the swing must be between 0 and 180°")
-
-    def trial(length: float) -> QuickCrankRocker | None:
-        return _crank_rocker(rocker, swing, theta, length)
-
     chord = 2.0 * rocker * math.sin(0.5 * swing)
     words = f"a swing of {math.degrees(swing):g}° with a quick-return ratio of {ratio:g}"
-    if coupler is None:
-        coupler = _best(trial, _lengths(chord, theta, rocker))
-        if coupler is None:
-            raise SynthesisError(f"no crank-rocker has {words}: use a lower ratio, or a slotted lever")
-    found = trial(coupler)
-    if found is None:
-        raise SynthesisError(
-            f"no crank-rocker with a coupler of {coupler:g} m has {words}: {_reach(trial, chord, theta, rocker)}"
-        )
-    return found
+    none = f"no crank-rocker has {words}: use a lower ratio, or a slotted lever"
+    trial, not_this = (
+        partial(_crank_rocker, rocker, swing, theta),
+        f"no crank-rocker with a coupler of {{:g}} m has {words}",
+    )
+    return _chosen(trial, coupler, _lengths(chord, theta, rocker), none, not_this)
 
 
 def quick_lever(stroke: float, ratio: float, frame: float) -> QuickLever:
@@ -243,9 +231,16 @@ def _lengths(chord: float, theta: float, usual: float = 0.0) -> tuple[float, flo
     return 0.25 * chord, min(longest, chord / (2.0 * math.sin(0.5 * theta))) if theta > 0.0 else longest
 
 
-def _best(
-    trial: Callable[[float], QuickSliderCrank | QuickCrankRocker | None], ends: tuple[float, float]
-) -> float | None:
+def _chosen(trial: _Trial, length: float | None, ends: tuple[float, float], none: str, not_this: str) -> _Linkage:
+    """The linkage with a given length, by default the best one in a range; else why there is none."""
+    if length is None and (length := _best(trial, ends)) is None:
+        raise SynthesisError(none)
+    if (found := trial(length)) is None:
+        raise SynthesisError(f"{not_this.format(length)}: {_reach(trial, ends)}")
+    return found
+
+
+def _best(trial: _Trial, ends: tuple[float, float]) -> float | None:
     """Length with the largest minimum transmission angle, from a refined grid."""
     low, high = ends
     best = None
@@ -260,11 +255,9 @@ def _best(
     return best
 
 
-def _reach(
-    trial: Callable[[float], QuickSliderCrank | QuickCrankRocker | None], chord: float, theta: float, usual: float = 0.0
-) -> str:
+def _reach(trial: _Trial, ends: tuple[float, float]) -> str:
     """Feasible lengths, as text."""
-    low, high = _lengths(chord, theta, usual)
+    low, high = ends
     trials = [low + (high - low) * i / (10 * _TRIALS) for i in range(10 * _TRIALS + 1)]
     sound = [length for length in trials if trial(length) is not None]
     return f"it may be about {sound[0]:.4g} to {sound[-1]:.4g} m long" if sound else "use a lower quick-return ratio"

@@ -6,7 +6,7 @@ met or both missed. If other values within the estimates would change the outcom
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -37,6 +37,20 @@ def all_of(where: Where) -> str:
     if len(texts) < 2:
         return "".join(texts)
     return " and ".join(f"({text})" if re.search(r"\bor\b", text) else text for text in texts)
+
+
+def numeric_expression(text: str) -> engine.TextExpression:
+    """Parse an expression of a number.
+
+    Raises
+    ------
+    ExpressionError
+        Not an expression, or a condition.
+    """
+    expression = engine.parse_expression(text, engine.any_quantity)
+    if expression.is_condition:
+        raise engine.ExpressionError(f"{text!r} is a condition; a number is needed here")
+    return expression
 
 
 class Judgement(NamedTuple):
@@ -153,11 +167,12 @@ class Condition:
         count : int
             Number of variants.
         """
-        tree = self.expression.tree
+        joins, known = (np.logical_and, np.logical_or), (self.expression.tree, values, errors)
         with np.errstate(all="ignore"):
-            met = _judged(tree, values, errors, True, False)
-            decided = _judged(tree, values, errors, True, True) | _judged(tree, values, errors, False, True)
-        return Judgement(*(np.broadcast_to(found, (count,)).copy() for found in (met, np.logical_not(decided))))
+            met = _folded(*known, True, _Comparison.is_accepted, joins)
+            decided = [_folded(*known, wanted, _Comparison.is_sure, joins) for wanted in (True, False)]
+        undecided = np.logical_not(np.logical_or(*decided))
+        return Judgement(*(np.broadcast_to(found, (count,)).copy() for found in (met, undecided)))
 
     def sides(self, values: Values, errors: Values) -> tuple[str, float, float] | None:
         """Sign, left and right side of a comparison for one variant; None for conditions joined by `or` or `not`.
@@ -191,10 +206,11 @@ class Condition:
         ndarray (parts, count)
             A part is met if its margin is 0 or less, except strict inequalities on their limit.
         """
+        joins = np.maximum, np.minimum
         with np.errstate(all="ignore"):
-            found = [
-                np.broadcast_to(_margin(part, values, errors, 1.0), (count,)) for part in _joined(self.expression.tree)
-            ]
+            trees = [part.expression.tree for part in self.parts]
+            each = [_folded(tree, values, errors, True, _Comparison.margin, joins) for tree in trees]
+        found = [np.broadcast_to(margin, (count,)) for margin in each]
         return np.where(np.isnan(found), WORST, np.clip(found, -WORST, WORST))
 
 
@@ -251,27 +267,39 @@ class _Comparison(NamedTuple):
     whole: np.ndarray
     rounding: np.ndarray
 
-    def holds(self, error: np.ndarray) -> np.ndarray:
-        """Whether it holds by a margin of `error`, which may be negative."""
-        match self.sign:
-            case "<":
-                return self.apart + error < 0
-            case "<=":
-                return self.apart + error <= 0
-            case _:
-                return np.abs(self.apart) + error <= 0
+    def is_accepted(self, wanted: bool) -> np.ndarray:
+        """Where it is accepted, or its negation."""
+        return self._holds(wanted, self._accepting)
+
+    def is_sure(self, wanted: bool) -> np.ndarray:
+        """Where it holds for all values within the estimates, or its negation.
+
+        Both sides are equal where they agree within their estimates, to nine digits of their terms.
+        """
+        # A small difference of large numbers is limited by their rounding.
+        size = np.maximum(self.whole, self.rounding / ROUNDING)
+        equal = (np.abs(self.apart) <= self.error) & (self.error <= NEGLIGIBLE * size)
+        return self._holds(wanted, np.where(equal, self._accepting, self.error if wanted else -self.error))
+
+    def margin(self, wanted: bool) -> np.ndarray:
+        """Its margin, or that of its negation."""
+        apart, room = (_share(part, self.whole) for part in (self.apart, self.error))
+        if self.sign == "==":
+            margin = np.abs(apart) - room if wanted else np.where(np.abs(apart) <= room, WORST, -np.abs(apart))
+        else:
+            margin = (apart if wanted else -apart) + (room if (self.sign == "<") == wanted else -room)
+        return np.where(np.isinf(self.error), WORST, margin)
 
     @property
-    def accepting(self) -> np.ndarray:
+    def _accepting(self) -> np.ndarray:
         """The required margin: negative for comparisons that allow equality."""
         return self.error if self.sign == "<" else -self.error
 
-    @property
-    def is_equal(self) -> np.ndarray:
-        """Where both sides agree within their estimates, to nine digits of their terms."""
-        # A small difference of large numbers is limited by their rounding.
-        size = np.maximum(self.whole, self.rounding / ROUNDING)
-        return (np.abs(self.apart) <= self.error) & (self.error <= NEGLIGIBLE * size)
+    def _holds(self, wanted: bool, error: np.ndarray) -> np.ndarray:
+        """Whether it holds by a margin of `error`, or its negation; neither without an estimate."""
+        apart = np.abs(self.apart) if self.sign == "==" else self.apart
+        met = apart + error < 0 if self.sign == "<" else apart + error <= 0
+        return (met == wanted) & np.isfinite(self.error)
 
 
 def _comparison(tree: engine.TextOperation, values: Values, errors: Values) -> _Comparison:
@@ -286,48 +314,23 @@ def _comparison(tree: engine.TextOperation, values: Values, errors: Values) -> _
     return _Comparison(sign, tree.name == "!=", apart, error, whole, rounding)
 
 
-def _judged(tree: engine.TextOperation, values: Values, errors: Values, wanted: bool, surely: bool) -> np.ndarray:
-    """Where a condition, or its negation, is accepted, or holds for all values within the estimates."""
+def _folded(
+    tree: engine.TextOperation,
+    values: Values,
+    errors: Values,
+    wanted: bool,
+    of: Callable[[_Comparison, bool], np.ndarray],
+    joins: tuple[np.ufunc, np.ufunc],
+) -> np.ndarray:
+    """A judgement of a condition, or of its negation: of its comparisons, joined for "and" and for "or"."""
     if tree.name == "not":
-        return _judged(tree.operands[0], values, errors, not wanted, surely)
+        return _folded(tree.operands[0], values, errors, not wanted, of, joins)
     if tree.name in ("and", "or"):
-        join = np.logical_and if (tree.name == "and") == wanted else np.logical_or
         # Parts on fixed numbers alone are scalars.
-        parts = np.broadcast_arrays(*(_judged(part, values, errors, wanted, surely) for part in tree.operands))
-        return join.reduce(parts)
+        parts = np.broadcast_arrays(*(_folded(part, values, errors, wanted, of, joins) for part in tree.operands))
+        return joins[(tree.name == "and") != wanted].reduce(parts)
     found = _comparison(tree, values, errors)
-    wanted = wanted != found.negated
-    error = found.accepting
-    if surely:
-        error = np.where(found.is_equal, error, found.error if wanted else -found.error)
-    holds = found.holds(error) == wanted
-    # Without an estimate neither it nor its negation is accepted.
-    return holds & np.isfinite(found.error)
-
-
-def _joined(tree: engine.ExpressionTree) -> list[engine.ExpressionTree]:
-    """Parts of a condition that must all hold."""
-    if isinstance(tree, engine.TextOperation) and tree.name == "and":
-        return [part for operand in tree.operands for part in _joined(operand)]
-    return [tree]
-
-
-def _margin(tree: engine.TextOperation, values: Values, errors: Values, sign: float) -> np.ndarray:
-    """Margin of a condition, or with sign −1 of its negation."""
-    if tree.name == "not":
-        return _margin(tree.operands[0], values, errors, -sign)
-    if tree.name in ("and", "or"):
-        worst = (tree.name == "and") == (sign > 0)
-        parts = np.broadcast_arrays(*(_margin(part, values, errors, sign) for part in tree.operands))
-        return (np.maximum if worst else np.minimum).reduce(parts)
-    found = _comparison(tree, values, errors)
-    apart, room = (_share(part, found.whole) for part in (found.apart, found.error))
-    wanted = (sign > 0) != found.negated
-    if found.sign == "==":
-        margin = np.abs(apart) - room if wanted else np.where(np.abs(apart) <= room, WORST, -np.abs(apart))
-    else:
-        margin = (apart if wanted else -apart) + (room if (found.sign == "<") == wanted else -room)
-    return np.where(np.isinf(found.error), WORST, margin)
+    return of(found, wanted != found.negated)
 
 
 def _share(part: np.ndarray, whole: np.ndarray) -> np.ndarray:

@@ -130,10 +130,7 @@ def write_scene(scene: engine.Scene, values: Mapping[str, float] | None = None) 
     scene = with_numbers(scene, values)
     data = scene.model_dump(exclude_none=True, exclude_defaults=True, mode="json")
     for path, number in engine.scene_numbers(scene).items():
-        *tables, last = path.split(".")
-        table = data
-        for key in tables:
-            table = table.setdefault(key, {})
+        table, last = _table_of(path, data)
         if last in table or path in values:
             table[last] = int(number.value) if last == "mode" else number_text(number.value, number.dimension)
     _with_units(scene, data)
@@ -198,12 +195,17 @@ def with_numbers(scene: engine.Scene, values: Mapping[str, float]) -> engine.Sce
     """
     by_path: dict[str, Any] = {}
     for path, value in values.items():
-        *tables, last = path.split(".")
-        table = by_path
-        for key in tables:
-            table = table.setdefault(key, {})
+        table, last = _table_of(path, by_path)
         table[last] = value
     return _copied(scene, by_path, "") if values else scene
+
+
+def _table_of(path: str, data: dict[str, Any]) -> tuple[dict[str, Any], str]:
+    """The table of a number, made if it is missing, and the number's key in it."""
+    *tables, last = path.split(".")
+    for key in tables:
+        data = data.setdefault(key, {})
+    return data, last
 
 
 def _copied(part: engine.ScenePart, changes: Mapping[str, Any] | float, path: str) -> engine.ScenePart:

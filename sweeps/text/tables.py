@@ -3,6 +3,7 @@
 import shutil
 import textwrap
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 # Columns of text at least, in a narrow terminal too.
 NARROWEST = 20
@@ -15,16 +16,15 @@ def table(rows: Sequence[Sequence[str]], indent: str = "") -> str:
     return "\n".join(indent + line for line in lines)
 
 
-def table_by_subject(rows: Sequence[Sequence[str]], subjects: Mapping[str, str]) -> str:
-    """Names and texts in two columns, wrapped at the terminal's width, under subject headings found by the name."""
-    ordered = sorted(rows, key=lambda row: (subjects[row[0]], row[0]))
-    left = " " * (max(len(name) for name, _ in ordered) + 6)
+def table_by_subject(texts: Mapping[str, str], files: Mapping[str, Path]) -> str:
+    """Names and texts in two columns, wrapped at the terminal's width, under the names of their files' folders."""
+    left = " " * (max(map(len, texts)) + 6)
     width = max(shutil.get_terminal_size().columns, len(left) + NARROWEST)
     lines = []
-    for name, text in ordered:
-        heading = f"  {subjects[name].replace('_', ' ')}"
+    for name in sorted(texts, key=lambda name: (files[name].parent.name, name)):
+        heading = f"  {files[name].parent.name.replace('_', ' ')}"
         if heading not in lines:
             lines.append(heading)
         first = f"    {name}".ljust(len(left))
-        lines += textwrap.wrap(text, width, initial_indent=first, subsequent_indent=left, break_on_hyphens=False)
+        lines += textwrap.wrap(texts[name], width, initial_indent=first, subsequent_indent=left, break_on_hyphens=False)
     return "\n".join(lines)

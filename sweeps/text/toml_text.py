@@ -2,13 +2,14 @@
 
 import re
 import tomllib
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from engine import SceneError, comma_advice, wrong_input
+from engine import MOST_PROBLEMS, SceneError, comma_advice, wrong_input
 from sweeps.text.input_files import InputError
 
 # Maximum line length for diagnosis, and maximum parts of a key.
@@ -71,9 +72,17 @@ def _parts(piece: str) -> int:
     return 1 + len(_DOT_IN_KEY.findall(piece))
 
 
-_BARE_QUANTITY = re.compile(r"=\s*(?P<value>[-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?\s*[A-Za-zµ°%][^\"',}\]#]*)")
-_BARE_COMMA = re.compile(r"=\s*(?P<value>[-+]?[0-9]+,[0-9]+(?:\s*[A-Za-zµ°%][^\"',}\]#]*)?)\s*(?:$|[#}])")
-_BARE_WORD = re.compile(r"=\s*(?P<value>(?!true\b|false\b|inf\b|nan\b)[A-Za-z][\w ./*^-]*?)\s*(?:$|[,#}\]])")
+# Slips in a line, and what is said of them.
+_SLIPS: dict[str, str | Callable[[str], str]] = {
+    r"=\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?\s*[A-Za-zµ°%][^\"',}\]#]*)": '{0} has a unit, so it needs quotes: "{0}"',
+    r"=\s*([-+]?[0-9]+,[0-9]+(?:\s*[A-Za-zµ°%][^\"',}\]#]*)?)\s*(?:$|[#}])": comma_advice,
+    r"=\s*((?!true\b|false\b|inf\b|nan\b)[A-Za-z][\w ./*^-]*?)\s*(?:$|[,#}\]])": (
+        '{0} is a text, so it needs quotes: "{0}"'
+    ),
+    "=\\s*([“”„‘’])": 'write straight quotation marks, ", not typographic ones',
+    r"^\s*([\w.]+)\s*:": "write KEY = VALUE, not KEY: VALUE",
+    r"(=)\s*$": "no value after =",
+}
 
 
 def _slip(text: str, line: int | None, source: str) -> str:
@@ -84,20 +93,9 @@ def _slip(text: str, line: int | None, source: str) -> str:
     # An incomplete line is reported at the start of the next one.
     for whole in lines[line - 1 : line] + lines[line - 2 : line - 1]:
         written = whole[:_LINE_LOOKED_AT]
-        if (slip := _BARE_QUANTITY.search(written)) is not None:
-            value = slip["value"].strip()
-            return f'{value} has a unit, so it needs quotes: "{value}"'
-        if (slip := _BARE_COMMA.search(written)) is not None:
-            return comma_advice(slip["value"].strip())
-        if (slip := _BARE_WORD.search(written)) is not None:
-            value = slip["value"].strip()
-            return f'{value} is a text, so it needs quotes: "{value}"'
-        if re.search("=\\s*[“”„‘’]", written):
-            return 'write straight quotation marks, ", not typographic ones'
-        if re.match(r"\s*[\w.]+\s*:", written):
-            return "write KEY = VALUE, not KEY: VALUE"
-        if re.search(r"=\s*$", written):
-            return "no value after ="
+        for pattern, words in _SLIPS.items():
+            if slip := re.search(pattern, written):
+                return (words if callable(words) else words.format)(slip[1].strip())
         if whole.count('"') % 2:
             return "a quotation mark is missing"
     return ""
@@ -151,7 +149,51 @@ def problems_in(
     return [(line_of(text, [*prefix, *key.split(".")]), key, message) for key, message in problems]
 
 
-def line_of(text: str, keys: list[str | int]) -> int | None:
+class Problems:
+    """Problems of a text, with the lines of their keys.
+
+    Parameters
+    ----------
+    source : str
+        Name of the text's file.
+    text : str
+    """
+
+    def __init__(self, source: str, text: str) -> None:
+        self.source, self.text = source, text
+        self.found: list[tuple[int | None, str, str]] = []
+
+    def add(self, keys: Sequence[str], message: str, entry: str = "") -> None:
+        """Note a problem of a key, or of an entry of its list.
+
+        Raises
+        ------
+        InputError
+            There are many.
+        """
+        place = keys if line_of(self.text, keys) else keys[:1]
+        line = line_of_entry(self.text, place, entry) if entry else line_of(self.text, place)
+        self.found.append((line, ".".join(keys), message))
+        if len(self.found) >= MOST_PROBLEMS:
+            self.refuse()
+
+    @contextmanager
+    def noted(
+        self, errors: type[Exception] | tuple[type[Exception], ...], keys: Sequence[str], entry: str = ""
+    ) -> Iterator[None]:
+        """Note an error that ends the block as a problem of a key."""
+        try:
+            yield
+        except errors as error:
+            self.add(keys, str(error), entry)
+
+    def refuse(self) -> None:
+        """Raise an `InputError` with the problems, if there are any."""
+        if self.found:
+            raise InputError(self.source, self.found)
+
+
+def line_of(text: str, keys: Sequence[str | int]) -> int | None:
     """Line of a key, or of its nearest enclosing table or key."""
     names = tuple(part for k in keys if not isinstance(k, int) for part in str(k).split("."))
     at, within = _lines_of(text)
@@ -160,7 +202,7 @@ def line_of(text: str, keys: list[str | int]) -> int | None:
     return next((at[names[:depth]] for depth in range(len(names), 0, -1) if names[:depth] in at), None)
 
 
-def line_of_entry(text: str, keys: list[str | int], entry: str) -> int | None:
+def line_of_entry(text: str, keys: Sequence[str | int], entry: str) -> int | None:
     """Line of an entry of a key's list, or of the key."""
     start = line_of(text, keys)
     lines = (number for number, line in enumerate(text.splitlines(), 1) if number >= (start or 1) and entry in line)

@@ -1,6 +1,5 @@
 """Comparison of two results: best against best, differing scenes, and values within their error estimates."""
 
-import math
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
@@ -11,14 +10,14 @@ from sweeps.report.answers.shown_results import shown_parameters, shown_summarie
 from sweeps.report.answers.unmet_conditions import no_answer_text
 from sweeps.report.result_report import value_text
 from sweeps.report.sweep_result import SweepResult
-from sweeps.store import variant_keys
+from sweeps.store import VariantIndex
 from sweeps.text.input_files import InputError
 from sweeps.text.tables import table
 
 # Relative differences below this are rounding, whatever the estimates.
 ROUNDING = 4 * np.finfo(float).eps
-# Memory for matching reordered variants [bytes].
-SOUGHT_IN = 200e6
+# Variants of the other result that are matched together, to bound memory.
+INDEXED = 1 << 23
 # Maximum number of listed differences.
 MOST_LISTED = 40
 # Parts of a record that appear elsewhere or are internal.
@@ -57,16 +56,14 @@ def comparison(one: SweepResult, other: SweepResult) -> Comparison:
         parts.append(f"  and {len(differing) - MOST_LISTED} more")
     shared = {name: _Gap(name, one, other) for name in one.summaries if name in other.summaries}
     common, apart, first = 0, 0, (one.description.variants, 0)
-    columns = ["status", *(name for gap in shared for name in (gap, f"{gap}_error"))]
-    for pairs in _common(one, other, columns):
-        here, there = pairs.here, pairs.there
-        differs = one.columns["status"][here] != pairs.values["status"]
+    for here, there in _common(one, other):
+        differs = one.columns["status"][here] != other.columns["status"][there]
         if differs.any():
             k = int(np.argmax(differs))
             first = min(first, (int(here[k]), int(there[k])))
         common, apart = common + here.size, apart + int(differs.sum())
         for gap in shared.values():
-            gap.take(pairs)
+            gap.take(here, there)
         one.release()
         other.release()
     if not common:
@@ -152,16 +149,8 @@ def _shown(value: object) -> str:
     return shortened(str(value) if value not in ("", None) else "nothing")
 
 
-class _Pairs(NamedTuple):
-    """Variants with equal parameters: indices in both results, ascending in the first, and the other's columns."""
-
-    here: np.ndarray
-    there: np.ndarray
-    values: dict[str, np.ndarray]
-
-
-def _common(one: SweepResult, other: SweepResult, columns: Sequence[str]) -> Iterator[_Pairs]:
-    """All variants with equal parameters, in parts to bound memory."""
+def _common(one: SweepResult, other: SweepResult) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Variants with equal parameters, ascending in the first result, and the same in the other; in parts."""
     names = [name for name in one.parameters if name in other.parameters]
     of_same_numbers = set(one.parameters) ^ set(other.parameters) or not names
     if of_same_numbers and one.description.variants != other.description.variants:
@@ -171,65 +160,19 @@ def _common(one: SweepResult, other: SweepResult, columns: Sequence[str]) -> Ite
     for part in one.parts():
         if of_same_numbers or all(np.array_equal(one.columns[n][part], other.columns[n][part]) for n in names):
             here = np.arange(part.start, part.stop)
-            yield _Pairs(here, here, {name: other.columns[name][part] for name in columns})
+            yield here, here
         else:
             elsewhere.append(part)
     # Other studies have the same variants in other rows.
-    if elsewhere:
-        yield from _elsewhere(one, other, names, columns, elsewhere)
-
-
-def _elsewhere(
-    one: SweepResult, other: SweepResult, names: Sequence[str], columns: Sequence[str], parts: Sequence[slice]
-) -> Iterator[_Pairs]:
-    """Variants of parts of a result that occur anywhere in another.
-
-    Variants are matched by key remainders: both files are read sequentially, once per remainder, in bounded memory.
-    """
-    # Plus key, row and sort position.
-    bytes_each = 8 * (len(names) + len(columns) + 3)
-    shares = max(math.ceil(other.description.variants * bytes_each / SOUGHT_IN), 1)
-    for share in range(shares):
-        places = _Places(other, names, columns, (share, shares))
-        yield from (places.pairs(one, part) for part in parts)
-
-
-class _Places:
-    """Rows and columns of a result's variants with keys of one remainder."""
-
-    def __init__(
-        self, result: SweepResult, names: Sequence[str], columns: Sequence[str], share: tuple[int, int]
-    ) -> None:
-        self.names, self.columns, self.share = names, columns, share
-        rows, keys = zip(*(self._shared(result, part) for part in result.parts()), strict=True)
-        self.rows, unordered = np.concatenate(rows), np.concatenate(keys)
-        self.order = np.argsort(unordered, kind="stable")
-        self.keys, self.kept = unordered[self.order], {}
-        for name in {*names, *columns}:
-            column = result.columns[name]
-            self.kept[name] = np.empty(self.rows.size, column.dtype)
-            for part in result.parts():
-                some = slice(*np.searchsorted(self.rows, (part.start, part.stop)))
-                self.kept[name][some] = column[self.rows[some]]
-
-    def _shared(self, result: SweepResult, part: slice) -> tuple[np.ndarray, np.ndarray]:
-        """Rows of a part of a result with keys of one remainder, and these keys."""
-        remainder, shares = self.share
-        keys = variant_keys(result.columns, self.names, part)
-        mine = np.flatnonzero(keys % np.uint64(shares) == remainder)
-        return part.start + mine, keys[mine]
-
-    def pairs(self, other: SweepResult, part: slice) -> _Pairs:
-        """Variants of a part of another result that occur here."""
-        here, wanted = self._shared(other, part)
-        at = np.searchsorted(self.keys, wanted)
-        known = at < self.keys.size
-        here, at = here[known], self.order[at[known]]
-        same = np.ones(here.size, bool)
-        for name in self.names:
-            same &= self.kept[name][at] == other.columns[name][here]
-        here, at = here[same], at[same]
-        return _Pairs(here, self.rows[at], {name: self.kept[name][at] for name in self.columns})
+    seen = np.zeros(one.description.variants if elsewhere else 0, bool)
+    for some in other.parts(INDEXED) if elsewhere else ():
+        index = VariantIndex(other.columns, names, some)
+        for part in elsewhere:
+            there = index.variants_of(one.columns, part)
+            there[seen[part]] = -1
+            found = np.flatnonzero(there >= 0)
+            seen[part.start + found] = True
+            yield part.start + found, there[found]
 
 
 class _Gap:
@@ -239,11 +182,10 @@ class _Gap:
         self.name, self.results = name, (one, other)
         self.outside, self.widest, self.farthest = 0, -1.0, (0, 0)
 
-    def take(self, pairs: _Pairs) -> None:
-        """Add some variants."""
-        one, here, there = self.results[0], pairs.here, pairs.there
-        a, b = one.columns[self.name][here], pairs.values[self.name]
-        figures = one.columns[f"{self.name}_error"][here] + pairs.values[f"{self.name}_error"]
+    def take(self, here: np.ndarray, there: np.ndarray) -> None:
+        """Add some variants of one result, and the same of the other."""
+        (one, other), error = (result.columns for result in self.results), f"{self.name}_error"
+        a, b, figures = one[self.name][here], other[self.name][there], one[error][here] + other[error][there]
         with np.errstate(invalid="ignore"):
             gap = np.abs(a - b)
             within = gap <= np.nan_to_num(figures) + ROUNDING * np.maximum(np.abs(a), np.abs(b))

@@ -94,8 +94,7 @@ def write_table(out: Path, table: DataTable) -> None:
 
 def plain_number(value: float) -> float | int | None:
     """A JSON number; None if infinite or undefined."""
-    number = value.item() if isinstance(value, np.generic) else value
-    return number if isinstance(number, int) or np.isfinite(number) else None
+    return _plain(np.array([value]))[0]
 
 
 def header(name: str, units: str) -> str:

@@ -52,6 +52,21 @@ class Key(NamedTuple):
     model: type[BaseModel]
     field: FieldInfo
 
+    @property
+    def is_type(self) -> bool:
+        """Whether it says of which type its table is."""
+        return self.path[-1] == "type"
+
+    @property
+    def tables(self) -> list[type[BaseModel]]:
+        """Models of the tables that it holds."""
+        return list(dict.fromkeys(arm for arm, _ in tables_in(self.field.annotation, self.path)))
+
+    @property
+    def types(self) -> list[str]:
+        """Types of these tables."""
+        return [kind for kind in map(_type_of, self.tables) if kind]
+
 
 def key_text(asked: str) -> str:
     """Help on a key, table or type: meaning, values, default and limits; else what is about the words.
@@ -68,11 +83,12 @@ def key_text(asked: str) -> str:
         Not found; the message suggests similar names.
     """
     parts = tuple(part for part in asked.strip("[] ").split(".") if part)
-    found = [key for key in _keys() if parts and _matches(key.path, parts)]
-    if not found and len(parts) == 1:
-        found = [key for key in _keys() if key.kind == parts[0] and _of_table(key)]
-    if not found:
-        found = [key for key in _keys() if parts and _ends_with(key.path, parts)]
+    searches = (
+        lambda key: _matches(key.path, parts),
+        lambda key: parts == (key.kind,) and key.is_type,
+        lambda key: _ends_with(key.path, parts),
+    )
+    found = next((keys for fits in searches if parts and (keys := [*filter(fits, _keys())])), [])
     if not found and (about := _about(asked.split())):
         return about
     if not found:
@@ -86,7 +102,7 @@ def key_text(asked: str) -> str:
 def key_texts() -> dict[str, str]:
     """Help on each table and each type, by name."""
     tables = [key.path[0] for key in _keys() if key.model in (engine.Scene, StudyText)]
-    kinds = [key.kind for key in _keys() if key.kind and _of_table(key)]
+    kinds = [key.kind for key in _keys() if key.kind and key.is_type]
     return {name: key_text(name) for name in dict.fromkeys([*tables, *kinds])}
 
 
@@ -95,7 +111,7 @@ def _about(words: Sequence[str]) -> str:
     words = [word for word in words if word not in ("a", "of", "the")]
     rows: dict[str, str] = {}
     for key in _keys():
-        kind = key.kind if _of_table(key) else ""
+        kind = key.kind if key.is_type else ""
         name = kind or key.path[-1]
         if name not in (NAME, PATH) and engine.speaks_of(name.replace("_", " "), words):
             rows.setdefault(name, f"a type of {key.path[0]}" if kind else _first_sentence(key))
@@ -177,16 +193,13 @@ def _ends_with(path: tuple[str, ...], parts: Sequence[str]) -> bool:
     return path[-1] not in (NAME, PATH) and _matches(path[-len(parts) :], parts) and path[-len(parts)] != NAME
 
 
-def _of_table(key: Key) -> bool:
-    return key.path[-1] == "type"
-
-
 def _paragraphs(found: Sequence[Key]) -> Iterator[str]:
     """A paragraph per distinct text, headed by all its paths."""
     said: dict[str, list[str]] = {}
     for key in found:
-        text = _table_text(key) if key.path[-1] == "type" and key.kind else _one_text(key)
-        place = ".".join(key.path[:-1] if key.path[-1] == "type" and key.kind else key.path)
+        whole = key.is_type and key.kind
+        text = f'  type = "{key.kind}": {paragraph(key.model)}\n{_keys_text(key.model)}' if whole else _one_text(key)
+        place = ".".join(key.path[:-1] if whole else key.path)
         places = said.setdefault(text, [])
         if place not in places:
             places.append(place)
@@ -196,24 +209,18 @@ def _paragraphs(found: Sequence[Key]) -> Iterator[str]:
 
 def _one_text(key: Key) -> str:
     """Help on one key, or the keys of a table."""
-    tables = list(dict.fromkeys(arm for arm, _ in tables_in(key.field.annotation, key.path)))
+    tables, kinds = key.tables, key.types
     whose = f"of type {key.kind!r}: " if key.kind else ""
     lines = [f"  {whose}{sentence}" for sentence in [_meaning(key)] if sentence]
     if not tables:
         lines = lines or [f"  {whose}a key of: {_sentences(key.model)[0]}"]
         return "\n".join([*lines, f"  value: {_takes(key.field)}", f"  {_necessity(key.field)}", *_example(key)])
-    kinds = [kind for kind in map(_type_of, tables) if kind]
     if len(kinds) > 1:
         return "\n".join([*lines, f"  type: one of {', '.join(kinds)} (`sweeps help TYPE` lists the keys)"])
     if len(tables) == 1:
         return "\n".join([*lines, _keys_text(tables[0])])
     each = (f"  either: {paragraph(arm)}\n{_keys_text(arm)}" for arm in tables)
     return "\n".join([*lines, *each])
-
-
-def _table_text(key: Key) -> str:
-    """Help on a table of some type and its keys."""
-    return "\n".join([f'  type = "{key.kind}": {paragraph(key.model)}', _keys_text(key.model)])
 
 
 def _keys_text(model: type[BaseModel]) -> str:
@@ -235,27 +242,29 @@ def _sentences(model: type[BaseModel]) -> list[str]:
 
 
 def _first_sentence(key: Key) -> str:
-    tables = list(dict.fromkeys(arm for arm, _ in tables_in(key.field.annotation, key.path)))
+    tables, kinds = key.tables, key.types
     if len(tables) == 1:
         return _sentences(tables[0])[0]
-    kinds = [kind for kind in map(_type_of, tables) if kind]
     shown = f"{', '.join(kinds[:8])}{', …' if len(kinds) > 8 else ''}"
     return shown if kinds else _takes(key.field)
 
 
 def key_line(key: Key) -> str:
     """Help on a key in a line, without the keys of its tables."""
-    tables = [arm for arm, _ in tables_in(key.field.annotation, key.path)]
-    kinds = ", ".join(kind for kind in map(_type_of, tables) if kind)
-    takes = f"types: {kinds}" if kinds else "" if tables else f"{_takes(key.field)}; {_necessity(key.field)}"
+    takes = (
+        f"types: {', '.join(key.types)}"
+        if key.types
+        else ""
+        if key.tables
+        else f"{_takes(key.field)}; {_necessity(key.field)}"
+    )
     return " — ".join(part for part in (_meaning(key), takes) if part)
 
 
 def _meaning(key: Key) -> str:
     """Description of a key: the table's, or the sentences that name the key."""
-    tables = list(dict.fromkeys(arm for arm, _ in tables_in(key.field.annotation, key.path)))
-    if len(tables) == 1:
-        return paragraph(tables[0])
+    if len(key.tables) == 1:
+        return paragraph(key.tables[0])
     models = [m for m in key.model.__mro__ if issubclass(m, BaseModel) and m.__doc__]
     return " ".join(s for model in models for s in _sentences(model) if f"`{key.path[-1]}`" in s)
 
@@ -264,9 +273,7 @@ def _necessity(field: FieldInfo) -> str:
     if field.is_required():
         return "required"
     default = field.default
-    if default is None or default in ({}, [], (), ""):
-        return "optional"
-    if isinstance(default, BaseModel):
+    if default is None or isinstance(default, BaseModel) or default in ({}, [], (), ""):
         return "optional"
     if isinstance(default, bool):
         return f"default: {str(default).lower()}"
@@ -283,11 +290,8 @@ def _as_typed(value: float, dimension: str | None) -> str:
 
 def _takes(field: FieldInfo) -> str:
     """Allowed values of a key, with limits."""
-    marks, dimension, here = (
-        engine.field_marks(field),
-        engine.field_dimension(field),
-        engine.bare_annotation(field.annotation),
-    )
+    marks, dimension = engine.field_marks(field), engine.field_dimension(field)
+    here = engine.bare_annotation(field.annotation)
     limits = [
         f"{words} {_as_typed(getattr(mark, at), dimension)}"
         for mark in marks
@@ -308,7 +312,7 @@ def _kind(here: Any, dimension: str | None) -> str:
     if dimension is not None:
         return f"{dimension.replace('_', ' ')}, '{engine.described_dimension(dimension).example}'"
     if get_origin(here) is Literal:
-        return " or ".join("true" if v is True else f'"{v}"' if isinstance(v, str) else str(v) for v in get_args(here))
+        return " or ".join(map(_in_toml, get_args(here)))
     if get_origin(here) in (list, tuple):
         return _kind(engine.bare_annotation(get_args(here)[0]), None)
     if get_origin(here) is dict:
@@ -320,15 +324,15 @@ def _kind(here: Any, dimension: str | None) -> str:
     return {bool: "true or false", int: "a whole number", float: "a number", dict: "a table"}.get(here, "a text")
 
 
+def _in_toml(value: str | float) -> str:
+    return "true" if value is True else f'"{value}"' if isinstance(value, str) else str(value)
+
+
 def _example(key: Key) -> list[str]:
     """An example line, if possible."""
     dimension = engine.field_dimension(key.field)
     here = engine.bare_annotation(key.field.annotation)
     if dimension == "number" or (dimension is None and get_origin(here) is not Literal):
         return []
-    if dimension is None:
-        first = get_args(here)[0]
-        value = "true" if first is True else f'"{first}"' if isinstance(first, str) else str(first)
-    else:
-        value = f'"{engine.described_dimension(dimension).example}"'
+    value = _in_toml(get_args(here)[0] if dimension is None else engine.described_dimension(dimension).example)
     return [f"  example: {key.path[-1]} = {f'[{value}]' if get_origin(here) in (list, tuple) else value}"]

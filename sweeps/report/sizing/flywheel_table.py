@@ -8,15 +8,10 @@ from sweeps.text.numbers_in_row import numbers_in_row
 from sweeps.text.tables import table
 
 
-def flywheel_from_csv(
-    path: Path,
-    speed: str,
-    fluctuation: str,
-    interpolation: str = "linear",
-    inertia: str = "0",
-    area_energy: str | None = None,
-) -> engine.TurningMoment:
-    """Flywheel for a turning-moment diagram.
+def flywheel_text(
+    path: Path, speed: str, fluctuation: str, interpolation: str, inertia: str = "0", area_energy: str | None = None
+) -> str:
+    """Report on the flywheel for a turning-moment diagram, in its units.
 
     Parameters
     ----------
@@ -35,33 +30,27 @@ def flywheel_from_csv(
     ------
     InputError, UnitError, TableError
     """
-    mean_speed, delta = engine.in_text(speed, "angular_speed"), engine.in_text(fluctuation, "number")
-    already = engine.in_text(inertia, "inertia")
-    if area_energy is not None:
-        (areas,) = named_columns(path, {"area": None}, "area [mm2]")
-        (energy,) = numbers_in_row("--area-energy", area_energy, ("energy",))
-        return engine.turning_moment_from_areas(areas, energy, mean_speed, delta, already)
-    phi, moment = named_columns(path, {"phi": "angle", "moment": "moment"}, "phi [deg], moment [N m]")
-    return engine.turning_moment_from_table(
-        phi, moment, mean_speed, delta, interpolation=interpolation, inertia=already
-    )
-
-
-def flywheel_text(
-    path: Path, speed: str, fluctuation: str, interpolation: str, inertia: str = "0", area_energy: str | None = None
-) -> str:
-    """Report on the flywheel for a turning-moment diagram, in its units; arguments as for `flywheel_from_csv`."""
     written = [f"1 {column.unit}" for column in read_csv(path).values() if column.unit]
     engine.show_units_of({"table": [*written, inertia, area_energy or ""]})
-    found = flywheel_from_csv(path, speed, fluctuation, interpolation, inertia, area_energy)
-    rows = [("excess work", engine.quantity_text(found.excess_work, "J"))]
+    mean_speed, delta = engine.in_text(speed, "angular_speed"), engine.in_text(fluctuation, "number")
+    already = engine.in_text(inertia, "inertia")
     if area_energy is None:
-        rows.insert(0, ("mean torque", engine.quantity_text(found.mean_moment, "N m")))
-        rows.append(("fastest at", engine.quantity_text(found.fastest_at, "rad")))
-        rows.append(("slowest at", engine.quantity_text(found.slowest_at, "rad")))
+        phi, moment = named_columns(path, {"phi": "angle", "moment": "moment"}, "phi [deg], moment [N m]")
+        found = engine.turning_moment_from_table(
+            phi, moment, mean_speed, delta, interpolation=interpolation, inertia=already
+        )
+        mean = [("mean torque", engine.quantity_text(found.mean_moment, "N m"))]
+        places = [("at", engine.quantity_text(angle, "rad")) for angle in (found.fastest_at, found.slowest_at)]
     else:
-        rows.append(("fastest after", f"{found.fastest_at:.0f} areas"))
-        rows.append(("slowest after", f"{found.slowest_at:.0f} areas"))
-    rows.append(("flywheel inertia", engine.quantity_text(found.flywheel_inertia, "kg m2")))
-    rows.append(("speed fluctuation", engine.quantity_text(found.speed_fluctuation, "1")))
+        (areas,) = named_columns(path, {"area": None}, "area [mm2]")
+        (energy,) = numbers_in_row("--area-energy", area_energy, ("energy",))
+        found, mean = engine.turning_moment_from_areas(areas, energy, mean_speed, delta, already), []
+        places = [("after", f"{count:.0f} areas") for count in (found.fastest_at, found.slowest_at)]
+    rows = [
+        *mean,
+        ("excess work", engine.quantity_text(found.excess_work, "J")),
+        *((f"{which} {word}", place) for which, (word, place) in zip(("fastest", "slowest"), places, strict=True)),
+        ("flywheel inertia", engine.quantity_text(found.flywheel_inertia, "kg m2")),
+        ("speed fluctuation", engine.quantity_text(found.speed_fluctuation, "1")),
+    ]
     return table(rows)

@@ -10,7 +10,7 @@ import json
 import pickle
 import platform
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import NamedTuple
@@ -22,7 +22,7 @@ import scipy
 from distributed import Worker, get_worker
 from llvmlite.binding import get_host_cpu_name
 
-from engine import Outcome, set_threads, sources_digest, threads
+from engine import set_threads, sources_digest, threads
 from sweeps.run.blocks import evaluate_variants
 from sweeps.run.carrying import Blocks, Excerpt
 from sweeps.run.cost import seconds_of_variant
@@ -147,8 +147,8 @@ def compute_block(
         return blocks_of(digest).computed(slice(start, stop), excerpts)
 
 
-def compute_candidates(digest: str, values: Mapping[str, np.ndarray], drop: np.ndarray | None) -> Outcome:
-    """Outcome of candidates, as from the machine's `evaluate`.
+def compute_candidates(digest: str, values: dict[str, np.ndarray], drop: np.ndarray) -> dict[str, np.ndarray]:
+    """Columns of candidates, as from `evaluate_variants`.
 
     Parameters
     ----------
@@ -159,7 +159,8 @@ def compute_candidates(digest: str, values: Mapping[str, np.ndarray], drop: np.n
         Candidates to skip.
     """
     with _ONE_AT_A_TIME:
-        return blocks_of(digest).study.machine().evaluate(values, drop)
+        study = blocks_of(digest).study
+        return evaluate_variants(study, study.machine(), values, drop)
 
 
 def time_variant(digest: str) -> float:

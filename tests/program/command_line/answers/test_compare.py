@@ -53,10 +53,9 @@ def test_same_variants_in_another_order__each_beside_itself(press_result, monkey
     turned["status"][4] = 2
     vars(other)["_mapped"] = SimpleNamespace(columns=turned, release=lambda: None)
     turned["input.length"][7] *= 1.5
-    # Of eight variants in memory for one or two, some shares are empty.
-    for at_a_time, sought_in in ((3, 3e8), (100, 3e8), (3, 200.0), (100, 50.0)):
+    for at_a_time, indexed in ((3, 100), (100, 100), (3, 5), (100, 1)):
         monkeypatch.setattr(sweep_result, "VARIANTS_AT_A_TIME", at_a_time)
-        monkeypatch.setattr(comparing, "SOUGHT_IN", sought_in)
+        monkeypatch.setattr(comparing, "INDEXED", indexed)
         text = comparison(one, other).text
         assert "Variants: 8 and 8, 7 in common" in text
         assert "1 with another status, first variant 1: ok and singular" in text
