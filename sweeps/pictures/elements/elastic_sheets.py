@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from engine import Curve, DriveCycle, DriveRun, Mark, Panel, PanelAxis, Scene, drive_cycle, drive_run
-from sweeps.pictures.elements.panels import panel_sheet
+from sweeps.pictures.panels import panel_sheet
 from sweeps.pictures.picture_error import PictureError
 
 

@@ -14,8 +14,8 @@ from sweeps.pictures.elements.cam_layout import cam_layout
 from sweeps.pictures.elements.elastic_sheets import machine_drive_sheet, machine_run_sheet
 from sweeps.pictures.elements.engine_sheet import engine_front, engine_table
 from sweeps.pictures.elements.gear_sheet import gear_sheet, gear_table
-from sweeps.pictures.elements.panels import panel_sheet
 from sweeps.pictures.elements.train_sheet import numbers_of_machine, train_sheet, train_table
+from sweeps.pictures.panels import panel_sheet
 from sweeps.pictures.picture_error import PictureError
 
 LAYOUTS = {"cam": cam_layout, "engine": engine_front}

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import engine
-from sweeps.pictures.elements.panels import panel_sheet
+from sweeps.pictures.panels import panel_sheet
 from sweeps.pictures.style import PALETTE
 from sweeps.text.tables import table
 

@@ -1,22 +1,23 @@
-"""Diagrams of machine elements, from the engine's curves and marks."""
+"""Diagrams from the curves and marks of panels."""
 
 from collections.abc import Callable, Sequence
+from itertools import cycle
 from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from engine import Element, Panel, display_unit
+from engine import Panel, PanelAxis, display_unit
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import GREY, PALETTE, VERMILION, degree_ticks, sheet, typeset
 
-# Draws an element to scale next to its diagrams.
-Layout = Callable[[Axes, Element], None]
 # Height with one, two, three stacked diagrams [mm]; maximum number of columns.
 HEIGHTS, MOST_COLUMNS = (80, 100, 150), 3
 # Longer tick names are slanted.
 _LONG = 14
+# Curves whose range is a smaller share of their size are constant.
+_CONSTANT = 1e-9
 
 
 def panel_sheet(
@@ -67,21 +68,25 @@ def panel_sheet(
     return figure
 
 
-def draw_panel(ax: Axes, panel: Panel, with_x: bool = True) -> None:
+def draw_panel(
+    ax: Axes, panel: Panel, with_x: bool = True, with_legend: bool = True, palette: Sequence[str] = PALETTE
+) -> None:
     """Draw the curves and marks of a diagram in practical units.
 
     Parameters
     ----------
     ax : Axes
     panel : Panel
-    with_x : bool
-        Whether the x axis has a label.
+    with_x, with_legend : bool
+        Whether the x axis has a label, and the diagram a legend.
+    palette : sequence of str
+        Colours of the curves that aren't faint.
     """
-    values = np.concatenate([np.ravel(c.values) for c in panel.curves])
+    values = np.concatenate([np.ravel(c.values) for c in panel.curves] or [np.zeros(1)])
     usual = values if panel.limits is None else np.array([max(np.abs(panel.limits))])
     along, along_unit = display_unit(panel.x.unit, panel.places)
     factor, unit = (along, along_unit) if panel.kind == "plan" else display_unit(panel.y.unit, usual)
-    colours = iter(PALETTE * len(panel.curves))
+    colours = cycle(palette)
     for k, (words, row, faint, own) in enumerate(panel.curves):
         colour = GREY if faint else next(colours)
         places = panel.places if own is None else own
@@ -112,19 +117,24 @@ def draw_panel(ax: Axes, panel: Panel, with_x: bool = True) -> None:
         ax.set_xlim(along * every.min(), along * every.max())
         if along_unit == "°":
             degree_ticks(ax.xaxis, abs(along) * np.ptp(every))
+        ax.xaxis.set_inverted(panel.places[0] > panel.places[-1])
     if panel.limits is not None:
         ax.set(ylim=[factor * x for x in panel.limits], yscale="log" if panel.limits[0] > 0.0 else "linear")
+    elif panel.kind == "curves" and np.ptp(values) <= _CONSTANT * np.abs(values).max():
+        # A scale of its own would magnify rounding.
+        size = abs(factor * values[0])
+        ax.set_ylim(factor * values[0] + 0.1 * (size or 10.0) * np.array([-1.0, 1.0]))
     if panel.names:
         slanted = {"rotation": 30, "ha": "right"} if max(map(len, "\n".join(panel.names).split("\n"))) > _LONG else {}
         ax.set_xticks(along * panel.places, panel.names, **slanted)
-    words, _, symbol = panel.y
-    if symbol and not panel.title:
-        ax.set(title=words[0].upper() + words[1:], ylabel=_named("", symbol, unit))
+    words = panel.y.words
+    if panel.y.symbol and not panel.title:
+        ax.set(title=words[0].upper() + words[1:], ylabel=axis_label(PanelAxis("", *panel.y[1:]), unit))
     else:
-        ax.set(title=panel.title, ylabel=_named(words, symbol, unit))
+        ax.set(title=panel.title, ylabel=axis_label(panel.y, unit))
     if with_x:
-        ax.set_xlabel(_named(panel.x.words, panel.x.symbol, along_unit))
-    if any(not label.startswith("_") for label in ax.get_legend_handles_labels()[1]):
+        ax.set_xlabel(axis_label(panel.x, along_unit))
+    if with_legend and any(not label.startswith("_") for label in ax.get_legend_handles_labels()[1]):
         ax.legend(**legend)
 
 
@@ -132,6 +142,7 @@ def _has_numbers(panel: Panel) -> bool:
     return bool(np.isfinite(panel.places).all() and any(np.isfinite(curve.values).any() for curve in panel.curves))
 
 
-def _named(words: str, symbol: str, unit: str) -> str:
-    text = f"{words} {typeset(symbol)}".strip()
+def axis_label(axis: PanelAxis, unit: str) -> str:
+    """Words and symbol of an axis, with the unit of its numbers."""
+    text = f"{axis.words} {typeset(axis.symbol)}".strip()
     return text if unit == "1" else f"{text}, {unit}"
