@@ -67,7 +67,7 @@ def drawn_pictures(digest: Digest) -> Drawn:
         if digest.drawn is not None:
             scene, path = digest.result.scene, folder / "machine.svg"
             try:
-                made = machine_pictures(scene, digest.values(digest.drawn), path)
+                made = machine_pictures(scene, digest.result.variant_values(digest.drawn), path)
                 machine = [inline_svg(picture, f"m{k}") for k, picture in enumerate(made)]
             except PictureError as error:
                 complaints.append(f"No drawing of the machine: {error}")
@@ -96,9 +96,7 @@ def _draw_variants(digest: Digest, path: Path) -> None:
 
 def _data_of(digest: Digest) -> SweepData:
     """Plot data of the variants in the figures."""
-    places = digest.shown_places
-    arrays = {name: column[places] for name, column in digest.rows.items()}
-    return plot_data(digest.result, arrays, (places.size,), digest.aim, digest.meets[places])
+    return plot_data(digest.result, digest.rows, (digest.shown.size,), digest.aim, digest.meets)
 
 
 def inline_svg(path: Path, prefix: str) -> "Markup":
@@ -197,11 +195,11 @@ def machines_data(digest: Digest) -> dict[str, Any] | None:
     first, scene = digest.drawn, digest.result.scene
     if first is None or scene.input is None:
         return None
-    known = Mechanics(scene, frozenset(digest.values(first)))
+    known = Mechanics(scene, frozenset(digest.result.variant_values(first)))
     machines, room = [], MOST_MOTION
     for number in dict.fromkeys([first, *([] if digest.is_one else _carried(digest))]):
         try:
-            motion = DrawnMotion(scene, digest.values(number), known)
+            motion = DrawnMotion(scene, digest.result.variant_values(number), known)
             machine = motion_data(motion, BRIEF, arrows=False) if machines else motion_data(motion)
         except PictureError:
             if not machines:
@@ -217,7 +215,7 @@ def machines_data(digest: Digest) -> dict[str, Any] | None:
 
 def _carried(digest: Digest) -> list[int]:
     """Variants to draw if there is room, the most important first."""
-    shown = digest.shown[digest.meets[digest.shown_places]]
+    shown = digest.shown[digest.meets]
     sample = shown[np.linspace(0, shown.size - 1, min(MOST_MACHINES, shown.size)).astype(int)]
     found = [*digest.leaders[:MOST_LEADERS], *digest.front[:MOST_LEADERS], *sample]
     return [int(number) for number in dict.fromkeys(found)][:MOST_MACHINES]

@@ -117,7 +117,6 @@ def draw_panel(
         ax.set_xlim(along * every.min(), along * every.max())
         if along_unit == "°":
             degree_ticks(ax.xaxis, abs(along) * np.ptp(every))
-        ax.xaxis.set_inverted(panel.places[0] > panel.places[-1])
     if panel.limits is not None:
         ax.set(ylim=[factor * x for x in panel.limits], yscale="log" if panel.limits[0] > 0.0 else "linear")
     elif panel.kind == "curves" and np.ptp(values) <= _CONSTANT * np.abs(values).max():

@@ -244,6 +244,8 @@ def cycle_diagrams(scene: Scene, seen: "engine.History", regime: str, target: Pa
             curves = [engine.Curve(_WORDS.get(key, ""), row) for key, row in rows.items()]
             panel = engine.Panel(input_axis(scene), axis, part.angle, curves, marks, title)
             draw_panel(ax, panel, ax in axes[1], False, [_COLOURS.get(key, "black") for key in rows])
+        # A clockwise crank turns to the right, too.
+        axes[0, 0].xaxis.set_inverted(bool(part.angle[-1] < part.angle[0]))
         legend_below(figure, axes.flat, 4)
         figure.suptitle(f"{scene.title or 'Machine'}: {regime}", fontweight="bold")
     return figure

@@ -313,7 +313,7 @@ def test_parameter_that_misses_a_limit_by_the_rounding_of_its_derivation__meets_
     result = SweepResult(run_study(study, tmp_path / "r.h5"))
     assert result.best() == 1
     digest = Digest(result.path)
-    assert digest.meets[digest.place(1)]
+    assert digest.meets[digest.shown == 1]
     # A limit of 0 has no relative distance.
     assert math.isnan(digest.prices[0].margin)
     search = "[optimise]\nmaximise = 'ram.stroke'\n"
