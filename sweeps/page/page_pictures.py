@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
 from PIL import Image
 
 from engine import Mechanics, scene_numbers
@@ -21,7 +22,7 @@ from sweeps.page.page_text import SHORT
 from sweeps.pictures.drawing import DrawnMotion
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.picture_files import machine_pictures
-from sweeps.pictures.style import COLOURS, wrapped
+from sweeps.pictures.style import COLOURS, save, wrapped
 from sweeps.pictures.sweep.front_picture import front_picture
 from sweeps.pictures.sweep.maps import plot_result
 from sweeps.pictures.sweep.parallel_coordinates import chosen_columns
@@ -74,24 +75,22 @@ def drawn_pictures(digest: Digest) -> Drawn:
         if not digest.is_one:
             path = folder / "variants.svg"
             try:
-                _draw_variants(digest, path)
+                save(_variants_drawn(digest), path)
                 variants = inline_svg(path, "v")
             except PictureError as error:
                 complaints.append(f"No plot of the variants: {error}")
     return Drawn(machine, variants, complaints)
 
 
-def _draw_variants(digest: Digest, path: Path) -> None:
+def _variants_drawn(digest: Digest) -> Figure:
     result = digest.result
     if result.description.variants <= DRAWN_WHOLE:
         data, best = sweep_data(result, (), digest.best)
         if "search" in result.record and is_front(result):
-            front_picture(result, data, path)
-        else:
-            plot_result(data, path, best=best)
-        return
-    data, best = _data_of(digest), digest.best
-    plot_result(data, path, best=None if best is None else int(np.searchsorted(digest.shown, best)))
+            return front_picture(result, data)
+        return plot_result(data, best=best)
+    best = None if digest.best is None else int(np.searchsorted(digest.shown, digest.best))
+    return plot_result(_data_of(digest), best=best)
 
 
 def _data_of(digest: Digest) -> SweepData:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from itertools import cycle
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -20,16 +19,12 @@ _LONG = 14
 _CONSTANT = 1e-9
 
 
-def panel_sheet(
-    panels: Sequence[Panel], target: Path | str | Figure, title: str = "", layout: Callable[[Axes], None] | None = None
-) -> Figure:
+def panel_sheet(panels: Sequence[Panel], title: str = "", layout: Callable[[Axes], None] | None = None) -> Figure:
     """Draw the diagrams that have data: those with a common x axis stacked, two single ones side by side.
 
     Parameters
     ----------
     panels : sequence of Panel
-    target : path or Figure
-        File to write (.svg, .pdf, .png), or an empty figure to draw on.
     title : str
     layout : callable, optional
         Draws the layout on the left.
@@ -37,7 +32,7 @@ def panel_sheet(
     Raises
     ------
     PictureError
-        No diagram has data, unknown picture format, or the file can't be written.
+        No diagram has data.
     """
     panels = [panel for panel in panels if _has_numbers(panel)]
     if not panels:
@@ -53,7 +48,7 @@ def panel_sheet(
     rows = [max(len(stack or ()) for stack in line) or 1 for line in lines]
     width = 90 if len(drawn) == 1 and rows[0] == 1 else 180
     heights = [HEIGHTS[min(count, 3) - 1] for count in rows]
-    with sheet(target, width, sum(heights), title) as figure:
+    with sheet(width, sum(heights), title) as figure:
         for line, part in zip(
             lines, figure.subfigures(len(lines), 1, squeeze=False, height_ratios=heights)[:, 0], strict=True
         ):

@@ -1,7 +1,6 @@
 """Sheets of one machine over its cycle: indicator diagrams, the motion of a part up to its jerk, any fields."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -20,23 +19,21 @@ MOST_CYLINDERS, HEIGHT = 4, 75
 MOST_FIELDS, POSITIONS = 8, 720
 
 
-def indicator_diagrams(moving: engine.MovingMachine, target: Path | str | Figure) -> Figure:
+def indicator_diagrams(moving: engine.MovingMachine) -> Figure:
     """Pressure of each cylinder over its volume and over the crank angle, with its work and power.
 
     Parameters
     ----------
     moving : MovingMachine
         Of a scene with cylinders.
-    target : path or Figure
-        File to write (.svg, .pdf, .png), or an empty figure to draw on.
 
     Raises
     ------
     PictureError
-        The machine can't be computed, or unknown picture format.
+        The machine can't be computed.
     """
     names = list(moving.scene.cylinders)[:MOST_CYLINDERS]
-    with sheet(target, 180, HEIGHT * len(names), moving.scene.title or "") as figure:
+    with sheet(180, HEIGHT * len(names), moving.scene.title or "") as figure:
         for name, axes in zip(names, figure.subplots(len(names), 2, squeeze=False), strict=True):
             over_volume, over_angle = _of_cylinder(moving, name)
             draw_panel(axes[0], over_volume)
@@ -60,7 +57,7 @@ def _of_cylinder(moving: engine.MovingMachine, name: str) -> tuple[engine.Panel,
     return over_volume, panel_over_cycle(moving, axis, curves, centres)
 
 
-def motion_of_part(moving: engine.MovingMachine, part: str, target: Path | str | Figure) -> Figure:
+def motion_of_part(moving: engine.MovingMachine, part: str) -> Figure:
     """Displacement, velocity, acceleration and jerk of a slider or link over the input's position.
 
     Parameters
@@ -68,13 +65,11 @@ def motion_of_part(moving: engine.MovingMachine, part: str, target: Path | str |
     moving : MovingMachine
     part : str
         A slider, or a link that turns.
-    target : path or Figure
-        File to write (.svg, .pdf, .png), or an empty figure to draw on.
 
     Raises
     ------
     PictureError
-        There is no such part, the machine can't be computed, or unknown picture format.
+        There is no such part, the machine can't be computed.
     """
     known = moving.register.fields
     kind = next((kind for kind in _DERIVATIVES if f"{part}.{kind}" in known), None)
@@ -91,12 +86,11 @@ def motion_of_part(moving: engine.MovingMachine, part: str, target: Path | str |
         panel_over_cycle(moving, engine.PanelAxis(q.long_name, q.units, q.symbol), [engine.Curve("", row)])
         for q, row in zip(quantities, rows, strict=True)
     ]
-    return panel_sheet(panels, target, f"{moving.scene.title or ''}\nMotion of {part} at constant input speed".lstrip())
+    return panel_sheet(panels, f"{moving.scene.title or ''}\nMotion of {part} at constant input speed".lstrip())
 
 
 def field_curves(
     scene: engine.Scene,
-    target: Path | str | None,
     names: Sequence[str],
     x: str | None = None,
     positions: int = POSITIONS,
@@ -106,8 +100,6 @@ def field_curves(
     Parameters
     ----------
     scene : Scene
-    target : path or None
-        File to write (.svg, .pdf, .png), if any.
     names : sequence of str
         1 to `MOST_FIELDS` fields.
     x : str, optional
@@ -130,7 +122,7 @@ def field_curves(
     for name, row in rows.items():
         if not np.isfinite(row).any():
             raise PictureError(f"{name} is infinite or undefined everywhere; `sweeps run` shows why")
-    with sheet(target, 180, 25 + 45 * len(names), scene.title or "") as figure:
+    with sheet(180, 25 + 45 * len(names), scene.title or "") as figure:
         axes = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
         for ax, name in zip(axes, names, strict=True):
             up = engine.PanelAxis("" if known[name].symbol else name, known[name].units, known[name].symbol)

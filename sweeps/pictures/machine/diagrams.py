@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -48,7 +47,7 @@ def _cycle_of(moving: engine.MovingMachine) -> _Cycle:
     return _Cycle(moving, rows, cycle_rows.dead_centres(moving, cycle_rows.main_slider(moving.scene)))
 
 
-def diagrams(machine: engine.Scene | engine.MovingMachine, target: Path | str | Figure | None) -> Figure:
+def diagrams(machine: engine.Scene | engine.MovingMachine) -> Figure:
     """Diagrams of one machine on one sheet, 180 mm wide.
 
     Over a full cycle: I(φ), dI/dφ, M(φ), W(φ), the loop W(I), with Wittenbauer's tangents if a coefficient of speed
@@ -57,8 +56,6 @@ def diagrams(machine: engine.Scene | engine.MovingMachine, target: Path | str | 
     Parameters
     ----------
     machine : Scene or MovingMachine
-    target : path, Figure or None
-        File to write (.svg, .pdf, .png), or an empty figure to draw on; None for a new one.
 
     Returns
     -------
@@ -67,11 +64,11 @@ def diagrams(machine: engine.Scene | engine.MovingMachine, target: Path | str | 
     Raises
     ------
     PictureError
-        The machine can't be computed, or unknown picture format.
+        The machine can't be computed.
     """
     moving = machine if isinstance(machine, engine.MovingMachine) else engine.MovingMachine(machine)
     cycle, scene = _cycle_of(moving), moving.scene
-    with sheet(target, 180, 115) as figure:
+    with sheet(180, 115) as figure:
         if engine.has_cycle(scene):
             _sheet_of_cycle(figure, cycle)
         else:

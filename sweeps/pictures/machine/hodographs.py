@@ -1,7 +1,6 @@
 """Hodographs and orders of the shaking force, such as before and after balancing."""
 
 from collections.abc import Mapping
-from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -16,20 +15,18 @@ ORDERS = np.arange(1, 9)
 POSITIONS = 720
 
 
-def hodographs(scenes: Mapping[str, Scene], target: Path | str | Figure) -> Figure:
+def hodographs(scenes: Mapping[str, Scene]) -> Figure:
     """Shaking forces over the cycle, 180 mm wide: hodographs on the left, orders on the right.
 
     Parameters
     ----------
     scenes : mapping of str to Scene
         Machines by label, such as "before" and "after".
-    target : path or Figure
-        File to write (.svg, .pdf, .png), or an empty figure to draw on.
 
     Raises
     ------
     PictureError
-        A machine can't be computed or its crank doesn't turn fully, or unknown picture format.
+        A machine can't be computed or its crank doesn't turn fully.
     """
     forces = {name: closed(scene, shaking_force(scene)) for name, scene in scenes.items()}
     loops = [Curve(name, force.imag, places=force.real) for name, force in forces.items()]
@@ -39,7 +36,7 @@ def hodographs(scenes: Mapping[str, Scene], target: Path | str | Figure) -> Figu
     every = np.concatenate(list(forces.values())).real
     sizes = [Curve(n, order_sizes(f[:-1], scenes[n].input.revolutions)) for n, f in forces.items()]
     of_orders = PanelAxis("crank order", "1"), PanelAxis("longer half axis", "N")
-    with sheet(target, 180, 85) as figure:
+    with sheet(180, 85) as figure:
         left, right = figure.subplots(1, 2)
         draw_panel(left, Panel(*axes, every, loops, [*origin, *starts], words, kind="plan"))
         draw_panel(right, Panel(*of_orders, ORDERS, sizes, title="Orders", kind="bars"))

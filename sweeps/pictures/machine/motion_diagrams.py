@@ -2,8 +2,7 @@
 
 import math
 import textwrap
-from collections.abc import Sequence
-from pathlib import Path
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -111,7 +110,7 @@ def _above_rounding(rows: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     return {key: row for key, row in rows.items() if sizes[key] > NOTHING * max(sizes.values())}
 
 
-def history_diagrams(scene: Scene, seen: "engine.History", target: Path | str | Figure | None) -> Figure:
+def history_diagrams(scene: Scene, seen: "engine.History") -> Figure:
     """Speed, torques, power, energy, work and kept reactions against time.
 
     One column per regime.
@@ -121,17 +120,10 @@ def history_diagrams(scene: Scene, seen: "engine.History", target: Path | str | 
     scene : Scene
     seen : History
         From `engine.machine.one_machine.history.history`.
-    target : path, Figure or None
-        File to write (.svg, .pdf, .png), or an empty figure to draw on; None for a new one.
-
-    Raises
-    ------
-    PictureError
-        Unknown picture format.
     """
     parts, title = courses(seen), f"{scene.title or 'Machine'}: history"
     height = HEIGHT + OF_REACTION * len(parts[0].reactions) if parts else 30
-    with sheet(target, 180, height) as figure:
+    with sheet(180, height) as figure:
         if parts:
             _history_sheet(figure, scene, parts)
         if seen.verdict == Verdict.OK:
@@ -209,7 +201,7 @@ def _thinned(x: np.ndarray, row: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.repeat(x[: count * every : every], 2), np.stack((pieces.min(axis=1), pieces.max(axis=1)), axis=1).ravel()
 
 
-def cycle_diagrams(scene: Scene, seen: "engine.History", regime: str, target: Path | str | Figure | None) -> Figure:
+def cycle_diagrams(scene: Scene, seen: "engine.History", regime: str) -> Figure:
     """Steady running over the crank angle: speed with its mean and δ, acceleration, torques and power.
 
     Parameters
@@ -218,20 +210,18 @@ def cycle_diagrams(scene: Scene, seen: "engine.History", regime: str, target: Pa
     seen : History
     regime : str
         Name of a steady regime in the history.
-    target : path, Figure or None
-        File to write (.svg, .pdf, .png), or an empty figure to draw on; None for a new one.
 
     Raises
     ------
     PictureError
-        There is no such motion in the history, or unknown picture format.
+        There is no such motion in the history.
     """
     part = next((p for p in courses(seen) if p.name == regime), None)
     if part is None:
         failed = seen.verdict != Verdict.OK
         why = failure_text(scene, seen.verdict, seen) if failed else f"the regimes are {', '.join(scene.regimes)}"
         raise PictureError(f"no steady motion {regime!r}: {why}")
-    with sheet(target, 180, 125) as figure:
+    with sheet(180, 125) as figure:
         axes = figure.subplots(2, 2, sharex=True)
         title, marks = _speed_words(scene, part)
         panels = (
@@ -260,26 +250,11 @@ def _speed_words(scene: Scene, part: _Course) -> tuple[str, list[engine.Mark]]:
     return title, [engine.Mark("", None, math.copysign(height, part.speed[0])) for height in marked]
 
 
-def motion_pictures(scene: Scene, path: Path) -> list[Path]:
-    """Draw the history of a machine, and the cycle of each steady regime.
-
-    Parameters
-    ----------
-    scene : Scene
-    path : Path
-        Base name; `_history` and `_REGIME` are appended.
-
-    Returns
-    -------
-    list of Path
-        Files written; regimes not reached are omitted.
-    """
+def motion_sheets(scene: Scene) -> Iterator[tuple[str, Figure]]:
+    """The history of a machine, and the cycle of each steady regime that it reaches, by name."""
     seen = engine.history(scene, fields=[name for name in engine.history_fields(scene) if name.endswith(".reaction")])
-    made = [path.with_name(f"{path.stem}_history{path.suffix}")]
-    history_diagrams(scene, seen, made[0])
+    yield "history", history_diagrams(scene, seen)
     reached = {part.name for part in courses(seen)}
     for name, regime in scene.regimes.items():
         if isinstance(regime, engine.SteadyRegime) and name in reached:
-            made.append(path.with_name(f"{path.stem}_{name}{path.suffix}"))
-            cycle_diagrams(scene, seen, name, made[-1])
-    return made
+            yield name, cycle_diagrams(scene, seen, name)
