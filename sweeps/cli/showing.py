@@ -164,11 +164,12 @@ def plot(asked: shared.Options) -> None:
         made = result_pictures(result, asked.out, asked.x, asked.y, asked.colour)
     elif asked.x or asked.y:
         from sweeps.pictures.machine.cycle_sheets import POSITIONS, field_curves
+        from sweeps.pictures.style import save
 
         scene, values, name = machine_of(asked.file, asked.variant, asked.settings)
         fields = shared.names_in(asked.y or "")
         target = asked.out or Path(f"{name}_{'_'.join(fields).replace('.', '_') or 'fields'}.png")
-        field_curves(with_values(scene, values), target, fields, asked.x, asked.positions or POSITIONS)
+        save(field_curves(with_values(scene, values), fields, asked.x, asked.positions or POSITIONS), target)
         made = [target]
     else:
         scene, values, name = machine_of(asked.file, asked.variant, asked.settings)
@@ -200,6 +201,7 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
     """Show the unbalanced orders of force, couple and torque of common engines, or of those in a scene or result."""
     from sweeps.cli.named_machine import machine_of
     from sweeps.pictures.elements.order_picture import order_picture
+    from sweeps.pictures.style import save
     from sweeps.report.order_table import engine_rows, order_table, well_known_engines
     from sweeps.text.scene_text import with_values
 
@@ -211,7 +213,7 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
             raise InputError.of(file, 'has no engine; add [elements.NAME] with type = "engine"', key="elements")
     shared.tell(order_table(rows))
     if out is not None:
-        order_picture(out, rows)
+        save(order_picture(rows), out)
         shared.tell(f"Wrote {out}")
 
 

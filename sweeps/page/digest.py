@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import Verdict, scene_numbers
+from engine import Verdict
 from sweeps.optimising.optimum import front, is_front
-from sweeps.report.sweep_result import SweepResult, drop_counts
+from sweeps.report.sweep_result import SweepResult
 from sweeps.text.conditions import Condition
 
 MOST_BEST, MOST_SAMPLED = 500, 2000
@@ -77,13 +77,14 @@ class Digest:
         self.aim = self.result.aim
 
     @property
-    def _where(self) -> str:
+    def where(self) -> str:
+        """The condition of the aim, or ""."""
         return self.aim.condition if self.aim else ""
 
     @property
-    def condition(self) -> Condition | None:
-        """The condition of the aim, if any."""
-        return Condition.parse(self._where) if self._where else None
+    def conditions(self) -> tuple[Condition, ...]:
+        """The parts of that condition."""
+        return Condition.parse(self.where).parts if self.where else ()
 
     # Over all variants
 
@@ -93,21 +94,9 @@ class Digest:
         return Counter(self.result.verdict_counts())
 
     @cached_property
-    def missed(self) -> dict[str, tuple[int, int]]:
-        """For each condition of `require`: variants that fail it, and those that fail only it."""
-        texts = self.result.record["require"]
-        counts, alone, _ = drop_counts(len(texts), self.result.missed())
-        return {text: pair for text, *pair in zip(texts, counts.tolist(), alone.tolist(), strict=True)}
-
-    @cached_property
-    def meeting(self) -> int:
-        """Number of variants that meet the condition."""
-        return self.result.count_meeting(self._where)
-
-    @cached_property
     def undecided(self) -> int:
         """Number of variants for which the condition is undecided."""
-        return self.result.undecided(self._where) if self._where else 0
+        return self.result.undecided(self.where) if self.where else 0
 
     @cached_property
     def rivals(self) -> int:
@@ -124,7 +113,7 @@ class Digest:
     @cached_property
     def leaders(self) -> np.ndarray:
         """The best variants that meet the condition, best first."""
-        return self._first(self._where, MOST_BEST)
+        return self._first(self.where, MOST_BEST)
 
     @property
     def best(self) -> int | None:
@@ -134,15 +123,14 @@ class Digest:
     @cached_property
     def prices(self) -> tuple[Price, ...]:
         """The price of each part of the condition."""
-        return tuple(self._prices(self.condition.parts)) if self.condition else ()
+        return tuple(map(self._price, self.conditions))
 
-    def _prices(self, parts: tuple[Condition, ...]) -> Iterator[Price]:
-        for part in parts:
-            others = " and ".join(f"({other.text})" for other in parts if other is not part)
-            without, margin = self._first(others, 1), np.nan
-            if self.best is not None:
-                margin = _margin(part, *self.result.known(np.array([self.best]), part.names))
-            yield Price(part.text, margin, int(without[0]) if without.size else None)
+    def _price(self, part: Condition) -> Price:
+        others = " and ".join(f"({other.text})" for other in self.conditions if other.text != part.text)
+        without, margin = self._first(others, 1), np.nan
+        if self.best is not None:
+            margin = _margin(part, *self.result.known(np.array([self.best]), part.names))
+        return Price(part.text, margin, int(without[0]) if without.size else None)
 
     @cached_property
     def worst_errors(self) -> dict[str, float]:
@@ -177,49 +165,27 @@ class Digest:
         return np.union1d(np.union1d(self.leaders, self.front), numbers)
 
     @cached_property
-    def neighbours(self) -> tuple[Neighbour, ...]:
-        """The grid neighbours of the best variant."""
-        return _neighbours(self.result, self.best)
-
-    @cached_property
-    def numbers(self) -> np.ndarray:
-        """Variants kept, ascending."""
-        beside = [v for n in self.neighbours for v in (n.below, n.above)]
-        others = [*beside, *(price.without for price in self.prices), 0 if self.is_one else None]
-        return np.union1d(self.shown, np.array([v for v in others if v is not None], int))
-
-    @cached_property
-    def rows(self) -> Mapping[str, np.ndarray]:
-        """All columns of the variants `numbers`."""
-        return self.result.taken(self.numbers)
-
-    def value(self, name: str, variant: int) -> float:
-        """A column's value for a kept variant; NaN if there is no such column."""
-        if name not in self.rows:
-            return np.nan
-        return float(self.rows[name][self.place(variant)])
-
-    def place(self, variant: int) -> int:
-        """Row of a kept variant."""
-        return int(np.searchsorted(self.numbers, variant))
-
-    def values(self, variant: int) -> dict[str, float]:
-        """Numbers (SI) of a kept variant that replace the scene's."""
-        known = scene_numbers(self.result.scene)
-        return {name: self.value(name, variant) for name in self.result.parameters if name in known}
-
-    @property
-    def shown_places(self) -> np.ndarray:
-        """Rows of the variants in the figures."""
-        return np.searchsorted(self.numbers, self.shown)
+    def rows(self) -> dict[str, np.ndarray]:
+        """All columns of the variants `shown`."""
+        return self.result.taken(self.shown)
 
     @cached_property
     def meets(self) -> np.ndarray:
-        """Which kept rows work and meet the condition."""
-        ok = self.rows["status"] == Verdict.OK
-        if not self.condition:
-            return ok
-        return ok & self.condition.judged(*self.result.requirements.known(self.rows), ok.size).met
+        """Which of the variants `shown` work and meet the condition."""
+        return self.result.meets(self.where)(self.shown)
+
+    @property
+    def neighbours(self) -> Iterator[Neighbour]:
+        """The neighbours of the best variant along the axes of a grid."""
+        if self.best is None or "search" in self.result.record:
+            return
+        place = np.unravel_index(self.best, self.result.shape)
+        for i, axis in enumerate(self.result.record["vary"]):
+            if axis["kind"] in ORDERED_AXES and axis["size"] > 1:
+                stride = int(np.prod(self.result.shape[i + 1 :], dtype=int))
+                below = self.best - stride if place[i] > 0 else None
+                above = self.best + stride if place[i] + 1 < axis["size"] else None
+                yield Neighbour(tuple(axis["names"]), below, above)
 
     @property
     def is_one(self) -> bool:
@@ -234,16 +200,3 @@ class Digest:
         if self.best is not None or self.aim is not None:
             return self.best
         return int(self.shown[0]) if self.shown.size else None
-
-
-def _neighbours(result: SweepResult, best: int | None) -> tuple[Neighbour, ...]:
-    if best is None or "search" in result.record:
-        return ()
-    found, place = [], np.unravel_index(best, result.shape)
-    for i, axis in enumerate(result.record["vary"]):
-        if axis["kind"] in ORDERED_AXES and axis["size"] > 1:
-            stride = int(np.prod(result.shape[i + 1 :], dtype=int))
-            below = best - stride if place[i] > 0 else None
-            above = best + stride if place[i] + 1 < axis["size"] else None
-            found.append(Neighbour(tuple(axis["names"]), below, above))
-    return tuple(found)

@@ -12,7 +12,8 @@ from sweeps.pictures.drawing.figures import default_position
 from sweeps.pictures.drawing.moving_drawing import spread_nodes
 from sweeps.pictures.drawing.painting import DASHES, INKS, WIDTHS
 from sweeps.pictures.drawing.symbols import TIP
-from sweeps.pictures.machine.diagrams import LARGEST, input_axis, main_slider
+from sweeps.pictures.machine.cycle_rows import LARGEST, input_axis, main_slider
+from sweeps.pictures.panels import axis_label
 from sweeps.text.visible import visible
 
 # Whole units of the page across the longer side of a drawing.
@@ -57,7 +58,8 @@ def motion_data(motion: DrawnMotion, intervals: int = INTERVALS, arrows: bool = 
     """
     drawing = moving_drawing(motion, intervals)
     paper, closed = _Paper(drawing, motion.radius), has_cycle(motion.scene)
-    label, factor = input_axis(motion.scene, motion.q)
+    axis = input_axis(motion.scene)
+    factor, unit = display_unit(axis.unit, motion.q)
     last = motion.q[-1] + (motion.q[1] - motion.q[0] if closed else 0.0)
     moving = {n: r[drawing.nodes] for n, r in motion.points.items() if np.abs(r - r[0]).max() > NOTHING}
     return {
@@ -66,7 +68,11 @@ def motion_data(motion: DrawnMotion, intervals: int = INTERVALS, arrows: bool = 
         "tip": round(TIP * motion.radius / paper.unit),
         "closed": closed,
         "backwards": bool(motion.numbers["input.speed"] < 0),
-        "axis": {"label": visible(label), "first": float(factor * motion.q[0]), "last": float(factor * last)},
+        "axis": {
+            "label": visible(axis_label(axis, unit)),
+            "first": float(factor * motion.q[0]),
+            "last": float(factor * last),
+        },
         "start": float(factor * default_position(motion)),
         "axes": [paper.axes(*pair) for pair in drawing.axes],
         "figures": [paper.figure(figure) for figure in drawing.figures],

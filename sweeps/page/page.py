@@ -75,7 +75,7 @@ def _answer(digest: Digest) -> str:
     if digest.is_one:
         verdict = next(iter(digest.counts))
         if verdict in MOTION_VERDICTS:
-            return failure_text(with_values(result.scene, digest.values(0)), verdict)
+            return failure_text(with_values(result.scene, result.variant_values(0)), verdict)
         return "A single machine; its numbers are below." if verdict == Verdict.OK else f"No result: {verdict.sentence}"
     if aim is None:
         return "The study has no [best], so there is no best variant."
@@ -90,7 +90,11 @@ def _remark(digest: Digest) -> str:
     if digest.is_one:
         return ""
     text = f"{digest.counts[Verdict.OK]} of {digest.result.description.variants} variants work."
-    return f"{text} {digest.meeting} meet the condition." if digest.aim and digest.aim.where else text
+    return (
+        f"{text} {digest.result.count_meeting(digest.where)} meet the condition."
+        if digest.aim and digest.aim.where
+        else text
+    )
 
 
 def _sample_words(digest: Digest, moving: int) -> str:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
 from PIL import Image
 
 from engine import Mechanics, scene_numbers
@@ -21,7 +22,7 @@ from sweeps.page.page_text import SHORT
 from sweeps.pictures.drawing import DrawnMotion
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.picture_files import machine_pictures
-from sweeps.pictures.style import COLOURS, wrapped
+from sweeps.pictures.style import COLOURS, save, wrapped
 from sweeps.pictures.sweep.front_picture import front_picture
 from sweeps.pictures.sweep.maps import plot_result
 from sweeps.pictures.sweep.parallel_coordinates import chosen_columns
@@ -67,38 +68,34 @@ def drawn_pictures(digest: Digest) -> Drawn:
         if digest.drawn is not None:
             scene, path = digest.result.scene, folder / "machine.svg"
             try:
-                made = machine_pictures(scene, digest.values(digest.drawn), path)
+                made = machine_pictures(scene, digest.result.variant_values(digest.drawn), path)
                 machine = [inline_svg(picture, f"m{k}") for k, picture in enumerate(made)]
             except PictureError as error:
                 complaints.append(f"No drawing of the machine: {error}")
         if not digest.is_one:
             path = folder / "variants.svg"
             try:
-                _draw_variants(digest, path)
+                save(_variants_drawn(digest), path)
                 variants = inline_svg(path, "v")
             except PictureError as error:
                 complaints.append(f"No plot of the variants: {error}")
     return Drawn(machine, variants, complaints)
 
 
-def _draw_variants(digest: Digest, path: Path) -> None:
+def _variants_drawn(digest: Digest) -> Figure:
     result = digest.result
     if result.description.variants <= DRAWN_WHOLE:
         data, best = sweep_data(result, (), digest.best)
         if "search" in result.record and is_front(result):
-            front_picture(result, data, path)
-        else:
-            plot_result(data, path, best=best)
-        return
-    data, best = _data_of(digest), digest.best
-    plot_result(data, path, best=None if best is None else int(np.searchsorted(digest.shown, best)))
+            return front_picture(result, data)
+        return plot_result(data, best=best)
+    best = None if digest.best is None else int(np.searchsorted(digest.shown, digest.best))
+    return plot_result(_data_of(digest), best=best)
 
 
 def _data_of(digest: Digest) -> SweepData:
     """Plot data of the variants in the figures."""
-    places = digest.shown_places
-    arrays = {name: column[places] for name, column in digest.rows.items()}
-    return plot_data(digest.result, arrays, (places.size,), digest.aim, digest.meets[places])
+    return plot_data(digest.result, digest.rows, (digest.shown.size,), digest.aim, digest.meets)
 
 
 def inline_svg(path: Path, prefix: str) -> "Markup":
@@ -197,11 +194,11 @@ def machines_data(digest: Digest) -> dict[str, Any] | None:
     first, scene = digest.drawn, digest.result.scene
     if first is None or scene.input is None:
         return None
-    known = Mechanics(scene, frozenset(digest.values(first)))
+    known = Mechanics(scene, frozenset(digest.result.variant_values(first)))
     machines, room = [], MOST_MOTION
     for number in dict.fromkeys([first, *([] if digest.is_one else _carried(digest))]):
         try:
-            motion = DrawnMotion(scene, digest.values(number), known)
+            motion = DrawnMotion(scene, digest.result.variant_values(number), known)
             machine = motion_data(motion, BRIEF, arrows=False) if machines else motion_data(motion)
         except PictureError:
             if not machines:
@@ -217,7 +214,7 @@ def machines_data(digest: Digest) -> dict[str, Any] | None:
 
 def _carried(digest: Digest) -> list[int]:
     """Variants to draw if there is room, the most important first."""
-    shown = digest.shown[digest.meets[digest.shown_places]]
+    shown = digest.shown[digest.meets]
     sample = shown[np.linspace(0, shown.size - 1, min(MOST_MACHINES, shown.size)).astype(int)]
     found = [*digest.leaders[:MOST_LEADERS], *digest.front[:MOST_LEADERS], *sample]
     return [int(number) for number in dict.fromkeys(found)][:MOST_MACHINES]

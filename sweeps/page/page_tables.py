@@ -11,6 +11,7 @@ from sweeps.page.digest import Digest
 from sweeps.report.answers.shown_results import shown_summaries
 from sweeps.report.regime_words import by_regime, regime_words
 from sweeps.report.result_report import range_text, value_text
+from sweeps.report.sweep_result import drop_counts
 from sweeps.study.sensitivity import RSS, WORST_CASE
 
 MOST_ROWS = 20
@@ -75,8 +76,10 @@ def limit_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
             "Active: without this condition the optimum would change. Margin: relative distance from the limit.",
             PageTable(("condition", "margin", "", f"{aim.word} {aim.goal} without it"), rows, (1,)),
         )
-    if digest.missed:
-        rows = [(text, str(count), str(alone)) for text, (count, alone) in digest.missed.items()]
+    required = digest.result.record["require"]
+    if required:
+        counts, alone, _ = drop_counts(len(required), digest.result.missed())
+        rows = [(text, *map(str, found)) for text, *found in zip(required, counts, alone, strict=True)]
         head = ("required", "variants dropped", "only by this")
         yield "Variants dropped before computation:", PageTable(head, rows, (1, 2))
     if digest.best is not None:
@@ -136,28 +139,23 @@ def sensitivity_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
 def _step(digest: Digest, variant: int | None) -> str:
     if variant is None:
         return "end of its range"
-    verdict = Verdict(int(digest.value("status", variant)))
+    result, goal = digest.result, digest.aim.goal
+    verdict = Verdict(int(result.columns["status"][variant]))
     if verdict != Verdict.OK:
         return verdict.name.lower().replace("_", " ")
-    value = quantity_text(digest.value(digest.aim.goal, variant), digest.result.units[digest.aim.goal])
-    return value if digest.meets[digest.place(variant)] else f"({value})"
+    value = quantity_text(float(result.columns[goal][variant]), result.units[goal])
+    return value if result.meets(digest.where)(np.array([variant]))[0] else f"({value})"
 
 
 def _ranks(digest: Digest) -> list[tuple[str, str]]:
-
-    works = digest.shown_places
-    works = works[digest.rows["status"][works] == Verdict.OK]
-    goal = digest.rows[digest.aim.goal][works]
-    works = works[np.isfinite(goal)]
-    found = []
+    rows, goal = digest.rows, digest.aim.goal
+    works, found = np.isfinite(rows[goal]), {}
     for name in digest.result.varied:
-        pair = digest.rows[name][works], digest.rows[digest.aim.goal][works]
-        if works.size > 10 and all(np.ptp(values) > 0 for values in pair):
-            found.append((name, float(spearmanr(*pair).statistic)))
-    return [
-        (name, f"{rank:+.2f}".replace("-", "\N{MINUS SIGN}"))
-        for name, rank in sorted(found, key=lambda pair: -abs(pair[1]))
-    ]
+        pair = rows[name][works], rows[goal][works]
+        if works.sum() > 10 and all(np.ptp(values) > 0 for values in pair):
+            found[name] = float(spearmanr(*pair).statistic)
+    ordered = sorted(found.items(), key=lambda pair: -abs(pair[1]))
+    return [(name, f"{rank:+.2f}".replace("-", "\N{MINUS SIGN}")) for name, rank in ordered]
 
 
 # Tables of all variants
@@ -166,31 +164,25 @@ def _ranks(digest: Digest) -> list[tuple[str, str]]:
 def leaders_table(digest: Digest) -> PageTable:
     """The best variants, one per row."""
     result, shown = digest.result, digest.leaders[:MOST_ROWS]
-    condition = digest.condition
     decisive = [digest.aim.goal] if digest.aim else []
-    asked = [name for name in (condition.names if condition else ()) if name in result.summaries]
+    asked = [name for part in digest.conditions for name in part.names if name in result.summaries]
     # A printed page has room for the first ones only.
     names = list(dict.fromkeys([*decisive, *result.varied, *asked, *result.parameters, *result.summaries]))
-    places = [digest.place(variant) for variant in shown]
-    scales = {name: display_unit(result.units[name], digest.rows[name][places]) for name in names}
-    head = ["variant", *(name if unit in ("", "1") else f"{name}, {unit}" for name, (_, unit) in scales.items())]
-    rows = []
-    for place, variant in zip(places, shown, strict=True):
-        cells = [str(variant)]
-        for name, (factor, _) in scales.items():
-            value = digest.rows[name][place] * factor
-            cells.append(figure_text(value, None, 6) if np.isfinite(value) else "–")
-        rows.append(cells)
-    return PageTable(head, rows, range(len(head)))
+    head, columns = ["variant"], [map(str, shown)]
+    for name in names:
+        values = result.columns[name][shown]
+        factor, unit = display_unit(result.units[name], values)
+        head.append(name if unit in ("", "1") else f"{name}, {unit}")
+        columns.append([figure_text(factor * value, None, 6) if np.isfinite(value) else "–" for value in values])
+    return PageTable(head, list(zip(*columns, strict=True)), range(len(head)))
 
 
 def errors_table(digest: Digest) -> PageTable:
     """Error estimates of the shown variant, and the largest ones."""
-    result = digest.result
-    variant = digest.drawn
-    rows = []
+    result, variant, rows = digest.result, digest.drawn, []
     for name, share in digest.worst_errors.items():
-        here = "–" if variant is None else quantity_text(digest.value(f"{name}_error", variant), result.units[name])
+        error = None if variant is None else float(result.columns[f"{name}_error"][variant])
+        here = "–" if error is None else quantity_text(error, result.units[name])
         rows.append((name, here, f"{share:.1g}" if share else "0"))
     where = "error estimate" if variant is None else f"error estimate of variant {variant}"
     return PageTable(("result", where, "maximum, relative"), rows, (1, 2))

@@ -1,14 +1,17 @@
 """Plot files of a machine: drawing, diagrams, fields, shaking force."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from engine import Mechanics, MovingMachine, Scene
+from matplotlib.figure import Figure
+
+from engine import Mechanics, Scene
 from sweeps.pictures.drawing import DrawnMotion, picture
 from sweeps.pictures.drawing.figures import default_position
+from sweeps.pictures.machine.cycle_sheets import indicator_diagrams, motion_of_part
 from sweeps.pictures.machine.diagrams import diagrams
 from sweeps.pictures.machine.hodographs import hodographs
-from sweeps.pictures.style import format_of
+from sweeps.pictures.style import format_of, save, save_beside
 from sweeps.text.scene_text import with_values
 
 Named = tuple[Scene, Mapping[str, float], str]
@@ -55,40 +58,32 @@ def machine_pictures(
         Unknown extension; the mechanism can't be assembled, or an element can't be drawn.
     """
     format_of(path)
-    made, whole = [], with_values(scene, values)
-    if scene.input is not None:
-        made = [path, path.with_name(f"{path.stem}_diagrams{path.suffix}")]
-        motion = DrawnMotion(scene, values, known)
-        diagrams(motion.machine, made[1])
-        made += cycle_pictures(motion.machine, path, parts)
+    motion = None if scene.input is None else DrawnMotion(scene, values, known)
+    made = save_beside(path, _sheets(with_values(scene, values), motion, parts))
+    if motion is None:
+        return made
+    # Last: where it is there, so are the others.
+    save(picture(motion, at, paths, shown), path)
+    return [path, *made]
+
+
+def _sheets(scene: Scene, motion: DrawnMotion | None, parts: Sequence[str]) -> Iterator[tuple[str, Figure]]:
+    """Sheets of a machine, by name."""
+    if motion is not None:
+        yield "diagrams", diagrams(motion.machine)
+        if scene.cylinders:
+            yield "cylinders", indicator_diagrams(motion.machine)
+        for part in parts:
+            yield f"motion_of_{part}", motion_of_part(motion.machine, part)
     # Rarely needed modules are imported on demand.
     if scene.regimes:
-        from sweeps.pictures.machine.motion_diagrams import motion_pictures
+        from sweeps.pictures.machine.motion_diagrams import motion_sheets
 
-        made += motion_pictures(whole, path)
+        yield from motion_sheets(scene)
     if scene.elements:
-        from sweeps.pictures.elements.element_pictures import element_pictures
+        from sweeps.pictures.elements.element_pictures import element_sheets
 
-        made += element_pictures(whole, path)
-    if scene.input is not None:
-        # Last: where it is there, so are the others.
-        picture(motion, path, at, paths, shown)
-    return made
-
-
-def cycle_pictures(machine: MovingMachine, path: Path, parts: Sequence[str] = ()) -> list[Path]:
-    """Draw indicator diagrams of cylinders, and the motion of some parts, to files next to `path`."""
-    made = []
-    if machine.scene.cylinders or parts:
-        from sweeps.pictures.machine.cycle_sheets import indicator_diagrams, motion_of_part
-
-        if machine.scene.cylinders:
-            made.append(path.with_name(f"{path.stem}_cylinders{path.suffix}"))
-            indicator_diagrams(machine, made[-1])
-        for part in parts:
-            made.append(path.with_name(f"{path.stem}_motion_of_{part}{path.suffix}"))
-            motion_of_part(machine, part, made[-1])
-    return made
+        yield from element_sheets(scene)
 
 
 def hodograph_picture(machine: Named, beside: Named | None, path: Path) -> Path:
@@ -121,9 +116,8 @@ def hodograph_picture(machine: Named, beside: Named | None, path: Path) -> Path:
         shown["scene"] = scene
     # Distinguish equal names.
     shown = {f"{other} (other)" if other == name else other: s for other, s in shown.items()}
-    target = path.with_name(f"{path.stem}_hodograph{path.suffix}")
-    hodographs({**shown, name: with_values(scene, values)}, target)
-    return target
+    drawn = hodographs({**shown, name: with_values(scene, values)})
+    return save_beside(path, [("hodograph", drawn)])[0]
 
 
 def drawing_file(scene: Scene, values: Mapping[str, float], out: Path, position: float | None = None) -> None:
@@ -140,4 +134,4 @@ def drawing_file(scene: Scene, values: Mapping[str, float], out: Path, position:
 
         write_dxf(out, motion, default_position(motion) if position is None else position)
         return
-    picture(motion, out, () if position is None else (position,))
+    save(picture(motion, () if position is None else (position,)), out)

@@ -193,29 +193,30 @@ def save(figure: Figure, path: Path | str) -> None:
         draft.write_bytes(made.getbuffer())
 
 
-@contextmanager
-def sheet(target: Path | str | Figure | None, width: float, height: float, title: str = "") -> Iterator[Figure]:
-    """A styled figure of a size on paper [mm] to draw on; titled and saved on exit.
+def save_beside(path: Path, figures: Iterable[tuple[str, Figure]]) -> list[Path]:
+    """Save figures to files whose names are that of `path` with some words appended; errors as for `save`.
 
     Parameters
     ----------
-    target : path, Figure or None
-        File to write (.svg, .pdf, .png), or an empty figure to draw on without saving; None for a new one.
-    width, height : float
-    title : str
-
-    Raises
-    ------
-    PictureError
-        As for `save`.
+    path : Path
+    figures : iterable of (str, Figure)
+        Words and figure; each is saved before the next one is made.
     """
+    made = []
+    for words, figure in figures:
+        made.append(path.with_name(f"{path.stem}_{words}{path.suffix}"))
+        save(figure, made[-1])
+    return made
+
+
+@contextmanager
+def sheet(width: float, height: float, title: str = "") -> Iterator[Figure]:
+    """A styled figure of a size on paper [mm] to draw on, titled on exit."""
     with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(width, height)
+        figure = new_figure(width, height)
         yield figure
         if title:
             figure.suptitle(title, fontweight="bold")
-    if target is not None and figure is not target:
-        save(figure, target)
 
 
 def legend_below(figure: Figure, axes: Iterable[Axes], columns: int) -> None:

@@ -53,7 +53,7 @@ def plot_mechanism(
         The scene has no mechanism, a position can't be drawn, or a point of `paths` doesn't exist.
     """
     show_system(scene.units)
-    return picture(DrawnMotion(scene, values), None, at, paths, shown)
+    return picture(DrawnMotion(scene, values), at, paths, shown)
 
 
 def plot_diagrams(scene: Scene, values: Mapping[str, float] | None = None) -> Figure:
@@ -72,7 +72,7 @@ def plot_diagrams(scene: Scene, values: Mapping[str, float] | None = None) -> Fi
     """
     need_mechanism(scene)
     show_system(scene.units)
-    return diagrams(MovingMachine(scene, values), None)
+    return diagrams(MovingMachine(scene, values))
 
 
 def plot_fields(scene: Scene, names: Sequence[str], x: str | None = None, positions: int = POSITIONS) -> Figure:
@@ -93,7 +93,7 @@ def plot_fields(scene: Scene, names: Sequence[str], x: str | None = None, positi
         The scene has no mechanism or no such field, or a field has no finite values.
     """
     show_system(scene.units)
-    return field_curves(scene, None, names, x, positions)
+    return field_curves(scene, names, x, positions)
 
 
 def plot_history(scene: Scene) -> Figure:
@@ -113,7 +113,7 @@ def plot_history(scene: Scene) -> Figure:
         raise PictureError('the scene has no regimes: add [regimes.NAME] with type = "run" or "steady"')
     show_system(scene.units)
     seen = history(scene, fields=[name for name in history_fields(scene) if name.endswith(".reaction")])
-    return history_diagrams(scene, seen, None)
+    return history_diagrams(scene, seen)
 
 
 def plot_sweep(
@@ -139,13 +139,13 @@ def plot_sweep(
         The file can't be read.
     """
     if not isinstance(result, (str, Path)):
-        return plot_result(_data_of(result), None, x, y, colour)
+        return plot_result(_data_of(result), x, y, colour)
     found = SweepResult(Path(result))
     found.show_own_units()
     if is_front(found) and x is y is colour is None:
-        return front_picture(found, sweep_data(found, ())[0], None)
+        return front_picture(found, sweep_data(found, ())[0])
     shown, best = sweep_data(found, (x, y, colour), found.best())
-    return plot_result(shown, None, x, y, colour, best)
+    return plot_result(shown, x, y, colour, best)
 
 
 def _data_of(data: "xarray.Dataset") -> SweepData:

@@ -5,6 +5,7 @@ from pathlib import Path
 from engine import AssemblyMode, Near, Scene, assembly_modes
 from sweeps.pictures.drawing.painting import picture
 from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.style import save
 
 
 def in_mode(scene: Scene, mode: AssemblyMode) -> Scene:
@@ -52,7 +53,7 @@ def mode_pictures(
             shown = in_mode(scene, mode)
             made[file] = None
             try:
-                picture(_all_told(shown) if len(modes) > 1 else shown, file, [first])
+                save(picture(_all_told(shown) if len(modes) > 1 else shown, [first]), file)
             except PictureError as refusal:
                 made[file] = refusal
     return made

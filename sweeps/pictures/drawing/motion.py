@@ -47,7 +47,6 @@ class DrawnMotion:
 
     Attributes
     ----------
-    values : dict of str to float
     machine : MovingMachine
     q : ndarray (nodes,)
         Crank angles [rad] or displacements of a sliding input [m].
@@ -74,7 +73,7 @@ class DrawnMotion:
         self, scene: engine.Scene, values: Mapping[str, float] | None = None, known: engine.Mechanics | None = None
     ) -> None:
         need_mechanism(scene)
-        self.values, self.scene = dict(values or {}), scene
+        self.scene = scene
         self.machine = engine.MovingMachine(scene, values, POSITIONS, known)
         self.numbers, self.q = self.machine.numbers, self.machine.q
         try:

@@ -1,7 +1,6 @@
 """Figures of a mechanism painted to scale on Matplotlib axes or to a file."""
 
 from collections.abc import Iterable, Sequence
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -138,17 +137,16 @@ def _lettering(p: Primitive, factor: float, zorder: float) -> PathPatch:
 
 def picture(
     drawn: Scene | DrawnMotion,
-    target: Path | str | None = None,
     at: Sequence[float] = (),
     paths: Sequence[str] = (),
     shown: Sequence[str] = (),
 ) -> Figure:
-    """Draw a mechanism on a figure, 160 mm wide at most, and to a file (.svg, .pdf, .png), if any.
+    """Draw a mechanism on a figure, 160 mm wide at most.
 
-    Other arguments and errors as for `draw`; `SCALE` in `shown` adds the scale to the title.
+    Arguments and errors as for `draw`; `SCALE` in `shown` adds the scale to the title.
     """
     scene = drawn.scene if isinstance(drawn, DrawnMotion) else drawn
-    with sheet(target, 160, 160) as fig:
+    with sheet(160, 160) as fig:
         ax = fig.add_subplot()
         factor = draw(drawn, ax, at, paths, [kind for kind in shown if kind != SCALE])
         title = ax.set_title(_title(scene, at), loc="left", wrap=True)

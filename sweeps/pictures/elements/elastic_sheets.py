@@ -1,17 +1,16 @@
 """Plots of elastic drives: a machine over its cycle and during a run."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from engine import Curve, DriveCycle, DriveRun, Mark, Panel, PanelAxis, Scene, drive_cycle, drive_run
-from sweeps.pictures.elements.panels import panel_sheet
+from sweeps.pictures.panels import panel_sheet
 from sweeps.pictures.picture_error import PictureError
 
 
-def machine_drive_sheet(scene: Scene, name: str, target: Path | str | Figure, title: str = "") -> Figure:
+def machine_drive_sheet(scene: Scene, name: str, title: str = "") -> Figure:
     """Torque, end speeds and twist of the elastic shaft over the cycle, compared with a rigid shaft.
 
     Parameters
@@ -19,22 +18,20 @@ def machine_drive_sheet(scene: Scene, name: str, target: Path | str | Figure, ti
     scene : Scene
     name : str
         Name of the drive.
-    target : path or Figure
-        File to write (.svg, .pdf, .png), or an empty figure to draw on.
     title : str
 
     Raises
     ------
     PictureError
-        Unknown picture format, the file can't be written, or there is no steady motion.
+        There is no steady motion.
     """
     cycle = _found(drive_cycle(scene, name), name)
     moments = Curve("elastic", cycle.moment), Curve("rigid", cycle.rigid_moment, True)
     x, speeds = PanelAxis("crank angle", "rad", "φ"), [Curve("rigid", cycle.rigid_speed, True)]
-    return panel_sheet(_panels(x, cycle.angle, cycle, moments, speeds), target, title)
+    return panel_sheet(_panels(x, cycle.angle, cycle, moments, speeds), title)
 
 
-def machine_run_sheet(scene: Scene, name: str, target: Path | str | Figure, title: str = "") -> Figure:
+def machine_run_sheet(scene: Scene, name: str, title: str = "") -> Figure:
     """Torque, end speeds and twist of the elastic shaft during a run.
 
     Parameters
@@ -42,19 +39,17 @@ def machine_run_sheet(scene: Scene, name: str, target: Path | str | Figure, titl
     scene : Scene
     name : str
         Name of the drive, which has a run.
-    target : path or Figure
-        File to write (.svg, .pdf, .png), or an empty figure to draw on.
     title : str
 
     Raises
     ------
     PictureError
-        Unknown picture format, the file can't be written, or there is no steady motion.
+        There is no steady motion.
     """
     run, backlash = _found(drive_run(scene, name), name), scene.elements[name].run.backlash
     play = [Mark("", None, 0.0), Mark("backlash", None, -backlash)] if backlash > 0.0 else []
     x, moments = PanelAxis("time", "s", "t"), [Curve("", run.moment)]
-    return panel_sheet(_panels(x, run.time, run, moments, marks=play), target, title)
+    return panel_sheet(_panels(x, run.time, run, moments, marks=play), title)
 
 
 def _found(motion: DriveCycle | DriveRun | None, name: str) -> DriveCycle | DriveRun:

@@ -3,8 +3,7 @@
 Elements supply their own diagrams; drawings next to them, and sheets that need the scene, are listed here.
 """
 
-from collections.abc import Mapping
-from pathlib import Path
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -14,74 +13,60 @@ from sweeps.pictures.elements.cam_layout import cam_layout
 from sweeps.pictures.elements.elastic_sheets import machine_drive_sheet, machine_run_sheet
 from sweeps.pictures.elements.engine_sheet import engine_front, engine_table
 from sweeps.pictures.elements.gear_sheet import gear_sheet, gear_table
-from sweeps.pictures.elements.panels import panel_sheet
 from sweeps.pictures.elements.train_sheet import numbers_of_machine, train_sheet, train_table
+from sweeps.pictures.panels import panel_sheet
 from sweeps.pictures.picture_error import PictureError
 
 LAYOUTS = {"cam": cam_layout, "engine": engine_front}
 SHEETS = {
-    "gear_train": lambda scene, name, *paper: gear_sheet(scene.elements[name], *paper),
+    "gear_train": lambda scene, name, title: gear_sheet(scene.elements[name], title),
     "machine_drive": machine_drive_sheet,
     "torsional_train": train_sheet,
 }
 
 
-def element_pictures(scene: Scene, path: Path) -> list[Path]:
-    """Draw the elements of a scene.
+def element_sheets(scene: Scene) -> Iterator[tuple[str, Figure]]:
+    """Sheets of the elements of a scene, by element and content, such as `fan_plan`.
 
     Parameters
     ----------
     scene : Scene
-    path : Path
-        Base name; element and content are appended, such as `_fan_plan`.
-
-    Returns
-    -------
-    list of Path
-        The files written.
 
     Raises
     ------
     PictureError
-        An element has no results to draw; the others are drawn.
+        An element has no results to draw; the others are drawn before.
     """
-    made, failures = [], []
+    failures = []
     scene, cycles = governed_scene(scene)
     for name, element in scene.elements.items():
         title = f"{scene.title}: {name}" if scene.title else name
-        made.append(path.with_name(f"{path.stem}_{name}_{element.picture}{path.suffix}"))
         try:
             if element.type in SHEETS:
-                SHEETS[element.type](scene, name, made[-1], title)
+                drawn = SHEETS[element.type](scene, name, title)
             else:
-                element_sheet(element, made[-1], title, {"cycle": cycles.get(name)})
+                drawn = element_sheet(element, title, {"cycle": cycles.get(name)})
+            yield f"{name}_{element.picture}", drawn
             if getattr(element, "run", None) is not None:
-                made.append(path.with_name(f"{path.stem}_{name}_run{path.suffix}"))
-                machine_run_sheet(scene, name, made[-1], title)
+                yield f"{name}_run", machine_run_sheet(scene, name, title)
         except PictureError as error:
-            made.pop()
             failures.append(str(error) if str(error).startswith("elements.") else f"elements.{name}: {error}")
     if failures:
         raise PictureError("; ".join(failures))
-    return made
 
 
-def element_sheet(
-    element: Element, target: Path | str | Figure, title: str = "", given: Mapping[str, np.ndarray] | None = None
-) -> Figure:
+def element_sheet(element: Element, title: str = "", given: Mapping[str, np.ndarray] | None = None) -> Figure:
     """Draw the diagrams of an element, next to its layout if it has one.
 
     Parameters
     ----------
     element : Element
-    target : path or Figure
-        File to write (.svg, .pdf, .png), or an empty figure to draw on.
     title : str
     given : mapping of str to ndarray, optional
         Input from the machine of its scene.
     """
     layout = LAYOUTS.get(element.type)
-    return panel_sheet(element.panels(given), target, title, layout and (lambda ax: layout(ax, element)))
+    return panel_sheet(element.panels(given), title, layout and (lambda ax: layout(ax, element)))
 
 
 def element_tables(scene: Scene) -> str:

@@ -1,7 +1,6 @@
 """Sheet of a gear train: kinematic scheme, and Smirnov's diagrams of linear and angular velocities."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,7 +14,7 @@ RPM = 30 / math.pi
 _SAME = 1e-9
 
 
-def gear_sheet(train: GearTrain, target: Path | str | Figure, title: str = "") -> Figure:
+def gear_sheet(train: GearTrain, title: str = "") -> Figure:
     """Draw the scheme of a train and the diagrams of its linear and angular velocities.
 
     Rays of the angular diagram are parallel to the lines of the linear one.
@@ -23,18 +22,11 @@ def gear_sheet(train: GearTrain, target: Path | str | Figure, title: str = "") -
     Parameters
     ----------
     train : GearTrain
-    target : path or Figure
-        File to write (.svg, .pdf, .png), or an empty figure to draw on.
     title : str
-
-    Raises
-    ------
-    PictureError
-        Unknown picture format, or it can't be written.
     """
     picture = velocity_picture(train)
     colours = {name: PALETTE[i % len(PALETTE)] for i, name in enumerate(picture.lines)}
-    with sheet(target, 180, 105) as figure:
+    with sheet(180, 105) as figure:
         scheme, linear, angular = figure.subplots(1, 3, width_ratios=(1, 1.25, 1.25))
         sizes = np.array([wheel.radius for wheel in picture.wheels.values()])
         factor, unit = display_unit("m", sizes) if train.has_modules else (1.0, "modules")

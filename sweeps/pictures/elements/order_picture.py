@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,21 +12,14 @@ from sweeps.pictures.style import BLUE, GREY, ORANGE, sheet
 from sweeps.report import order_table
 
 
-def order_picture(target: Path | str | Figure, rows: Sequence[order_table.EngineRow]) -> Figure:
+def order_picture(rows: Sequence[order_table.EngineRow]) -> Figure:
     """Draw the hodographs of each engine's unbalanced forces and couples.
 
     Parameters
     ----------
-    target : path or Figure
-        File to write (.svg, .pdf, .png), or an empty figure to draw on.
     rows : sequence of EngineRow
-
-    Raises
-    ------
-    PictureError
-        Unknown picture format, or it can't be written.
     """
-    with sheet(target, 180, 12 + 12 * len(rows)) as figure:
+    with sheet(180, 12 + 12 * len(rows)) as figure:
         axes = figure.subplots(len(rows), 4, squeeze=False)
         for row, line in zip(rows, axes, strict=True):
             found = order_table.remaining_orders(row)

@@ -1,13 +1,12 @@
 """Plots of a torsional train: modes, shaft torques over speed; Holzer tables."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 
 import engine
-from sweeps.pictures.elements.panels import panel_sheet
+from sweeps.pictures.panels import panel_sheet
 from sweeps.pictures.style import PALETTE
 from sweeps.text.tables import table
 
@@ -17,7 +16,7 @@ HERTZ, RPM = 1 / math.tau, 30 / math.pi
 Numbers = dict[str, np.ndarray]
 
 
-def train_sheet(scene: engine.Scene, name: str, target: Path | str | Figure, title: str = "") -> Figure:
+def train_sheet(scene: engine.Scene, name: str, title: str = "") -> Figure:
     """Modes along the train; with excitation, also a Campbell diagram and shaft torques over speed.
 
     Parameters
@@ -25,15 +24,13 @@ def train_sheet(scene: engine.Scene, name: str, target: Path | str | Figure, tit
     scene : Scene
     name : str
         Name of its torsional train.
-    target : path or Figure
-        File to write (.svg, .pdf, .png), or an empty figure to draw on.
     title : str
     """
     train, given = scene.elements[name], numbers_of_machine(scene, name)
     panels = train.panels(given)
     if train.is_excited:
         panels += (_moments(scene, name, float(engine.train_speed(train, train.own_numbers() | given)[0])),)
-    return panel_sheet(panels, target, title)
+    return panel_sheet(panels, title)
 
 
 def numbers_of_machine(scene: engine.Scene, name: str) -> Numbers:

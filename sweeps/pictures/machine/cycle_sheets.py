@@ -1,15 +1,13 @@
 """Sheets of one machine over its cycle: indicator diagrams, the motion of a part up to its jerk, any fields."""
 
-import math
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 
 import engine
-from sweeps.pictures.elements.panels import draw_panel, panel_sheet
-from sweeps.pictures.machine.diagrams import need_motion
+from sweeps.pictures.machine.cycle_rows import closed, dead_centres, need_motion, over_cycle, panel_over_cycle
+from sweeps.pictures.panels import draw_panel, panel_sheet
 from sweeps.pictures.picture_error import PictureError, need_mechanism
 from sweeps.pictures.style import BLUE, sheet
 
@@ -21,23 +19,21 @@ MOST_CYLINDERS, HEIGHT = 4, 75
 MOST_FIELDS, POSITIONS = 8, 720
 
 
-def indicator_diagrams(moving: engine.MovingMachine, target: Path | str | Figure) -> Figure:
+def indicator_diagrams(moving: engine.MovingMachine) -> Figure:
     """Pressure of each cylinder over its volume and over the crank angle, with its work and power.
 
     Parameters
     ----------
     moving : MovingMachine
         Of a scene with cylinders.
-    target : path or Figure
-        File to write (.svg, .pdf, .png), or an empty figure to draw on.
 
     Raises
     ------
     PictureError
-        The machine can't be computed, or unknown picture format.
+        The machine can't be computed.
     """
     names = list(moving.scene.cylinders)[:MOST_CYLINDERS]
-    with sheet(target, 180, HEIGHT * len(names), moving.scene.title or "") as figure:
+    with sheet(180, HEIGHT * len(names), moving.scene.title or "") as figure:
         for name, axes in zip(names, figure.subplots(len(names), 2, squeeze=False), strict=True):
             over_volume, over_angle = _of_cylinder(moving, name)
             draw_panel(axes[0], over_volume)
@@ -50,26 +46,18 @@ def indicator_diagrams(moving: engine.MovingMachine, target: Path | str | Figure
 def _of_cylinder(moving: engine.MovingMachine, name: str) -> tuple[engine.Panel, engine.Panel]:
     asked = f"{name}.pressure", f"{name}.volume"
     need_motion(moving, asked)
-    places, rows = _over_cycle(moving, asked)
-    pressure, volume = rows.values()
-    title, dead_centres = name, []
+    pressure, volume = over_cycle(moving, asked).values()
+    title = name
     if engine.has_cycle(moving.scene):
         work, power = (moving.summary(f"{name}.indicated_{what}") for what in ("work", "power"))
         title = f"{name}: {engine.quantity_text(work, 'J')} per cycle, {engine.quantity_text(power, 'W')}"
-        piston = moving.scene.cylinders[name].piston
-        ends = (moving.summary(f"{piston}.stroke_{end}_at") for end in ("low", "high"))
-        turns = np.arange(moving.scene.input.revolutions) * 2.0 * np.pi
-        dead_centres = [engine.Mark("", np.mod(end, 2.0 * np.pi) + turn, None) for end in ends for turn in turns]
-    pressures = engine.PanelAxis("absolute pressure", "Pa", "p")
-    return (
-        engine.Panel(
-            engine.PanelAxis("volume", "m3", "V"), pressures, volume, [engine.Curve("", pressure)], title=title
-        ),
-        engine.Panel(_input_axis(moving), pressures, places, [engine.Curve("", pressure)], dead_centres),
-    )
+    axis, curves = engine.PanelAxis("absolute pressure", "Pa", "p"), [engine.Curve("", pressure)]
+    centres = dead_centres(moving, moving.scene.cylinders[name].piston)
+    over_volume = engine.Panel(engine.PanelAxis("volume", "m3", "V"), axis, volume, curves, title=title)
+    return over_volume, panel_over_cycle(moving, axis, curves, centres)
 
 
-def motion_of_part(moving: engine.MovingMachine, part: str, target: Path | str | Figure) -> Figure:
+def motion_of_part(moving: engine.MovingMachine, part: str) -> Figure:
     """Displacement, velocity, acceleration and jerk of a slider or link over the input's position.
 
     Parameters
@@ -77,13 +65,11 @@ def motion_of_part(moving: engine.MovingMachine, part: str, target: Path | str |
     moving : MovingMachine
     part : str
         A slider, or a link that turns.
-    target : path or Figure
-        File to write (.svg, .pdf, .png), or an empty figure to draw on.
 
     Raises
     ------
     PictureError
-        There is no such part, the machine can't be computed, or unknown picture format.
+        There is no such part, the machine can't be computed.
     """
     known = moving.register.fields
     kind = next((kind for kind in _DERIVATIVES if f"{part}.{kind}" in known), None)
@@ -92,24 +78,19 @@ def motion_of_part(moving: engine.MovingMachine, part: str, target: Path | str |
         raise PictureError(f"{part!r} is not a slider or link of this machine; choose from: {', '.join(parts)}")
     names = [f"{part}.{what}" for what in (kind, *_DERIVATIVES[kind])]
     need_motion(moving, names)
-    places, fields = _over_cycle(moving, names)
-    jerk = moving.rate(names[-1])
-    rows = [*fields.values(), np.append(jerk, jerk[:1]) if engine.has_cycle(moving.scene) else jerk]
+    rows = [*over_cycle(moving, names).values(), closed(moving.scene, moving.rate(names[-1]))]
     quantities = [known[name].quantity for name in names]
     words = quantities[2].long_name.replace("acceleration", "jerk")
     quantities.append(engine.Quantity("", words, quantities[2].units.replace("s-2", "s-3"), "j"))
     panels = [
-        engine.Panel(
-            _input_axis(moving), engine.PanelAxis(q.long_name, q.units, q.symbol), places, [engine.Curve("", row)]
-        )
+        panel_over_cycle(moving, engine.PanelAxis(q.long_name, q.units, q.symbol), [engine.Curve("", row)])
         for q, row in zip(quantities, rows, strict=True)
     ]
-    return panel_sheet(panels, target, f"{moving.scene.title or ''}\nMotion of {part} at constant input speed".lstrip())
+    return panel_sheet(panels, f"{moving.scene.title or ''}\nMotion of {part} at constant input speed".lstrip())
 
 
 def field_curves(
     scene: engine.Scene,
-    target: Path | str | None,
     names: Sequence[str],
     x: str | None = None,
     positions: int = POSITIONS,
@@ -119,8 +100,6 @@ def field_curves(
     Parameters
     ----------
     scene : Scene
-    target : path or None
-        File to write (.svg, .pdf, .png), if any.
     names : sequence of str
         1 to `MOST_FIELDS` fields.
     x : str, optional
@@ -139,40 +118,17 @@ def field_curves(
         words = "fields with -y, such as -y B.vx; `sweeps quantities` lists them"
         raise PictureError(f"name from 1 to {MOST_FIELDS} {words}")
     moving = engine.MovingMachine(scene, positions=positions)
-    places, rows = _over_cycle(moving, [*names, *([x] if x else [])])
-    known, along = moving.register.fields, _input_axis(moving)
+    rows, known = over_cycle(moving, [*names, *([x] if x else [])]), moving.register.fields
     for name, row in rows.items():
         if not np.isfinite(row).any():
             raise PictureError(f"{name} is infinite or undefined everywhere; `sweeps run` shows why")
-    if x:
-        words, places = known[x].long_name, rows[x]
-        along = engine.PanelAxis(words if known[x].symbol else f"{words} {x}", known[x].units, known[x].symbol)
-    with sheet(target, 180, 25 + 45 * len(names), scene.title or "") as figure:
+    with sheet(180, 25 + 45 * len(names), scene.title or "") as figure:
         axes = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
         for ax, name in zip(axes, names, strict=True):
             up = engine.PanelAxis("" if known[name].symbol else name, known[name].units, known[name].symbol)
-            panel = engine.Panel(along, up, places, [engine.Curve("", rows[name])], title=known[name].long_name)
+            panel = panel_over_cycle(moving, up, [engine.Curve("", rows[name])], title=known[name].long_name)
+            if x:
+                words = known[x].long_name if known[x].symbol else f"{known[x].long_name} {x}"
+                panel = panel._replace(x=engine.PanelAxis(words, known[x].units, known[x].symbol), places=rows[x])
             draw_panel(ax, panel, ax is axes[-1])
     return figure
-
-
-def _over_cycle(moving: engine.MovingMachine, names: Sequence[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Positions and fields there, a cycle closed by its first position, at which an angle may have turned."""
-    places, rows, known = moving.q, moving.fields(dict.fromkeys(names)), moving.register.fields
-    if engine.has_cycle(moving.scene):
-        places = np.append(places, 2.0 * places[-1] - places[-2])
-        turned = {name: _turned(row) if known[name].units == "rad" else 0.0 for name, row in rows.items()}
-        rows = {name: np.append(row, row[0] + turned[name]) for name, row in rows.items()}
-    return places, rows
-
-
-def _turned(row: np.ndarray) -> float:
-    """Increase of an angle over the cycle: a whole number of turns."""
-    increase = row[-1] + (row[1] - row[0]) - row[0]
-    return math.tau * round(increase / math.tau) if math.isfinite(increase) else 0.0
-
-
-def _input_axis(moving: engine.MovingMachine) -> engine.PanelAxis:
-    if isinstance(moving.scene.input, engine.CrankInput):
-        return engine.PanelAxis("crank angle", "rad", "φ")
-    return engine.PanelAxis(f"displacement of {moving.scene.input.link}", "m", "q")

@@ -1,42 +1,45 @@
 """Hodographs and orders of the shaking force, such as before and after balancing."""
 
 from collections.abc import Mapping
-from pathlib import Path
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
-from engine import MovingMachine, Scene, Verdict, display_unit, has_cycle
+from engine import Curve, Mark, MovingMachine, Panel, PanelAxis, Scene, Verdict, has_cycle
+from sweeps.pictures.machine.cycle_rows import closed
+from sweeps.pictures.panels import draw_panel
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import PALETTE, sheet
+from sweeps.pictures.style import sheet
 
 ORDERS = np.arange(1, 9)
 POSITIONS = 720
 
 
-def hodographs(scenes: Mapping[str, Scene], target: Path | str | Figure) -> Figure:
+def hodographs(scenes: Mapping[str, Scene]) -> Figure:
     """Shaking forces over the cycle, 180 mm wide: hodographs on the left, orders on the right.
 
     Parameters
     ----------
     scenes : mapping of str to Scene
         Machines by label, such as "before" and "after".
-    target : path or Figure
-        File to write (.svg, .pdf, .png), or an empty figure to draw on.
 
     Raises
     ------
     PictureError
-        A machine can't be computed or its crank doesn't turn fully, or unknown picture format.
+        A machine can't be computed or its crank doesn't turn fully.
     """
-    forces = {name: shaking_force(scene) for name, scene in scenes.items()}
-    factor, unit = display_unit("N", np.abs(np.concatenate(list(forces.values()))))
-    with sheet(target, 180, 85) as figure:
+    forces = {name: closed(scene, shaking_force(scene)) for name, scene in scenes.items()}
+    loops = [Curve(name, force.imag, places=force.real) for name, force in forces.items()]
+    starts = [Mark("", force[0].real, force[0].imag) for force in forces.values()]
+    origin, words = [Mark("", 0.0, None), Mark("", None, 0.0)], "Hodograph (dots: crank angle 0)"
+    axes = PanelAxis("", "N", "F_x"), PanelAxis("", "N", "F_y")
+    every = np.concatenate(list(forces.values())).real
+    sizes = [Curve(n, order_sizes(f[:-1], scenes[n].input.revolutions)) for n, f in forces.items()]
+    of_orders = PanelAxis("crank order", "1"), PanelAxis("longer half axis", "N")
+    with sheet(180, 85) as figure:
         left, right = figure.subplots(1, 2)
-        _hodographs(left, forces, factor, unit)
-        _orders(right, {n: order_sizes(f, scenes[n].input.revolutions) for n, f in forces.items()}, factor, unit)
+        draw_panel(left, Panel(*axes, every, loops, [*origin, *starts], words, kind="plan"))
+        draw_panel(right, Panel(*of_orders, ORDERS, sizes, title="Orders", kind="bars"))
         titles = {scene.title for scene in scenes.values()}
         title = titles.pop() if len(titles) == 1 else ""
         figure.suptitle(f"{title}: shaking force" if title else "Shaking force", fontweight="bold")
@@ -72,28 +75,3 @@ def order_sizes(force: np.ndarray, revolutions: int) -> np.ndarray:
     """
     parts = np.abs(np.fft.fft(force)) / force.size
     return parts[ORDERS * revolutions] + parts[-ORDERS * revolutions]
-
-
-def _hodographs(axes: Axes, forces: Mapping[str, np.ndarray], factor: float, unit: str) -> None:
-    for (name, force), colour in zip(forces.items(), PALETTE, strict=False):
-        loop = np.append(force, force[0]) * factor
-        axes.plot(loop.real, loop.imag, color=colour, label=name)
-        # Crank at 0.
-        axes.plot(loop[0].real, loop[0].imag, "o", color=colour, markersize=3.5)
-    axes.plot(0, 0, "+", color="black", markersize=7)
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.set_xlabel(f"$F_x$, {unit}")
-    axes.set_ylabel(f"$F_y$, {unit}")
-    axes.set_title("Hodograph (dot: crank angle 0)", loc="left")
-
-
-def _orders(axes: Axes, sizes: Mapping[str, np.ndarray], factor: float, unit: str) -> None:
-    width = 0.8 / len(sizes)
-    for i, ((name, size), colour) in enumerate(zip(sizes.items(), PALETTE, strict=False)):
-        axes.bar(ORDERS - 0.4 + width * (i + 0.5), size * factor, width, color=colour, label=name)
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.grid(visible=False, axis="x")
-    axes.set_xlabel("crank order")
-    axes.set_ylabel(f"longer half axis, {unit}")
-    axes.set_title("Orders", loc="left")
-    axes.legend(loc="upper right")

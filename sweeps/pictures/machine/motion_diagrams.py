@@ -2,8 +2,7 @@
 
 import math
 import textwrap
-from collections.abc import Sequence
-from pathlib import Path
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -12,10 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 import engine
-from engine import InputUnits, Machine, Scene, SteadyRegime, Verdict, display_unit, pairs_of, quantity_text
-from sweeps.pictures.machine.diagrams import input_axis
+from engine import Scene, Verdict, display_unit
+from sweeps.pictures.machine.cycle_rows import input_axis
+from sweeps.pictures.panels import draw_panel
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, degree_ticks, legend_below, sheet
+from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, legend_below, sheet
 from sweeps.report.regime_words import failure_text
 
 # All others are black.
@@ -110,7 +110,7 @@ def _above_rounding(rows: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     return {key: row for key, row in rows.items() if sizes[key] > NOTHING * max(sizes.values())}
 
 
-def history_diagrams(scene: Scene, seen: "engine.History", target: Path | str | Figure | None) -> Figure:
+def history_diagrams(scene: Scene, seen: "engine.History") -> Figure:
     """Speed, torques, power, energy, work and kept reactions against time.
 
     One column per regime.
@@ -120,17 +120,10 @@ def history_diagrams(scene: Scene, seen: "engine.History", target: Path | str | 
     scene : Scene
     seen : History
         From `engine.machine.one_machine.history.history`.
-    target : path, Figure or None
-        File to write (.svg, .pdf, .png), or an empty figure to draw on; None for a new one.
-
-    Raises
-    ------
-    PictureError
-        Unknown picture format.
     """
     parts, title = courses(seen), f"{scene.title or 'Machine'}: history"
     height = HEIGHT + OF_REACTION * len(parts[0].reactions) if parts else 30
-    with sheet(target, 180, height) as figure:
+    with sheet(180, height) as figure:
         if parts:
             _history_sheet(figure, scene, parts)
         if seen.verdict == Verdict.OK:
@@ -148,7 +141,7 @@ def _history_sheet(figure: Figure, scene: Scene, parts: Sequence[_Course]) -> No
     heights = [1.0] * 4 + [LOW] * len(pairs)
     grid = {"width_ratios": widths, "height_ratios": heights}
     axes = figure.subplots(len(heights), len(parts), sharex="col", squeeze=False, gridspec_kw=grid)
-    units = InputUnits.of(scene)
+    units = engine.InputUnits.of(scene)
     _, speed, load = units.symbols
     rows = (
         (speed, units.speed, [{"speed": part.speed} | _only(part.coupled, "shaft_speed") for part in parts]),
@@ -163,11 +156,11 @@ def _history_sheet(figure: Figure, scene: Scene, parts: Sequence[_Course]) -> No
             _lines(ax, part.time, {key: factor * values for key, values in column.items()})
         row[0].set_ylabel(f"{symbol}, {label}")
         _share_scale(row, columns)
-    places = {pair.name: pair.place for pair in pairs_of(scene)}
+    places = {pair.name: pair.place for pair in engine.pairs_of(scene)}
     for ax, pair in zip(axes[4:, 0], pairs, strict=True):
         ax.set_title(f"{pair}: {places[pair]}" if pair in places else pair, loc="left", fontsize=7, pad=2)
     for ax, part in zip(axes[0], parts, strict=True):
-        kind = " (one cycle)" if isinstance(scene.regimes[part.name], SteadyRegime) else ""
+        kind = " (one cycle)" if isinstance(scene.regimes[part.name], engine.SteadyRegime) else ""
         ax.set_title(f"{part.name}{kind}", fontweight="bold")
     for ax, part, width in zip(axes[-1], parts, widths / widths.sum(), strict=True):
         ax.set_xlabel("t, s")
@@ -208,7 +201,7 @@ def _thinned(x: np.ndarray, row: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.repeat(x[: count * every : every], 2), np.stack((pieces.min(axis=1), pieces.max(axis=1)), axis=1).ravel()
 
 
-def cycle_diagrams(scene: Scene, seen: "engine.History", regime: str, target: Path | str | Figure | None) -> Figure:
+def cycle_diagrams(scene: Scene, seen: "engine.History", regime: str) -> Figure:
     """Steady running over the crank angle: speed with its mean and δ, acceleration, torques and power.
 
     Parameters
@@ -217,73 +210,51 @@ def cycle_diagrams(scene: Scene, seen: "engine.History", regime: str, target: Pa
     seen : History
     regime : str
         Name of a steady regime in the history.
-    target : path, Figure or None
-        File to write (.svg, .pdf, .png), or an empty figure to draw on; None for a new one.
 
     Raises
     ------
     PictureError
-        There is no such motion in the history, or unknown picture format.
+        There is no such motion in the history.
     """
     part = next((p for p in courses(seen) if p.name == regime), None)
     if part is None:
         failed = seen.verdict != Verdict.OK
         why = failure_text(scene, seen.verdict, seen) if failed else f"the regimes are {', '.join(scene.regimes)}"
         raise PictureError(f"no steady motion {regime!r}: {why}")
-    with sheet(target, 180, 125) as figure:
+    with sheet(180, 125) as figure:
         axes = figure.subplots(2, 2, sharex=True)
-        _speed_panel(axes[0, 0], scene, part)
-        _panel(axes[1, 0], part, "Angular acceleration", "ε", "rad s-2", {"acceleration": part.acceleration})
-        _panel(axes[0, 1], part, "Torques on the crank", "M", "N m", _above_rounding(part.moments))
-        _panel(axes[1, 1], part, "Power", "P", "W", part.powers)
-        for ax in axes[1]:
-            ax.set_xlabel(input_axis(scene, part.angle)[0])
+        title, marks = _speed_words(scene, part)
+        panels = (
+            (title, engine.PanelAxis("", "rad s-1", "ω"), {"speed": part.speed}, marks),
+            ("Torques on the crank", engine.PanelAxis("", "N m", "M"), _above_rounding(part.moments), ()),
+            ("Angular acceleration", engine.PanelAxis("", "rad s-2", "ε"), {"acceleration": part.acceleration}, ()),
+            ("Power", engine.PanelAxis("", "W", "P"), part.powers, ()),
+        )
+        for ax, (title, axis, rows, marks) in zip(axes.flat, panels, strict=True):
+            curves = [engine.Curve(_WORDS.get(key, ""), row) for key, row in rows.items()]
+            panel = engine.Panel(input_axis(scene), axis, part.angle, curves, marks, title)
+            draw_panel(ax, panel, ax in axes[1], False, [_COLOURS.get(key, "black") for key in rows])
+        # A clockwise crank turns to the right, too.
+        axes[0, 0].xaxis.set_inverted(bool(part.angle[-1] < part.angle[0]))
         legend_below(figure, axes.flat, 4)
         figure.suptitle(f"{scene.title or 'Machine'}: {regime}", fontweight="bold")
     return figure
 
 
-def _panel(ax: Axes, part: _Course, title: str, symbol: str, units: str, rows: dict[str, np.ndarray]) -> None:
-    factor, label = display_unit(units, np.concatenate(list(rows.values()) or [np.zeros(1)]))
-    phi = np.degrees(part.angle)
-    _lines(ax, phi, {key: factor * row for key, row in rows.items()})
-    ax.set(title=title, ylabel=f"{symbol}, {label}", xlim=(phi[0], phi[-1]))
-    degree_ticks(ax.xaxis, abs(phi[-1] - phi[0]))
+def _speed_words(scene: Scene, part: _Course) -> tuple[str, list[engine.Mark]]:
+    """Fluctuation and mean of the speed, and marks at its mean and extremes."""
+    names = [f"{part.name}.{key}" for key in ("mean_speed", "speed_min", "speed_max", "speed_fluctuation")]
+    found = engine.Machine(scene, names).evaluate({}).summaries
+    *marked, delta = (float(found[name][0]) for name in names)
+    title = f"δ = {engine.quantity_text(delta, '1')}, mean speed {engine.quantity_text(marked[0], 'rad s-1')}"
+    return title, [engine.Mark("", None, math.copysign(height, part.speed[0])) for height in marked]
 
 
-def _speed_panel(ax: Axes, scene: Scene, part: _Course) -> None:
-    names = [f"{part.name}.{key}" for key in ("speed_min", "speed_max", "mean_speed", "speed_fluctuation")]
-    found = Machine(scene, names).evaluate({}).summaries
-    low, high, mean, delta = (float(found[name][0]) for name in names)
-    factor, _ = display_unit("rad s-1", part.speed)
-    title = f"δ = {quantity_text(delta, '1')}, mean speed {quantity_text(mean, 'rad s-1')}"
-    _panel(ax, part, title, "ω", "rad s-1", {"speed": part.speed})
-    way = factor * math.copysign(1.0, part.speed[0])
-    ax.axhline(way * mean, color=VERMILION, linewidth=0.9, linestyle=(0, (6, 2)))
-    for end in (low, high):
-        ax.axhline(way * end, color=GREY, linewidth=0.8, linestyle=":")
-
-
-def motion_pictures(scene: Scene, path: Path) -> list[Path]:
-    """Draw the history of a machine, and the cycle of each steady regime.
-
-    Parameters
-    ----------
-    scene : Scene
-    path : Path
-        Base name; `_history` and `_REGIME` are appended.
-
-    Returns
-    -------
-    list of Path
-        Files written; regimes not reached are omitted.
-    """
+def motion_sheets(scene: Scene) -> Iterator[tuple[str, Figure]]:
+    """The history of a machine, and the cycle of each steady regime that it reaches, by name."""
     seen = engine.history(scene, fields=[name for name in engine.history_fields(scene) if name.endswith(".reaction")])
-    made = [path.with_name(f"{path.stem}_history{path.suffix}")]
-    history_diagrams(scene, seen, made[0])
+    yield "history", history_diagrams(scene, seen)
     reached = {part.name for part in courses(seen)}
     for name, regime in scene.regimes.items():
-        if isinstance(regime, SteadyRegime) and name in reached:
-            made.append(path.with_name(f"{path.stem}_{name}{path.suffix}"))
-            cycle_diagrams(scene, seen, name, made[-1])
-    return made
+        if isinstance(regime, engine.SteadyRegime) and name in reached:
+            yield name, cycle_diagrams(scene, seen, name)

@@ -9,7 +9,9 @@ from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
 
 from engine import FRAME, CrankInput, Pair, did_you_mean, display_unit, pairs_of, quantity_text
+from sweeps.pictures.machine.cycle_rows import closed
 from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.plans.lettering import size_text
 from sweeps.pictures.plans.pose import MachineCycle
 from sweeps.pictures.plans.reaction_curves import reaction_panel
 from sweeps.pictures.plans.sheets import blank_sheet, heading, place, write
@@ -126,7 +128,7 @@ def load_polar(load: BearingLoad, ax: PolarAxes) -> None:
         Made with projection="polar".
     """
     factor, unit = display_unit("N", np.abs(load.force))
-    z = factor * (np.append(load.force, load.force[0]) if load.cycle.is_closed else load.force)
+    z = factor * closed(load.cycle.scene, load.force)
     q, turns = load.cycle.motion.q, isinstance(load.cycle.scene.input, CrankInput)
     ax.plot(np.angle(z), np.abs(z), color=BLUE, linewidth=1.1)
     every = max(1, round(math.pi / 6 / (q[1] - q[0])) if turns else q.size // 12)
@@ -147,13 +149,12 @@ def load_polar(load: BearingLoad, ax: PolarAxes) -> None:
             text = f"φ {np.degrees(q[k]):.0f}°" if turns else quantity_text(float(q[k]), "m")
             at = (np.angle(end), abs(end))
             ax.annotate(text, at, (4 * side, 2), textcoords="offset points", fontsize=6, ha=ha)
-    peak = factor * load.force[load.peak]
-    ax.plot(np.angle(peak), abs(peak), "*", color=VERMILION, markersize=7)
+    star = factor * load.force[load.peak]
+    ax.plot(np.angle(star), abs(star), "*", color=VERMILION, markersize=7)
     _axes(ax, unit, z)
     whose = "frame axes" if load.axes == FRAME else f"axes of {load.axes}"
-    ax.set_title(
-        f"on {load.on}, {whose}\npeak {factor * load.cycle.peak_force(load.pair.name):.4g} {unit}", fontsize=7.5, pad=8
-    )
+    peak = size_text(load.cycle.peak_force(load.pair.name), "N")
+    ax.set_title(f"on {load.on}, {whose}\npeak {peak}", fontsize=7.5, pad=8)
 
 
 def load_rose(load: BearingLoad, ax: PolarAxes) -> None:
@@ -202,9 +203,7 @@ def bearing_sheet(cycle: MachineCycle, pair: str) -> Figure:
         load_polar(own, polar[1])
         load_rose(own, polar[2])
         if other == FRAME:
-            panel = place(figure, 16, 20, 66, 56)
-            reaction_panel(cycle, frame.pair, panel)
-            panel.legend(fontsize=6.5, ncols=3, loc="best")
+            reaction_panel(cycle, frame.pair, place(figure, 16, 20, 66, 56))
         else:
             ax = place(figure, *corners[2], 62, 62, projection="polar")
             load_polar(bearing_load(cycle, pair, other), ax)

@@ -1,6 +1,6 @@
 """Files of plans at a position, and of reactions and bearing loads over the cycle."""
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +12,7 @@ from sweeps.pictures.plans.forces.loads import loaded_links
 from sweeps.pictures.plans.pose import MachineCycle
 from sweeps.pictures.plans.reaction_curves import reaction_sheet
 from sweeps.pictures.plans.sheets import force_sheet, kinematic_sheet
-from sweeps.pictures.style import save
+from sweeps.pictures.style import save_beside
 
 # Default number of bearing sheets: a machine of ten dyads has 31 bearings, few of them critical.
 MOST_BEARINGS = 8
@@ -48,11 +48,11 @@ def plan_pictures(
     """
     cycle = MachineCycle(scene, values)
     pose = cycle.at(at)
-    made = [_saved(kinematic_sheet(pose, which), path, which) for which in ("velocity", "acceleration")]
+    made = save_beside(path, ((which, kinematic_sheet(pose, which)) for which in ("velocity", "acceleration")))
     if revolute_pairs(cycle):
         parts = (scene.input.link, *cycle.groups, *loaded_links(pose))
-        made += [_saved(force_sheet(pose, part), path, f"forces_{part}") for part in parts]
-        made += _reactions(cycle, path, _most_loaded(cycle))
+        made += save_beside(path, ((f"forces_{part}", force_sheet(pose, part)) for part in parts))
+        made += save_beside(path, _reactions(cycle, _most_loaded(cycle)))
     return made
 
 
@@ -79,7 +79,7 @@ def bearing_pictures(
     PictureError
         No such pair, or it isn't revolute or loaded.
     """
-    return _bearing_sheets(MachineCycle(scene, values), path, dict.fromkeys(bearings)) if bearings else []
+    return save_beside(path, _bearings(MachineCycle(scene, values), dict.fromkeys(bearings))) if bearings else []
 
 
 def _most_loaded(cycle: MachineCycle) -> list[str]:
@@ -87,8 +87,9 @@ def _most_loaded(cycle: MachineCycle) -> list[str]:
     return sorted(peaks, key=peaks.__getitem__, reverse=True)[:MOST_BEARINGS]
 
 
-def _bearing_sheets(cycle: MachineCycle, path: Path, names: Iterable[str]) -> list[Path]:
-    return [_saved(bearing_sheet(cycle, name), path, f"bearing_{name.replace('.', '_')}") for name in names]
+def _bearings(cycle: MachineCycle, names: Iterable[str]) -> Iterator[tuple[str, Figure]]:
+    for name in names:
+        yield f"bearing_{name.replace('.', '_')}", bearing_sheet(cycle, name)
 
 
 def reaction_pictures(
@@ -118,16 +119,9 @@ def reaction_pictures(
         Files written.
     """
     asked = {name.rpartition(".reaction")[0] for name in fields} & {pair.name for pair in pairs_of(scene)}
-    return _reactions(MachineCycle(scene, values, known), path, asked) if asked else []
+    return save_beside(path, _reactions(MachineCycle(scene, values, known), asked)) if asked else []
 
 
-def _reactions(cycle: MachineCycle, path: Path, asked: Collection[str]) -> list[Path]:
-    made = [_saved(reaction_sheet(cycle), path, "reactions")]
-    bearings = [pair.name for pair in revolute_pairs(cycle) if pair.name in asked]
-    return made + _bearing_sheets(cycle, path, bearings)
-
-
-def _saved(figure: Figure, path: Path, what: str) -> Path:
-    target = path.with_name(f"{path.stem}_{what}{path.suffix}")
-    save(figure, target)
-    return target
+def _reactions(cycle: MachineCycle, asked: Collection[str]) -> Iterator[tuple[str, Figure]]:
+    yield "reactions", reaction_sheet(cycle)
+    yield from _bearings(cycle, (pair.name for pair in revolute_pairs(cycle) if pair.name in asked))

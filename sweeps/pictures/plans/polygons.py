@@ -49,8 +49,9 @@ class PlanKind(NamedTuple):
         The turns listed: field of `Turn`, symbol and unit.
     image : callable
         A point's vector from its motion.
-    turning, slid, curved, rolled : callable
-        Symbol, vector and kind of each step on a bar, along a guide, along a curved path, and between rolling curves.
+    turning, slid, rolled : callable
+        Symbol, vector and kind of each step on a bar, along a guide or a path of a curvature (normal, as a vector), and
+        between rolling curves.
     """
 
     letter: str
@@ -60,8 +61,7 @@ class PlanKind(NamedTuple):
     turn_unit: str
     image: Callable[[Movement], complex]
     turning: Callable[[Turn, complex], list[tuple[str, complex, str]]]
-    slid: Callable[[Turn, complex, complex], list[tuple[str, complex, str]]]
-    curved: Callable[[Turn, complex, complex, complex], list[tuple[str, complex, str]]]
+    slid: Callable[[Turn, complex, complex, complex | None], list[tuple[str, complex, str]]]
     rolled: Callable[[float, complex], list[tuple[str, complex, str]]]
 
 
@@ -100,19 +100,17 @@ _VELOCITY = PlanKind(
     *("v", "m s-1", "omega", r"\omega", "rad/s"),
     lambda moving: moving.v,
     lambda turn, arm: [("", 1j * turn.omega * arm, "whole")],
-    lambda _, v, a: [("", v, "relative")],
-    lambda _, v, a, bend: [("", v, "relative")],
+    lambda _, v, a, bend=None: [("", v, "relative")],
     lambda omega, drift: [],
 )
 _ACCELERATION = PlanKind(
     *("a", "m s-2", "epsilon", r"\varepsilon", "rad/s²"),
     lambda moving: moving.a,
     lambda turn, arm: [("n", -(turn.omega**2) * arm, "normal"), ("t", 1j * turn.epsilon * arm, "tangential")],
-    lambda turn, v, a: [("c", 2j * turn.omega * v, "coriolis"), ("r", a, "relative")],
-    lambda turn, v, a, bend: [
+    lambda turn, v, a, bend=None: [
         ("c", 2j * turn.omega * v, "coriolis"),
-        ("rn", abs(v) ** 2 * bend, "normal"),
-        ("rt", a, "relative"),
+        *([] if bend is None else [("rn", abs(v) ** 2 * bend, "normal")]),
+        ("r" if bend is None else "rt", a, "relative"),
     ],
     lambda omega, drift: [("n", omega**2 * drift, "normal")],
 )
@@ -322,10 +320,8 @@ class _Composer:
         tangent, turn = 1j * contact.normal, pose.turn(under)
         v = ((end.v - start.v) / tangent).real * tangent
         a = ((end.a - start.a - 2j * turn.omega * v) / tangent).real * tangent
-        steps = self.order.slid(turn, v, a)
-        if not flat:
-            steps = self.order.curved(turn, v, a, -contact.curvature * contact.normal)
-        self._leg(f"{name}'", name, steps, False)
+        bend = None if flat else -contact.curvature * contact.normal
+        self._leg(f"{name}'", name, self.order.slid(turn, v, a, bend), False)
 
     # Groups of free links
 

@@ -63,11 +63,6 @@ class MachineCycle:
             if e.kind in ("group", "free group")
         }
 
-    @property
-    def is_closed(self) -> bool:
-        """Whether the cycle closes."""
-        return engine.has_cycle(self.scene)
-
     def _found(self, find: Callable[[], Found]) -> Found:
         try:
             return find()

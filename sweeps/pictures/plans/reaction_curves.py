@@ -3,14 +3,17 @@
 import math
 
 import numpy as np
+from matplotlib.artist import setp
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from engine import InputUnits, Pair, display_unit, drive_words, pairs_of
-from sweeps.pictures.machine.diagrams import input_axis
+from engine import Curve, InputUnits, Pair, PanelAxis, display_unit, drive_words, has_cycle, pairs_of
+from sweeps.pictures.machine.cycle_rows import closed, panel_over_cycle
+from sweeps.pictures.panels import draw_panel
+from sweeps.pictures.plans.lettering import size_text
 from sweeps.pictures.plans.pose import MachineCycle
 from sweeps.pictures.plans.sheets import blank_sheet, heading, place
-from sweeps.pictures.style import BLUE, GREEN, ORANGE, PURPLE, house_style, typeset
+from sweeps.pictures.style import PURPLE, house_style
 
 COLUMNS = 3
 # Sizes on paper [mm]: a panel with its labels, and its left, right, lower and upper margins.
@@ -22,7 +25,7 @@ OF_MOMENTS = 14.0
 NOTHING = 1e-9
 
 
-def reaction_panel(cycle: MachineCycle, pair: Pair, ax: Axes) -> None:
+def reaction_panel(cycle: MachineCycle, pair: Pair, ax: Axes, with_legend: bool = True) -> None:
     """Draw the reaction of a pair over the cycle: magnitude, components, and the moment of a prismatic pair.
 
     Parameters
@@ -30,20 +33,25 @@ def reaction_panel(cycle: MachineCycle, pair: Pair, ax: Axes) -> None:
     cycle : MachineCycle
     pair : Pair
     ax : matplotlib.axes.Axes
+    with_legend : bool
     """
-    force = cycle.force(f"{pair.name}.reaction")
-    factor, unit = display_unit("N", np.abs(force))
-    q, label = _abscissa(cycle)
-    ax.plot(q, factor * _closed(cycle, np.abs(force)), color=BLUE, label="R")
-    ax.plot(q, factor * _closed(cycle, force.real), color=ORANGE, linewidth=0.8, label="$R_x$")
-    ax.plot(q, factor * _closed(cycle, force.imag), color=GREEN, linewidth=0.8, label="$R_y$")
-    ax.set(xlabel=label, ylabel=f"R, {unit}", xlim=(q[0], q[-1]))
-    what = f"{pair.name}: {pair.other} on {pair.link}"
-    ax.set_title(f"{what}\npeak {factor * cycle.peak_force(pair.name):.4g} {unit}", fontsize=7.5)
-    if cycle.is_closed:
-        ax.set_xticks(np.linspace(0, q[-1], 5))
+    force = closed(cycle.scene, cycle.force(f"{pair.name}.reaction"))
+    curves = [Curve("R", np.abs(force)), Curve("$R_x$", force.real), Curve("$R_y$", force.imag)]
+    title = f"{pair.name}: {pair.other} on {pair.link}\npeak {size_text(cycle.peak_force(pair.name), 'N')}"
+    _draw(cycle, ax, PanelAxis("", "N", "R"), curves, title, with_legend)
+    # Where a component is the whole reaction, both are seen.
+    setp(ax.lines[1:], linewidth=0.8)
     if _bears_moment(cycle, pair):
-        _moment(cycle, pair, ax, q)
+        _moment(cycle, pair, ax)
+
+
+def _draw(
+    cycle: MachineCycle, ax: Axes, axis: PanelAxis, curves: list[Curve], title: str, with_legend: bool = False
+) -> None:
+    draw_panel(ax, panel_over_cycle(cycle.motion.machine, axis, curves, title=title), with_legend=with_legend)
+    ax.title.set_fontsize(7.5)
+    if has_cycle(cycle.scene):
+        ax.set_xticks(np.linspace(*ax.get_xlim(), 5))
 
 
 def _bears_moment(cycle: MachineCycle, pair: Pair) -> bool:
@@ -53,24 +61,15 @@ def _bears_moment(cycle: MachineCycle, pair: Pair) -> bool:
     return bool(np.nanmax(np.abs(moment)) > NOTHING * np.nanmax(np.abs(force)) * cycle.motion.radius)
 
 
-def _moment(cycle: MachineCycle, pair: Pair, ax: Axes, q: np.ndarray) -> None:
+def _moment(cycle: MachineCycle, pair: Pair, ax: Axes) -> None:
     """Draw the moment of a prismatic pair on a second axis."""
-    moment = cycle.forces[f"{pair.name}.reaction_moment"]
+    moment = closed(cycle.scene, cycle.forces[f"{pair.name}.reaction_moment"])
     factor, unit = display_unit("N m", moment)
     right = ax.twinx()
     right.grid(False)
-    right.plot(q, factor * _closed(cycle, moment), color=PURPLE, linewidth=0.8, linestyle=(0, (4, 2)))
+    look = {"color": PURPLE, "linewidth": 0.8, "linestyle": (0, (4, 2))}
+    right.plot(ax.lines[0].get_xdata(), factor * moment, **look)
     right.set_ylabel(f"moment, {unit} (dashed)", color=PURPLE, fontsize=7)
-
-
-def _closed(cycle: MachineCycle, row: np.ndarray) -> np.ndarray:
-    return np.append(row, row[:1]) if cycle.is_closed else row
-
-
-def _abscissa(cycle: MachineCycle) -> tuple[np.ndarray, str]:
-    q = cycle.motion.q
-    label, factor = input_axis(cycle.scene, q)
-    return factor * (np.append(q, 2 * q[-1] - q[-2]) if cycle.is_closed else q), label
 
 
 def reaction_sheet(cycle: MachineCycle) -> Figure:
@@ -87,18 +86,9 @@ def reaction_sheet(cycle: MachineCycle) -> Figure:
             left, bottom = 2 + PANEL_WIDTH * column + LEFT, 6 + PANEL_HEIGHT * (rows - 1 - row) + BELOW
             axes.append(place(figure, left, bottom, PANEL_WIDTH - LEFT - right, PANEL_HEIGHT - BELOW - ABOVE))
         for ax, pair in zip(axes, shown, strict=False):
-            reaction_panel(cycle, pair, ax)
-        _input_panel(cycle, axes[-1])
+            reaction_panel(cycle, pair, ax, with_legend=False)
+        units, moment = InputUnits.of(cycle.scene), closed(cycle.scene, cycle.forces["input_moment_by_equilibrium"])
+        axis = PanelAxis("", units.moment, f"{units.symbols[2]}_in")
+        _draw(cycle, axes[-1], axis, [Curve("", moment)], drive_words(cycle.scene).replace(" for", "\nfor"))
         figure.legend(*axes[0].get_legend_handles_labels(), loc="lower right", ncols=3)
     return figure
-
-
-def _input_panel(cycle: MachineCycle, ax: Axes) -> None:
-    row, units = cycle.forces["input_moment_by_equilibrium"], InputUnits.of(cycle.scene)
-    factor, unit = display_unit(units.moment, row)
-    q, label = _abscissa(cycle)
-    ax.plot(q, factor * _closed(cycle, row), color=BLUE)
-    ax.set(xlabel=label, ylabel=f"{typeset(f'{units.symbols[2]}_in')}, {unit}", xlim=(q[0], q[-1]))
-    ax.set_title(drive_words(cycle.scene).replace(" for", "\nfor"), fontsize=7.5)
-    if cycle.is_closed:
-        ax.set_xticks(np.linspace(0, q[-1], 5))

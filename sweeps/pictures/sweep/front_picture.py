@@ -1,7 +1,6 @@
 """Plot of a Pareto front among all candidates, with chosen mechanisms drawn to one scale."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -22,7 +21,7 @@ ROUND_ABOUT = 0.6
 MOST_TOLD = 4
 
 
-def front_picture(result: SweepResult, data: SweepData, target: Path | str | None) -> Figure:
+def front_picture(result: SweepResult, data: SweepData) -> Figure:
     """Draw the front of a multi-objective search.
 
     The first two objectives are the axes, a third is the colour of the front.
@@ -32,8 +31,6 @@ def front_picture(result: SweepResult, data: SweepData, target: Path | str | Non
     result : SweepResult
     data : SweepData
         Its plot data.
-    target : path or None
-        File to write (.svg, .pdf, .png), if any.
 
     Raises
     ------
@@ -44,7 +41,7 @@ def front_picture(result: SweepResult, data: SweepData, target: Path | str | Non
         raise PictureError("no candidate meets all conditions: there is no front to draw")
     chosen = choices(result)
     drawn = [] if result.scene.input is None else chosen
-    with sheet(target, WIDTH, HEIGHT + (DRAWING if drawn else 0)) as figure:
+    with sheet(WIDTH, HEIGHT + (DRAWING if drawn else 0)) as figure:
         rows = figure.subfigures(2, 1, height_ratios=[HEIGHT, DRAWING]) if drawn else [figure]
         _scatter(rows[0].subplots(), result, data, chosen)
         if drawn:

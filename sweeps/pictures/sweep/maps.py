@@ -1,7 +1,6 @@
 """Plots of sweep results: curves, field bands, maps and scatters, chosen by the design."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -295,7 +294,6 @@ def scatter(ax: Axes, data: SweepData, x: str, y: str, colour: str | None = None
 
 def plot_result(
     data: SweepData,
-    target: Path | str | None,
     x: str | None = None,
     y: str | None = None,
     colour: str | None = None,
@@ -309,8 +307,6 @@ def plot_result(
     Parameters
     ----------
     data : SweepData
-    target : path or None
-        File to write (.svg, .pdf, .png), if any.
     x, y, colour : str, optional
         Arrays to show instead of the defaults.
     best : int, optional
@@ -324,7 +320,7 @@ def plot_result(
     for name in (x, y, colour):
         if name is not None and data.shown(name)[0].ndim == 2 and name != y:
             raise PictureError(f"{name!r} is a field, which can only be y")
-    with sheet(target, 180, 110) as figure:
+    with sheet(180, 110) as figure:
         _choose(figure, data, x, y, colour, best)
         if data.chosen_of:
             words = f"{data.status.size} of {data.chosen_of} variants (evenly sampled, with the best)"

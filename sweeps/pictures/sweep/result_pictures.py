@@ -9,6 +9,7 @@ from engine import Verdict
 from sweeps.optimising.optimum import is_front
 from sweeps.pictures.picture_files import machine_pictures
 from sweeps.pictures.plans.files import reaction_pictures
+from sweeps.pictures.style import save
 from sweeps.pictures.sweep.front_picture import front_picture
 from sweeps.pictures.sweep.maps import plot_result
 from sweeps.pictures.sweep.sweep_data import SweepData, evenly_chosen
@@ -50,13 +51,13 @@ def result_pictures(
     best = result.best()
     made = [out or path.with_suffix(".png")]
     if is_front(result) and x is y is colour is None:
-        front_picture(result, sweep_data(result, ())[0], made[0])
+        save(front_picture(result, sweep_data(result, ())[0]), made[0])
         return made
     data, marked = sweep_data(result, (x, y, colour), best)
     if out is None and x is y is colour is None:
         made += _pictures_of_one(result, best)
     # Last: where it is there, so are the others.
-    plot_result(data, made[0], x, y, colour, marked)
+    save(plot_result(data, x, y, colour, marked), made[0])
     return made
 
 

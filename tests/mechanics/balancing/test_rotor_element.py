@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from engine import ElementsAlone, Scene, SceneError, Verdict
 from sweeps.pictures.elements.element_pictures import element_sheet
-from sweeps.pictures.style import new_figure
 from sweeps.study.bundled import STUDIES
 from sweeps.text.scene_text import read_scene
 
@@ -245,7 +244,7 @@ def test_rotor__that_cannot_be_is_refused_in_words(changes, message):
 def test_plan__shows_masses_corrections_and_what_the_bearings_feel():
     rotor = read_scene(STUDIES / "balancing" / "scenes" / "fan_rotor.toml").elements["fan"]
     found = rotor.values(rotor.own_numbers())
-    polygon, moments, bars = element_sheet(rotor, new_figure(180, 80), "Fan").axes
+    polygon, moments, bars = element_sheet(rotor, "Fan").axes
     names = [line.get_label() for line in polygon.lines if len(line.get_xdata()) == 2]
     assert names == ["left_disc", "right_disc", "coupling", "left, added", "right, added", "resultant before"]
     masses, factors = rotor.unbalances.values(), {"g·mm": 1e6, "kg·mm": 1e3, "kg·m²": 1.0}

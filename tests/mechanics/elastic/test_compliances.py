@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from engine import SceneError, Verdict
 from sweeps.pictures.elements.element_pictures import element_sheet
-from sweeps.pictures.style import new_figure
 
 STEEL = 8e10
 SHAFT = {"type": "shaft", "diameter": 0.05, "length": 0.4, "shear_modulus": STEEL}
@@ -152,7 +151,7 @@ def test_bore_that_varies_beyond_the_diameter__is_a_status():
 
 def test_bars_of_a_shaft_line__are_shares_of_the_work_of_its_parts():
     line = drive({"stiff": SHAFT | {"diameter": 0.08}, "soft": COUPLING | {"ratio": 0.5}}, moment=200.0)
-    (ax,) = element_sheet(element(line), new_figure(140, 45), "line").axes
+    (ax,) = element_sheet(element(line), "line").axes
     names, heights = [text.get_text() for text in ax.get_xticklabels()], [bar.get_height() for bar in ax.patches]
     # A part at half the speed has twice the moment, and the work ½M²/c of each is its share.
     works = [0.5 * 200.0**2 / (STEEL * math.pi * 0.08**4 / 32 / 0.4), 0.5 * 400.0**2 / 2e4]

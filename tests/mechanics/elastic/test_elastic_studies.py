@@ -10,8 +10,8 @@ from test_oscillators import OSCILLATOR, ROTOR
 from test_two_mass_drives import DRIVE, peak_of_start
 
 from engine import ElementsAlone, Scene, Verdict, scene_numbers
-from sweeps.pictures.elements.element_pictures import element_pictures, element_sheet
-from sweeps.pictures.style import new_figure
+from sweeps.pictures.elements.element_pictures import element_sheet, element_sheets
+from sweeps.pictures.style import save_beside
 from sweeps.study.bundled import bundled_studies
 from sweeps.study.study_reader import read_study
 from sweeps.text.scene_text import read_scene, scene_from, write_scene
@@ -77,22 +77,20 @@ def test_pictures__are_made_of_every_oscillator_and_drive(tmp_path):
         "away": ROTOR | {"run_through": {"start": 40.0, "acceleration": 2.0}},
         "start": DRIVE,
     }
-    made = element_pictures(Scene.model_validate({"elements": elements}), tmp_path / "s.png")
+    made = save_beside(tmp_path / "s.png", element_sheets(Scene.model_validate({"elements": elements})))
     vibrating = [f"s_{name}_vibration.png" for name in ("plain", "free", "sharp", "away")]
     assert [path.name for path in made] == [*vibrating, "s_start_transient.png"]
 
 
 def test_sheets__show_what_is_computed():
-    figure = new_figure(180, 75)
     data = ROTOR | {"damping_ratio": 0.05, "start": {"displacement": 0.01, "time": 0.2}}
-    element_sheet(element(data), figure)
+    figure = element_sheet(element(data))
     free, forced, through = figure.axes
     factor, moved, peak = one(data, "dynamic_factor", "free_displacement", "run_through_amplitude")
     assert any(list(line.get_ydata()) == [pytest.approx(factor)] for line in forced.get_lines())
     assert any(list(line.get_ydata()) == [pytest.approx(1e3 * moved)] for line in free.get_lines())
     curve = next(line for line in through.get_lines() if line.get_label() == "on the way")
     assert curve.get_ydata().max() == pytest.approx(1e3 * peak, rel=1e-3)
-    figure = new_figure(180, 130)
-    element_sheet(element(DRIVE), figure)
+    figure = element_sheet(element(DRIVE))
     moments = figure.axes[0].get_lines()[0].get_ydata()
     assert moments.max() == pytest.approx(one(DRIVE, "greatest_moment")[0], rel=1e-3)

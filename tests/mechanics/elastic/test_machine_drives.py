@@ -13,7 +13,6 @@ from scipy.optimize import fsolve
 from engine import ElementsAlone, Machine, Scene, SceneError, Verdict, drive_cycle, drive_run, seconds_of_runs
 from sweeps.pictures.elements.elastic_sheets import machine_drive_sheet, machine_run_sheet
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import new_figure
 from sweeps.run.cost import on_shafts_text
 from sweeps.study.study_reader import read_study
 from sweeps.text.scene_text import read_scene, write_scene
@@ -369,11 +368,11 @@ def test_picture__draws_the_summaries_and_refuses_what_has_no_motion():
     assert cycle.moment.max() == pytest.approx(values["greatest_moment"][0], rel=1e-2)
     speed = cycle.machine_speed
     assert 2 * np.ptp(speed) / (speed.max() + speed.min()) == pytest.approx(values["machine_fluctuation"][0], rel=1e-2)
-    figure = machine_drive_sheet(scene, "d", new_figure(180, 130), "yoke")
+    figure = machine_drive_sheet(scene, "d", "yoke")
     assert [ax.get_title() for ax in figure.axes] == ["Shaft torque", "Crank speed", "Twist (crank lag)"]
     assert [ax.get_ylabel() for ax in figure.axes] == ["M, N·m", "ω, rpm", "Δφ, °"]
     with pytest.raises(PictureError, match=r"elements\.d: no steady motion"):
-        machine_drive_sheet(yoke(SOFT), "d", figure)
+        machine_drive_sheet(yoke(SOFT), "d")
 
 
 # Runs over time
@@ -437,7 +436,7 @@ def test_stop_with_dry_friction__ends_at_rest_with_a_twist_that_it_holds():
     yoke_inertia = WHEEL + MASS * 0.01 * np.sin(history.angle) ** 2
     energy = 0.1 * history.motor_speed**2 + 0.5 * yoke_inertia * history.machine_speed**2 + 200.0 * history.twist**2
     assert (np.diff(energy) <= 1e-7 * energy[0]).all()
-    figure = machine_run_sheet(scene, "d", new_figure(180, 130), "stop")
+    figure = machine_run_sheet(scene, "d", "stop")
     assert figure.axes[2].get_xlim() == (0.0, 1.5)
 
 

@@ -7,16 +7,15 @@ import pytest
 from element_samples import element, scene
 from train_samples import BRANCHED, chain, free, solved
 
-from sweeps.pictures.elements.element_pictures import element_pictures, element_tables
+from sweeps.pictures.elements.element_pictures import element_sheets, element_tables
 from sweeps.pictures.elements.train_sheet import train_sheet, train_table
-from sweeps.pictures.style import new_figure
+from sweeps.pictures.style import save_beside
 
 EXCITED = chain([1.0, 2.0, 0.5], [4e4, 9e4], speed=60.0, excitations={"e": {"on": "m0", "order": 2, "amplitude": 30.0}})
 
 
 def test_sheet__has_modes_levels_and_moments_of_the_train():
-    figure = new_figure(180, 170)
-    train_sheet(scene(it=EXCITED), "it", figure, "Drive")
+    figure = train_sheet(scene(it=EXCITED), "it", "Drive")
     modes, campbell, moments = figure.axes
     found = solved(EXCITED)
     # Both ends of each shaft, and a gap.
@@ -34,7 +33,7 @@ def test_sheet__has_modes_levels_and_moments_of_the_train():
 @pytest.mark.parametrize("train", [free(BRANCHED), chain([1.0], []) | {"shafts": {
     "bar": {"between": ["m0", "frame"], "stiffness": 1e3}}}])  # fmt: skip
 def test_files_and_tables__are_made_of_branched_and_single_trains(train, tmp_path):
-    (made,) = element_pictures(scene(it=train), tmp_path / "scene.png")
+    (made,) = save_beside(tmp_path / "scene.png", element_sheets(scene(it=train)))
     assert made.name == "scene_it_vibration.png"
     assert made.stat().st_size > 10_000
     assert "Holzer" in element_tables(scene(it=train))

@@ -9,7 +9,6 @@ from train_samples import matrices
 
 from engine import Machine, Scene, SceneError, Verdict
 from sweeps.pictures.elements.train_sheet import numbers_of_machine, train_sheet, train_table
-from sweeps.pictures.style import new_figure
 
 TRAIN = {
     "type": "torsional_train",
@@ -107,8 +106,7 @@ def test_mass_without_inertia__must_be_the_machines():
 
 
 def test_sheet__is_drawn_with_the_machines_orders():
-    figure = new_figure(180, 170)
-    train_sheet(scene(), "train", figure)
+    figure = train_sheet(scene(), "train")
     assert len(figure.axes) == 3
     curve = next(line for line in figure.axes[2].get_lines() if line.get_label() == "shaft")
     assert np.isfinite(curve.get_ydata()).all()

@@ -9,7 +9,6 @@ from element_samples import DISC, LEVER, WOUND, one, scene
 from engine import body_ellipsoid
 from sweeps.pictures.elements.element_pictures import element_sheet
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import new_figure
 
 PLATE = {"type": "tilted_body", "mass": 8.0, "semi_axis_x": 0.1, "semi_axis_y": 0.06, "semi_axis_z": 0.02}
 
@@ -21,7 +20,7 @@ def axes_of(figure, label):
 
 
 def test_lever__shows_the_hyperbolic_cosine_and_the_coriolis_force_on_it():
-    figure = element_sheet(scene(it=LEVER).elements["it"], new_figure(180, 90), "lever")
+    figure = element_sheet(scene(it=LEVER).elements["it"], "lever")
     time, distance = axes_of(figure, "distance").get_lines()[0].get_data()
     assert distance == pytest.approx(100.0 * np.cosh(20.0 * time), rel=1e-12)
     assert (time[-1], distance[-1]) == pytest.approx((math.acosh(5.0) / 20.0, 500.0), rel=1e-12)
@@ -31,18 +30,18 @@ def test_lever__shows_the_hyperbolic_cosine_and_the_coriolis_force_on_it():
 
 def test_curves_of_a_wound_flywheel__are_its_results():
     parting, bore, layer = one(WOUND, "parting_speed", "bore_stress", "layer_stress")
-    figure = element_sheet(scene(it=WOUND).elements["it"], new_figure(180, 80), "tape")
+    figure = element_sheet(scene(it=WOUND).elements["it"], "tape")
     drawn = {line.get_label(): line.get_ydata() for line in axes_of(figure, "hoop").get_lines()}
     assert parting > WOUND["speed"]
     assert drawn["at its speed"][0] * 1e6 == pytest.approx(bore, rel=1e-12)
     assert drawn["at its speed"].max() * 1e6 == pytest.approx(layer, rel=1e-6)
     faster = scene(it=WOUND | {"speed": 1.1 * parting}).elements["it"]
-    loose = element_sheet(faster, new_figure(180, 80), "tape")
+    loose = element_sheet(faster, "tape")
     assert "at its speed" not in {line.get_label() for line in axes_of(loose, "hoop").get_lines()}
 
 
 def test_polygon_of_a_flat_rotor__is_closed_by_the_mass_that_balances_it():
-    (ax,) = element_sheet(scene(it=DISC).elements["it"], new_figure(110, 90), "disc").axes
+    (ax,) = element_sheet(scene(it=DISC).elements["it"], "disc").axes
     drawn = {line.get_label(): np.array(line.get_data()) for line in ax.get_lines()}
     start, end = drawn["balance mass, added"].T
     unbalance, angle = one(DISC, "unbalance", "correction_angle")
@@ -64,7 +63,7 @@ def test_moments_of_an_ellipsoid__give_it_back():
 
 def test_outline_of_a_tilted_body__goes_as_far_as_the_ellipsoid():
     element = scene(it=PLATE | {"pitch": 0.5, "x": 0.012, "z": 0.03}).elements["it"]
-    front = element_sheet(element, new_figure(180, 130), "plate").axes[0]
+    front = element_sheet(element, "plate").axes[0]
     x, z = next(line for line in front.get_lines() if line.get_label() == "outline").get_data()
     # The farthest point in a direction n is √(nᵀ R diag(a², b², c²) Rᵀ n) away.
     high = 1e3 * math.hypot(0.1 * math.sin(0.5), 0.02 * math.cos(0.5))
@@ -77,11 +76,11 @@ def test_moments_that_no_body_has__are_not_drawn():
     moments = {"inertia_x": 1.0, "inertia_y": 1.0, "inertia_z": 3.0}
     element = scene(it={"type": "tilted_body", "mass": 8.0} | moments).elements["it"]
     with pytest.raises(PictureError, match="no results"):
-        element_sheet(element, new_figure(180, 130), "none")
+        element_sheet(element, "none")
 
 
 def test_way_on_an_elastic_tie__stretches_it_as_far_as_energy_and_moment_of_momentum_allow():
-    plan, pull = element_sheet(scene(it=TIE).elements["it"], new_figure(180, 85), "tie").axes
+    plan, pull = element_sheet(scene(it=TIE).elements["it"], "tie").axes
     x, y = next(line for line in plan.get_lines() if line.get_label() == "after the impulse").get_data()
     (stretch,) = one(TIE, "impulse_stretch")
     # The way is followed to 1e-8 a step, and drawn at places between which its distance stays within 1e-5 of its peak.

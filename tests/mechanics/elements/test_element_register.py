@@ -24,8 +24,9 @@ from engine import (
     scene_numbers,
 )
 from engine.elements import element as register
-from sweeps.pictures.elements.element_pictures import LAYOUTS, SHEETS, element_pictures
+from sweeps.pictures.elements.element_pictures import LAYOUTS, SHEETS, element_sheets
 from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.style import save_beside
 from sweeps.report.help import key_help
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import read_scene, scene_from
@@ -75,7 +76,7 @@ def test_every_kind__evaluates_is_drawn_and_has_help(kind, tmp_path):
         value, error = (part[f"it.{result.name}"][0] for part in (outcome.summaries, outcome.errors))
         assert np.isfinite(value) or result.may_be_undefined
         assert not error < 0.0
-    (picture, *_) = element_pictures(scene, tmp_path / "it.svg")
+    (picture, *_) = save_beside(tmp_path / "it.svg", element_sheets(scene))
     assert picture.stat().st_size > 5000
     assert f'type = "{kind}"' in key_help.key_text(kind)
 
@@ -142,7 +143,7 @@ def test_new_kind__evaluates_is_offered_and_drawn_by_being_defined(hoist, tmp_pa
     assert list(outcome.status) == [Verdict.OK, Verdict.OK, Verdict.OUTSIDE_LIMITS]
     # One rounding of each number and sixteen of the result: dF/F = dQ/Q, and at no loss of 0.05 (1 + … ) hardly more.
     assert outcome.errors["lift.pull"][0] == pytest.approx(17 * np.finfo(float).eps * 200.0, rel=1e-6)
-    assert [p.name for p in element_pictures(scene, tmp_path / "m.svg")] == ["m_lift_results.svg"]
+    assert [p.name for p in save_beside(tmp_path / "m.svg", element_sheets(scene))] == ["m_lift_results.svg"]
     assert "`losing`" in key_help.key_text("hoist")
 
 
@@ -160,4 +161,4 @@ def test_new_kind__is_told_of_where_a_text_is_wrong(hoist):
 def test_element_without_results__is_not_drawn(tmp_path):
     stuck = {"type": "car", "speed": 15.0, "friction": 0.1, "wheelbase": 2.8, "rear_distance": 1.2, "height": 0.6}
     with pytest.raises(PictureError, match="no results to draw"):
-        element_pictures(Scene(elements={"it": stuck | {"slope": -0.5}}), tmp_path / "it.svg")
+        save_beside(tmp_path / "it.svg", element_sheets(Scene(elements={"it": stuck | {"slope": -0.5}})))

@@ -7,11 +7,10 @@ import pytest
 from element_samples import BELT, GUIDE, INCLINE, JOURNAL, scene
 
 from sweeps.pictures.elements.element_pictures import element_sheet
-from sweeps.pictures.style import new_figure
 
 
 def curves(element) -> dict:
-    figure = element_sheet(scene(it=element).elements["it"], new_figure(180, 80), "it")
+    figure = element_sheet(scene(it=element).elements["it"], "it")
     return {line.get_label(): np.array(line.get_data()) for ax in figure.axes for line in ax.get_lines()}
 
 
@@ -37,7 +36,7 @@ def test_guide__its_curves_end_where_it_jams():
 
 
 def drawn_by(element) -> dict:
-    figure = element_sheet(scene(it=element).elements["it"], new_figure(180, 90), "it")
+    figure = element_sheet(scene(it=element).elements["it"], "it")
     return {line.get_label(): np.array(line.get_data()) for line in figure.axes[1].get_lines()}
 
 

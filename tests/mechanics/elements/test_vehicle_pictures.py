@@ -7,7 +7,6 @@ import pytest
 from element_samples import scene
 
 from sweeps.pictures.elements.element_pictures import element_sheet
-from sweeps.pictures.style import new_figure
 
 AXLE = {
     "type": "locomotive",
@@ -37,7 +36,7 @@ def curves(ax) -> dict:
 
 
 def test_locomotive__has_the_curves_of_two_cylinders_at_a_right_angle():
-    figure = element_sheet(scene(axle=AXLE).elements["axle"], new_figure(180, 130), "axle")
+    figure = element_sheet(scene(axle=AXLE).elements["axle"], "axle")
     forces, blows, couple = (
         next(ax for ax in figure.axes if ax.get_title().lower().startswith(label))
         for label in ("unbalanced", "peak", "swaying")
@@ -59,7 +58,7 @@ def test_locomotive__has_the_curves_of_two_cylinders_at_a_right_angle():
 
 @pytest.mark.parametrize("brakes", ["front", "rear", "all"])
 def test_car__comes_to_rest_where_its_results_say(brakes):
-    figure = element_sheet(scene(car=CAR | {"brakes": brakes}).elements["car"], new_figure(180, 75), "car")
+    figure = element_sheet(scene(car=CAR | {"brakes": brakes}).elements["car"], "car")
     over_speed, along = figure.axes
     speed, way = curves(over_speed)[f"brakes: {brakes}"]
     (thick,) = (line for line in along.get_lines() if line.get_linewidth() > 1.0)

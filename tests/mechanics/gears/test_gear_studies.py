@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from gear_samples import scene_with, simple_planetary, tips_keep_clear
-from matplotlib.figure import Figure
 
 from engine import Verdict, velocity_picture
 from sweeps.pictures.elements.gear_sheet import gear_sheet, gear_table
@@ -108,9 +107,8 @@ def test_picture_of_linear_velocities__has_one_velocity_at_every_contact():
 
 
 def test_rays_of_angular_velocities__are_parallel_to_lines_of_linear_ones():
-    figure = Figure(figsize=(7, 4), layout="constrained")
     train = train_of(scene_with(simple_planetary(24, 30, 84, {"sun": {"speed": 10.0}, "ring": {"speed": -3.0}})))
-    gear_sheet(train, figure)
+    figure = gear_sheet(train)
     figure.draw_without_rendering()
     _, linear, angular = figure.axes
 

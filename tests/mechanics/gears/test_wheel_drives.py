@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from engine import Scene, Verdict
 from sweeps.pictures.elements.element_pictures import element_sheet
-from sweeps.pictures.style import new_figure
 
 EPS = np.finfo(float).eps
 FRICTION = {
@@ -116,7 +115,7 @@ def test_sprockets__have_whole_teeth_and_room():
 @pytest.mark.parametrize("speed", [50.0, -50.0])
 def test_drawn_chain__touches_both_pitch_circles_and_is_tight_where_it_is_drawn_in(speed):
     drive = Scene(elements={"it": CHAIN | {"distance": 0.4, "speed": speed}}).elements["it"]
-    layout, _ = element_sheet(drive, new_figure(180, 75)).axes
+    layout, _ = element_sheet(drive).axes
     tight = next(line for line in layout.get_lines() if line.get_label() == "tight strand")
     (x, y), radii = np.array(tight.get_data()), [0.5e3 * 0.0127 / math.sin(math.pi / z) for z in (17, 51)]
     along = np.array([np.diff(x)[0], np.diff(y)[0]]) / math.hypot(np.diff(x)[0], np.diff(y)[0])

@@ -21,9 +21,9 @@ from engine import (
     warnings_from_numbers,
 )
 from sweeps import SweepResult, read_study, run_study
-from sweeps.pictures.elements.element_pictures import element_pictures, element_sheet
+from sweeps.pictures.elements.element_pictures import element_sheet, element_sheets
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import new_figure
+from sweeps.pictures.style import save_beside
 from sweeps.study.bundled import bundled_studies
 from sweeps.text.scene_text import scene_from, write_scene
 from sweeps.text.toml_text import parse_toml
@@ -154,7 +154,7 @@ def lines(ax):
 
 def test_sheet__shows_what_is_computed():
     governor = element(GOVERNED)
-    force, speed, diagram, change, _ = element_sheet(governor, new_figure(180, 200), "governor").axes
+    force, speed, diagram, change, _ = element_sheet(governor, "governor").axes
     found, _, _ = governor_results(GOVERNED)
     rays = [t.get_text() for t in force.texts]
     assert rays == [f"{found[key][0] * 30 / math.pi:.4g} rpm" for key in ("least_speed", "greatest_speed")]
@@ -172,7 +172,7 @@ def test_sheet__shows_what_is_computed():
 def test_no_oscillation__is_shown_where_the_discriminant_says():
     from engine.laws.governors.stability import oscillates
 
-    figure = element_sheet(element(GOVERNED), new_figure(180, 200))
+    figure = element_sheet(element(GOVERNED))
     drawn = lines(figure.axes[2])
     edges = [drawn[f"no oscillation {side}"].get_data() for side in ("above", "below")]
     for x in np.linspace(0.5, 5.9, 12):
@@ -186,17 +186,17 @@ def test_no_oscillation__is_shown_where_the_discriminant_says():
 
 def test_sheet_of_a_governor_that_does_not_work__says_why():
     unstable = element(TABLE | {"controlling_force": [300.0, 310.0, 315.0, 320.0]})
-    figure = element_sheet(unstable, new_figure(180, 100))
+    figure = element_sheet(unstable)
     assert "stable nowhere between its stops" in figure.axes[0].get_title()
     assert set(lines(figure.axes[0])) >= {"unstable", "stops"}
     with pytest.raises(PictureError, match="no results to draw"):
-        element_sheet(element(PORTER | {"upper_arm": 0.1}), new_figure(180, 100))
+        element_sheet(element(PORTER | {"upper_arm": 0.1}))
 
 
 def test_element_that_cannot_be_drawn__leaves_the_pictures_of_the_others(tmp_path):
     elements = {"short": PORTER | {"upper_arm": 0.1}, "sound": PORTER}
     with pytest.raises(PictureError, match=r"elements\.short: .*no results to draw"):
-        element_pictures(Scene.model_validate({"elements": elements}), tmp_path / "sheet.svg")
+        save_beside(tmp_path / "sheet.svg", element_sheets(Scene.model_validate({"elements": elements})))
     assert [path.name for path in tmp_path.iterdir()] == ["sheet_sound_governor.svg"]
 
 

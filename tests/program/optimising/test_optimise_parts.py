@@ -257,7 +257,7 @@ def test_command__shows_a_front_from_its_first_objective_on(folder):
 
 def test_picture__shows_the_front_and_its_chosen_machines_to_one_scale(tmp_path):
     result = searched(tmp_path, TWO)
-    figure = front_picture(result, sweep_data(result, ())[0], tmp_path / "front.svg")
+    figure = front_picture(result, sweep_data(result, ())[0])
     top, *machines = figure.axes
     chosen = choices(result)
     assert len(machines) == len(chosen) == 3
@@ -269,7 +269,6 @@ def test_picture__shows_the_front_and_its_chosen_machines_to_one_scale(tmp_path)
     drawn = next(line for line in top.lines if line.get_label() == "Pareto front")
     assert "mm²" in top.get_xlabel()
     np.testing.assert_allclose(drawn.get_xdata(), 1e6 * result.columns["objective_1"][front(result)], rtol=1e-15)
-    assert (tmp_path / "front.svg").stat().st_size > 10_000
     assert result_pictures(result, tmp_path / "again.png") == [tmp_path / "again.png"]
 
 
@@ -278,7 +277,7 @@ def test_picture_of_an_empty_front__is_refused(tmp_path):
     result = searched(tmp_path, asked)
     assert not front(result).size
     with pytest.raises(PictureError, match="there is no front to draw"):
-        front_picture(result, sweep_data(result, ())[0], tmp_path / "front.png")
+        front_picture(result, sweep_data(result, ())[0])
 
 
 # Conditions on what is derived
@@ -313,7 +312,7 @@ def test_parameter_that_misses_a_limit_by_the_rounding_of_its_derivation__meets_
     result = SweepResult(run_study(study, tmp_path / "r.h5"))
     assert result.best() == 1
     digest = Digest(result.path)
-    assert digest.meets[digest.place(1)]
+    assert digest.meets[digest.shown == 1]
     # A limit of 0 has no relative distance.
     assert math.isnan(digest.prices[0].margin)
     search = "[optimise]\nmaximise = 'ram.stroke'\n"

@@ -62,17 +62,14 @@ def test_digest__is_what_the_whole_file_says(result, at_a_time, monkeypatch):
     digest, whole = Digest(result), SweepResult(result)
     assert digest.best == whole.best()
     assert digest.rivals == whole.rivals(whole.best())
-    assert digest.meeting == np.count_nonzero(whole.candidates())
+    assert np.count_nonzero(digest.meets) == np.count_nonzero(whole.candidates())
     assert digest.undecided == whole.undecided(whole.goal.where)
     assert list(digest.leaders) == list(whole.select(whole.goal.where, "excess_work"))
     codes, counts = np.unique(whole.columns["status"], return_counts=True)
     assert digest.counts == {Verdict(int(code)): count for code, count in zip(codes, counts, strict=True)}
     assert set(digest.shown) == set(np.flatnonzero(whole.columns["status"] == Verdict.OK))
-    missed = np.concatenate(list(whole.missed()), axis=1)
-    assert list(digest.missed) == whole.record["require"]
-    assert [count for count, _ in digest.missed.values()] == missed.sum(axis=1).tolist()
     for name, column in whole.columns.items():
-        assert digest.rows[name] == pytest.approx(column[digest.numbers], nan_ok=True, rel=0, abs=0)
+        assert digest.rows[name] == pytest.approx(column[digest.shown], nan_ok=True, rel=0, abs=0)
 
 
 def test_digest__price_of_a_condition_is_the_best_without_it(result):
@@ -119,7 +116,7 @@ def test_digest__a_million_variants_take_the_memory_of_a_piece(tmp_path, result,
     tracemalloc.start()
     try:
         digest = Digest(path)
-        assert digest.rows["status"].size == digest.numbers.size
+        assert digest.rows["status"].size == digest.shown.size
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()

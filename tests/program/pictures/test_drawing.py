@@ -30,6 +30,7 @@ from sweeps.pictures.drawing.guides import rails_of
 from sweeps.pictures.drawing.racks import rack_shapes
 from sweeps.pictures.drawing.symbols import HALF_LENGTH
 from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.style import save
 from sweeps.text.templates import bundled_templates
 
 # Positions pass through a few dozen operations of the engine on lengths below 1 m.
@@ -384,7 +385,7 @@ def test_draw__first_position_black_others_light_axes_equal():
 def test_picture__valid_and_the_same_every_time(ending, tmp_path):
     files = [tmp_path / f"{n}.{ending}" for n in (1, 2)]
     for file in files:
-        picture(four_bar(), file, at=[1.0], paths=["P"])
+        save(picture(four_bar(), at=[1.0], paths=["P"]), file)
     assert files[0].read_bytes() == files[1].read_bytes()
     if ending == "svg":
         root = ElementTree.parse(files[0]).getroot()
@@ -438,16 +439,14 @@ def test_links__named_and_no_name_on_another():
             assert abs(gap.real) > room.real or abs(gap.imag) > room.imag
 
 
-def test_scale__is_that_of_the_paper(tmp_path, monkeypatch):
-    made = []
-    monkeypatch.setattr("sweeps.pictures.style.save", lambda figure, path: made.append(figure))
-    picture(four_bar(), tmp_path / "a.svg", at=[1.0], shown=["scale"])
-    (ax,) = made[0].axes
-    made[0].draw_without_rendering()
+def test_scale__is_that_of_the_paper():
+    figure = picture(four_bar(), at=[1.0], shown=["scale"])
+    (ax,) = figure.axes
+    figure.draw_without_rendering()
     # 100 mm in nature on the axes, in dots on paper.
     (left, _), (right, _) = ax.transData.transform([(0, 0), (100, 0)])
     told = float(ax.get_title(loc="left").rpartition("scale 1 : ")[2])
-    assert told == pytest.approx(100 / ((right - left) / made[0].dpi * 25.4), rel=5e-3)
+    assert told == pytest.approx(100 / ((right - left) / figure.dpi * 25.4), rel=5e-3)
 
 
 # Racks

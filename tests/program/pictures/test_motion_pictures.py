@@ -8,7 +8,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from drawn_machines import slider_crank
-from matplotlib.figure import Figure
 
 from engine import Machine, Verdict, history, quantity_text, show_units
 from sweeps.pictures.machine.motion_diagrams import MOST_INSTANTS, _thinned, courses, cycle_diagrams, history_diagrams
@@ -48,7 +47,7 @@ def seen():
 
 @cache
 def sheet():
-    return history_diagrams(SCENE, seen(), Figure()).axes
+    return history_diagrams(SCENE, seen()).axes
 
 
 TIMES = ("start.time", "work.period", "stop.time")
@@ -115,7 +114,7 @@ def test_history_sheet__draws_the_reactions_that_the_history_keeps():
 
 
 def test_cycle_sheet__marks_mean_speed_and_fluctuation():
-    axes = cycle_diagrams(SCENE, seen(), "work", Figure()).axes
+    axes = cycle_diagrams(SCENE, seen(), "work").axes
     mean, delta = (summaries()[name][0] for name in STEADY)
     assert axes[0].get_title() == f"δ = {delta:.5g}, mean speed {quantity_text(mean, 'rad s-1')}"
     speed, middle, low, high = (line.get_ydata() for line in axes[0].lines)
@@ -128,7 +127,7 @@ def test_cycle_sheet__marks_mean_speed_and_fluctuation():
 
 def test_cycle_sheet_of_a_clockwise_machine__counts_downwards():
     scene = with_values(SCENE, {"input.speed": -6.0})
-    axes = cycle_diagrams(scene, history(scene), "work", Figure()).axes
+    axes = cycle_diagrams(scene, history(scene), "work").axes
     line = axes[0].lines[0]
     assert line.get_xdata()[[0, -1]] == pytest.approx([0, -360])
     assert line.get_ydata().max() < 0
@@ -139,18 +138,18 @@ def test_machine_that_does_not_start__is_a_page_that_says_why():
     scene = machine(moments=MOMENTS | {"rub": {"type": "against_motion", "on": "crank", "moment": 30.0}})
     seen = history(scene)
     assert seen.verdict == Verdict.STALLS
-    figure = history_diagrams(scene, seen, Figure())
+    figure = history_diagrams(scene, seen)
     assert figure.axes == []
     text = " ".join(figure.get_suptitle().split())
     assert "regime start: the machine does not start at φ = 0 °: 20 N·m drives it there, 30 N·m holds it" in text
     assert "a stronger motor" in text
     with pytest.raises(PictureError, match="no steady motion 'work': regime start: the machine does not start"):
-        cycle_diagrams(scene, seen, "work", Figure())
+        cycle_diagrams(scene, seen, "work")
     told = failure_text(SCENE, Verdict.STALLS)
     assert told.startswith("the machine stalls")
     assert told.endswith("(with 240 positions and the scene's flywheel it runs)")
     with pytest.raises(PictureError, match=r"no steady motion 'rest': the regimes are start, work, stop$"):
-        cycle_diagrams(SCENE, history(SCENE), "rest", Figure())
+        cycle_diagrams(SCENE, history(SCENE), "rest")
 
 
 def test_machine_that_runs_away__shows_its_start_and_says_where_it_fails(tmp_path):
@@ -158,7 +157,7 @@ def test_machine_that_runs_away__shows_its_start_and_says_where_it_fails(tmp_pat
     scene = machine(moments={"motor": motor, "brake": MOMENTS["brake"]})
     made = machine_pictures(scene, {}, tmp_path / "a.png")
     assert [path.name for path in made] == ["a.png", "a_diagrams.png", "a_history.png"]
-    figure = history_diagrams(scene, history(scene), Figure())
+    figure = history_diagrams(scene, history(scene))
     assert [ax.get_title() for ax in figure.axes[:1]] == ["start"]
     told = " ".join(figure.get_suptitle().split())
     assert "regime work: the machine runs away" in told

@@ -116,14 +116,14 @@ def test_map__of_listed_sizes_has_a_tick_each_and_no_lines_between_them():
 def test_plot_result__suits_the_grid(shape, asked, axes, failed, tmp_path):
     failed = range(math.prod(shape)) if failed == "all" else failed
     data = grid_data(shape, failed, ("a", "b", "c")[: len(shape)])
-    file = tmp_path / "a.svg"
     nothing_to_show = len(failed) > 2 and (asked.get("y") == "moment" or (len(shape) == 3 and not asked))
     if nothing_to_show:
         with pytest.raises(PictureError, match="variant"):
-            plot_result(data, file, **asked)
+            plot_result(data, **asked)
         return
-    figure = plot_result(data, file, best=None if failed else 3, **asked)
-    ElementTree.parse(file)
+    figure = plot_result(data, best=None if failed else 3, **asked)
+    save(figure, tmp_path / "a.svg")
+    ElementTree.parse(tmp_path / "a.svg")
     # A map loses its colour bar where no cell has a colour.
     assert len(figure.axes) == (1 if len(failed) > 2 and shape == (6, 5) else axes)
 
@@ -213,7 +213,8 @@ def test_field_band__of_what_meets_the_condition_within_that_of_all():
 )
 def test_picture_where_no_variant_meets_the_condition__is_drawn_all_the_same(shape, asked, tmp_path):
     data = conditioned(shape, range(math.prod(shape)), parameters=("a", "b", "c")[: len(shape)])
-    figure = plot_result(data, tmp_path / "a.svg", **asked)
+    figure = plot_result(data, **asked)
+    save(figure, tmp_path / "a.svg")
     ElementTree.parse(tmp_path / "a.svg")
     # Fields have a band of all variants, and none of those that meet the condition.
     told = f"all {math.prod(shape)} variants" if asked == {"y": "moment"} else MISSING
@@ -232,9 +233,7 @@ def test_long_condition__is_cut_in_a_legend():
 
 
 def test_legend_of_the_energy_loop__lies_beside_all_axes():
-    figure = new_figure(180, 115)
-    scene = read_scene(STUDIES / "flywheels" / "scenes" / "crank_press.toml")
-    diagrams(scene, figure)
+    figure = diagrams(read_scene(STUDIES / "flywheels" / "scenes" / "crank_press.toml"))
     figure.draw_without_rendering()
     legend = figure.legends[0].get_window_extent()
     assert not any(legend.overlaps(ax.get_window_extent()) for ax in figure.axes)
@@ -248,9 +247,9 @@ def test_legend_of_the_energy_loop__lies_beside_all_axes():
         ({"colour": "moment"}, r"'moment' is a field, which can only be y"),
     ],
 )
-def test_column_that_cannot_be_shown__refused(asked, words, tmp_path):
+def test_column_that_cannot_be_shown__refused(asked, words):
     with pytest.raises(PictureError, match=words):
-        plot_result(grid_data((3, 3)), tmp_path / "a.png", **asked)
+        plot_result(grid_data((3, 3)), **asked)
 
 
 @pytest.mark.parametrize("ending", ["png", "svg", "pdf"])

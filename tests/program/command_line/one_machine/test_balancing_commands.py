@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from commands import done, refused
 from drawn_machines import sliding_input
+from matplotlib.figure import Figure
 
 from engine import ElementsAlone, Scene, in_line_engine, shaken
 from sweeps import SweepResult, read_scene, write_scene
 from sweeps.pictures.elements.element_pictures import element_sheet
 from sweeps.pictures.elements.engine_sheet import engine_table
-from sweeps.pictures.style import new_figure
 from sweeps.pictures.sweep.result_pictures import result_pictures
 from sweeps.report.order_table import EngineRow, engine_rows, remaining_orders
 from sweeps.text.scene_text import with_values
@@ -51,7 +51,12 @@ def seen(folder, monkeypatch):
 def drawn(folder, monkeypatch):
     """Scenes of which hodographs are to be drawn."""
     found = []
-    monkeypatch.setattr("sweeps.pictures.picture_files.hodographs", lambda scenes, _: found.append(dict(scenes)))
+
+    def noted(scenes):
+        found.append(dict(scenes))
+        return Figure()
+
+    monkeypatch.setattr("sweeps.pictures.picture_files.hodographs", noted)
     return found
 
 
@@ -115,7 +120,7 @@ def test_engine_sheet__shows_what_the_element_computes():
     names = [f"it.{word}_{kind}" for kind in ("force", "couple") for word in words]
     torques = [f"it.torque_order_{k / 2:g}".replace(".5", "_5") for k in range(1, 13)]
     found = ElementsAlone(scene, [*names, *torques]).evaluate({}).summaries
-    figure = element_sheet(engine, new_figure(180, 300), "Twin")
+    figure = element_sheet(engine, "Twin")
     assert figure.get_suptitle() == "Twin"
     _, loop, forces, couples, torque, _, _, curve = figure.axes
     for axes, some, unit in ((forces, names[:6], "N"), (couples, names[6:], "N·m"), (torque, torques, "N·m")):
@@ -134,7 +139,7 @@ def test_engine_sheet__shows_what_the_element_computes():
 
 def test_engine_sheet__without_spacing_and_gas_has_one_row():
     engine = template("engine", spacing=None, gas=None, firing_order=None)
-    assert len(element_sheet(engine, new_figure(180, 80)).axes) == 3
+    assert len(element_sheet(engine).axes) == 3
 
 
 def test_engine_table__tells_what_a_student_expects_of_an_in_line_four():

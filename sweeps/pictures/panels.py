@@ -1,34 +1,30 @@
-"""Diagrams of machine elements, from the engine's curves and marks."""
+"""Diagrams from the curves and marks of panels."""
 
 from collections.abc import Callable, Sequence
-from pathlib import Path
+from itertools import cycle
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from engine import Element, Panel, display_unit
+from engine import Panel, PanelAxis, display_unit
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import GREY, PALETTE, VERMILION, degree_ticks, sheet, typeset
 
-# Draws an element to scale next to its diagrams.
-Layout = Callable[[Axes, Element], None]
 # Height with one, two, three stacked diagrams [mm]; maximum number of columns.
 HEIGHTS, MOST_COLUMNS = (80, 100, 150), 3
 # Longer tick names are slanted.
 _LONG = 14
+# Curves whose range is a smaller share of their size are constant.
+_CONSTANT = 1e-9
 
 
-def panel_sheet(
-    panels: Sequence[Panel], target: Path | str | Figure, title: str = "", layout: Callable[[Axes], None] | None = None
-) -> Figure:
+def panel_sheet(panels: Sequence[Panel], title: str = "", layout: Callable[[Axes], None] | None = None) -> Figure:
     """Draw the diagrams that have data: those with a common x axis stacked, two single ones side by side.
 
     Parameters
     ----------
     panels : sequence of Panel
-    target : path or Figure
-        File to write (.svg, .pdf, .png), or an empty figure to draw on.
     title : str
     layout : callable, optional
         Draws the layout on the left.
@@ -36,7 +32,7 @@ def panel_sheet(
     Raises
     ------
     PictureError
-        No diagram has data, unknown picture format, or the file can't be written.
+        No diagram has data.
     """
     panels = [panel for panel in panels if _has_numbers(panel)]
     if not panels:
@@ -52,7 +48,7 @@ def panel_sheet(
     rows = [max(len(stack or ()) for stack in line) or 1 for line in lines]
     width = 90 if len(drawn) == 1 and rows[0] == 1 else 180
     heights = [HEIGHTS[min(count, 3) - 1] for count in rows]
-    with sheet(target, width, sum(heights), title) as figure:
+    with sheet(width, sum(heights), title) as figure:
         for line, part in zip(
             lines, figure.subfigures(len(lines), 1, squeeze=False, height_ratios=heights)[:, 0], strict=True
         ):
@@ -67,21 +63,25 @@ def panel_sheet(
     return figure
 
 
-def draw_panel(ax: Axes, panel: Panel, with_x: bool = True) -> None:
+def draw_panel(
+    ax: Axes, panel: Panel, with_x: bool = True, with_legend: bool = True, palette: Sequence[str] = PALETTE
+) -> None:
     """Draw the curves and marks of a diagram in practical units.
 
     Parameters
     ----------
     ax : Axes
     panel : Panel
-    with_x : bool
-        Whether the x axis has a label.
+    with_x, with_legend : bool
+        Whether the x axis has a label, and the diagram a legend.
+    palette : sequence of str
+        Colours of the curves that aren't faint.
     """
-    values = np.concatenate([np.ravel(c.values) for c in panel.curves])
+    values = np.concatenate([np.ravel(c.values) for c in panel.curves] or [np.zeros(1)])
     usual = values if panel.limits is None else np.array([max(np.abs(panel.limits))])
     along, along_unit = display_unit(panel.x.unit, panel.places)
     factor, unit = (along, along_unit) if panel.kind == "plan" else display_unit(panel.y.unit, usual)
-    colours = iter(PALETTE * len(panel.curves))
+    colours = cycle(palette)
     for k, (words, row, faint, own) in enumerate(panel.curves):
         colour = GREY if faint else next(colours)
         places = panel.places if own is None else own
@@ -114,17 +114,21 @@ def draw_panel(ax: Axes, panel: Panel, with_x: bool = True) -> None:
             degree_ticks(ax.xaxis, abs(along) * np.ptp(every))
     if panel.limits is not None:
         ax.set(ylim=[factor * x for x in panel.limits], yscale="log" if panel.limits[0] > 0.0 else "linear")
+    elif panel.kind == "curves" and np.ptp(values) <= _CONSTANT * np.abs(values).max():
+        # A scale of its own would magnify rounding.
+        size = abs(factor * values[0])
+        ax.set_ylim(factor * values[0] + 0.1 * (size or 10.0) * np.array([-1.0, 1.0]))
     if panel.names:
         slanted = {"rotation": 30, "ha": "right"} if max(map(len, "\n".join(panel.names).split("\n"))) > _LONG else {}
         ax.set_xticks(along * panel.places, panel.names, **slanted)
-    words, _, symbol = panel.y
-    if symbol and not panel.title:
-        ax.set(title=words[0].upper() + words[1:], ylabel=_named("", symbol, unit))
+    words = panel.y.words
+    if panel.y.symbol and not panel.title:
+        ax.set(title=words[0].upper() + words[1:], ylabel=axis_label(PanelAxis("", *panel.y[1:]), unit))
     else:
-        ax.set(title=panel.title, ylabel=_named(words, symbol, unit))
+        ax.set(title=panel.title, ylabel=axis_label(panel.y, unit))
     if with_x:
-        ax.set_xlabel(_named(panel.x.words, panel.x.symbol, along_unit))
-    if any(not label.startswith("_") for label in ax.get_legend_handles_labels()[1]):
+        ax.set_xlabel(axis_label(panel.x, along_unit))
+    if with_legend and any(not label.startswith("_") for label in ax.get_legend_handles_labels()[1]):
         ax.legend(**legend)
 
 
@@ -132,6 +136,7 @@ def _has_numbers(panel: Panel) -> bool:
     return bool(np.isfinite(panel.places).all() and any(np.isfinite(curve.values).any() for curve in panel.curves))
 
 
-def _named(words: str, symbol: str, unit: str) -> str:
-    text = f"{words} {typeset(symbol)}".strip()
+def axis_label(axis: PanelAxis, unit: str) -> str:
+    """Words and symbol of an axis, with the unit of its numbers."""
+    text = f"{axis.words} {typeset(axis.symbol)}".strip()
     return text if unit == "1" else f"{text}, {unit}"
