@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from motion_scenes import MOMENTS, RATIO, ask, rotor, run, slider_crank, steady
+from scipy.integrate import solve_ivp
 
 from engine import Machine, Scene, Verdict
 
@@ -265,3 +266,51 @@ def test_clockwise_machine__is_the_mirror_image():
         two = np.roll(two[::-1], 1)
         sign = 1.0 if name in ("on.speed", "reduced_inertia") else -1.0
         assert sign * two == pytest.approx(one, rel=1e-8, abs=1e-8 * np.abs(one).max()), name
+
+
+def top_of(along: np.ndarray) -> float:
+    """Maximum of equally spaced values over a cycle, on the parabola through the three highest."""
+    k = int(along.argmax())
+    before, here, after = along[k - 1], along[k], along[(k + 1) % along.size]
+    return here + (after - before) ** 2 / (8.0 * (2.0 * here - before - after))
+
+
+def test_extremes_close_together__are_found_with_long_steps_too():
+    inertia, stall, light = 0.5, 100.0, 20.0
+    # Of 4000, those whose slopes at both ends of a step of a quarter turn hide a turn of the speed between.
+    random, chosen = np.random.default_rng(11), [72, 97, 119, 791, 1104, 1470, 1592, 1745]
+    sizes = random.uniform(1.0, 20.0, (4, 4000))[:, chosen]
+    places = random.uniform(0.0, 2.0 * math.pi, (4, 4000))[:, chosen]
+    waves = " + ".join(f"a{k} * cos({k} * phi + b{k})" for k in range(1, 5))
+    numbers = {f"a{k}": "1 N m" for k in range(1, 5)} | {f"b{k}": "0 rad" for k in range(1, 5)}
+    scene = {
+        "points": {"O": {"x": 0, "y": 0}},
+        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.1, "speed": light},
+        "bodies": {"rotor": {"link": "crank", "mass": 1.0, "inertia": inertia}},
+        "moments": {
+            "dc": {"type": "dc_motor", "on": "crank", "stall_moment": stall, "no_load_speed": light},
+            "load": {"type": "formula", "on": "crank", "moment": waves, "numbers": numbers},
+        },
+        "regimes": {"on": {"type": "steady"}},
+    }
+    varied = {f"moments.load.numbers.a{k}": sizes[k - 1] for k in range(1, 5)}
+    varied |= {f"moments.load.numbers.b{k}": places[k - 1] for k in range(1, 5)}
+    grid, extremes = np.linspace(0.0, 2.0 * math.pi, 20_001), []
+    for size, place in zip(sizes.T, places.T, strict=True):
+
+        def rate(phi: float, omega: np.ndarray, size: np.ndarray = size, place: np.ndarray = place) -> np.ndarray:
+            load = sum(a * math.cos(k * phi + b) for k, a, b in zip(range(1, 5), size, place, strict=True))
+            return (stall * (1.0 - omega / light) + load) / (inertia * omega)
+
+        speed = [light]
+        for _ in range(12):
+            found = solve_ivp(
+                rate, (0.0, 2.0 * math.pi), speed, "DOP853", rtol=1e-12, atol=1e-12, max_step=0.05, dense_output=True
+            )
+            speed = found.y[:, -1]
+        along = found.sol(grid)[0][:-1]
+        extremes.append((-top_of(-along), top_of(along)))
+    for accuracy in (None, 1e-4, 1e-3):
+        found = ask(scene, "on.speed_min on.speed_max", varied=varied, accuracy=accuracy)
+        for name, true in zip(("on.speed_min", "on.speed_max"), np.transpose(extremes), strict=True):
+            assert (abs(found.values[name] - true) <= found.errors[name] + 1e-10).all(), (name, accuracy)
