@@ -51,7 +51,7 @@ def _case_of(dynamics: Dynamics, regime: Regime) -> tuple[str, str]:
     couplings = mechanics.scene.couplings
     if not isinstance(regime, RunRegime):
         couplings = {name: coupling for name, coupling in couplings.items() if coupling.type == "fluid_coupling"}
-    in_time = dynamics.timed or rubs or couplings or not dynamics.reduction.has_cycle
+    in_time = dynamics.in_time or rubs or couplings
     method = "time form" if in_time else "energy form"
     if isinstance(regime, RunRegime) and regime.method is not None:
         method = f"energy form, by {regime.method} in {regime.steps_per_turn} steps a turn"
