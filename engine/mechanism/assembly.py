@@ -92,6 +92,28 @@ class Slide(NamedTuple):
         return self
 
 
+class Course(NamedTuple):
+    """The parameter by which a mechanism's derivatives are taken, as rates of what moves it.
+
+    Attributes
+    ----------
+    first, second : Node
+        First and second derivative of the input's coordinate.
+    clock : Node or None
+        Time, for laws of time [s]; None for that of constant input speed.
+    pace : Node
+        Derivative of the time.
+    follows : bool
+        Whether second inputs follow the input's coordinate by their laws.
+    """
+
+    first: Node
+    second: Node
+    clock: Node | None
+    pace: Node
+    follows: bool
+
+
 class Assembly:
     """The parts of a mechanism whose motion is already known.
 
@@ -99,6 +121,8 @@ class Assembly:
     ----------
     scene : Scene
     graph : Graph
+    course : Course, optional
+        By default, derivatives are with respect to the input.
 
     Attributes
     ----------
@@ -120,8 +144,9 @@ class Assembly:
         Nodes required wherever the position of a group is.
     """
 
-    def __init__(self, scene: Scene, graph: Graph) -> None:
+    def __init__(self, scene: Scene, graph: Graph, course: Course | None = None) -> None:
         self.scene, self.graph = scene, graph
+        self.course = course or Course(graph.one, graph.zero, None, graph.zero, follows=True)
         crank = isinstance(scene.input, CrankInput)
         self.datum = f"points.{scene.input.pivot}" if crank else f"guides.{scene.input.guide}"
         self.nowhere = Vector(graph.zero, graph.zero)

@@ -44,16 +44,22 @@ class ReducedInertia(NamedTuple):
     slope_terms: tuple[tuple[Node, Node], ...]
 
 
-def reduced_inertia(kinematics: Kinematics) -> ReducedInertia:
-    """Reduce the masses of a machine to its input."""
-    scene, graph = kinematics.scene, kinematics.graph
-    inertia: Terms = []
-    slope: Terms = []
+class MovedMass(NamedTuple):
+    """A mass [kg] or moment of inertia [kg·m²], and the first and second derivatives of its position or angle."""
+
+    mass: Node
+    first: Vector
+    second: Vector
+
+
+def moved_masses(kinematics: Kinematics) -> list[MovedMass]:
+    """All masses except those at a constant speed ratio to the input."""
+    scene, graph, zero = kinematics.scene, kinematics.graph, kinematics.graph.zero
+    found: list[MovedMass] = []
 
     def rotation(own: Node, name: str) -> None:
         link = kinematics.links[name]
-        inertia.append((own, link.w * link.w))
-        slope.append((own, link.w * link.e))
+        found.append(MovedMass(own, Vector(link.w, zero), Vector(link.e, zero)))
 
     about_frame = {n for n, s in scene.shafts.items() if s.geared_to == scene.input.link and s.carrier is None}
     uniform = {scene.input.link} | about_frame
@@ -62,13 +68,20 @@ def reduced_inertia(kinematics: Kinematics) -> ReducedInertia:
             continue
         centre = kinematics.mass_centre(name)
         mass = graph.derived(f"mass of {name}", part.mass)
-        inertia.append((mass, centre.v.dot(centre.v)))
-        slope.append((mass, centre.v.dot(centre.a)))
+        found.append(MovedMass(mass, centre.v, centre.a))
         if part.inertia is not None:
             rotation(graph.derived(f"inertia of {name}", part.inertia), part.link)
     for name in scene.shafts:
         if name not in about_frame:
             rotation(mechanism.actions.carried_masses.turning_inertia(kinematics, name), name)
+    return found
+
+
+def reduced_inertia(kinematics: Kinematics) -> ReducedInertia:
+    """Reduce the masses of a machine to its input."""
+    graph, moved = kinematics.graph, moved_masses(kinematics)
+    inertia = [(one.mass, one.first.dot(one.first)) for one in moved]
+    slope = [(one.mass, one.first.dot(one.second)) for one in moved]
     first_kind = graph.derived("first kind inertia", lambda n: _first_kind(kinematics, n))
     return ReducedInertia(
         first_kind,

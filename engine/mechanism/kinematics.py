@@ -6,7 +6,7 @@ Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on the k
 from engine import laws, mechanism
 from engine.graph.nodes import Graph, Node, Return
 from engine.laws.elementary import direction_of
-from engine.mechanism.assembly import Assembly, DyadStatics, GuideLine, MovingPoint, Slide, Turning
+from engine.mechanism.assembly import Assembly, Course, DyadStatics, GuideLine, MovingPoint, Slide, Turning
 from engine.mechanism.input_motion import input_span
 from engine.mechanism.vectors import Vector, named
 from engine.parts.skeleton import FRAME, CrankInput
@@ -27,6 +27,7 @@ class Kinematics(Assembly):
     graph : Graph
     varied : frozenset of str
         Paths of the varied numbers.
+    course : Course, optional
 
     Attributes
     ----------
@@ -41,8 +42,15 @@ class Kinematics(Assembly):
         Non-circular wheels.
     """
 
-    def __init__(self, scene: Scene, structure: Structure, graph: Graph, varied: frozenset[str]) -> None:
-        super().__init__(scene, graph)
+    def __init__(
+        self,
+        scene: Scene,
+        structure: Structure,
+        graph: Graph,
+        varied: frozenset[str],
+        course: Course | None = None,
+    ) -> None:
+        super().__init__(scene, graph, course)
         self.varied = varied
         self.masses: dict[str, LinkMass] = resultant_masses(scene, varied)
         self.statics: dict[str, DyadStatics] = {}
@@ -110,18 +118,18 @@ class Kinematics(Assembly):
         self.guides[name] = GuideLine(carrier, carrier.origin.r + r.in_axes(carrier.u), u.in_axes(carrier.u))
 
     def _input(self, name: str) -> None:
-        drive, g = self.scene.input, self.graph
+        drive, g, (first, second, *_) = self.scene.input, self.graph, self.course
         if isinstance(drive, CrankInput):
-            crank = Turning(self.points[drive.pivot], Vector(g.cos_q, g.sin_q), g.one, g.zero)
+            crank = Turning(self.points[drive.pivot], Vector(g.cos_q, g.sin_q), first, second)
             self.links[name] = crank
             self.angles[name] = g.q
             self.points[drive.pin] = crank.at(crank.u * self.number("input.length")).called(drive.pin)
             return
         guide = self.guides[drive.guide]
-        point = MovingPoint(guide.r + guide.u * g.q, guide.u, self.nowhere)
+        point = MovingPoint(guide.r + guide.u * g.q, guide.u * first, guide.u * second)
         self.points[drive.point] = point.called(drive.point)
         self.links[name] = Turning(point, guide.u, g.zero, g.zero)
-        self.slides[name] = Slide(g.q, g.one, g.zero)
+        self.slides[name] = Slide(g.q, first, second)
 
     def _dyad(self, name: str) -> None:
         kind = getattr(mechanism.groups, self.scene.groups[name].type.lower())

@@ -23,7 +23,7 @@ from engine.motion.quantities import (
 from engine.motion.runs.run_progress import TOLERANCE as RUN_TOLERANCE
 from engine.parts.regimes import RunRegime, run_keys
 from engine.quantities.quantity import has_cycle
-from engine.scene.pairs import has_friction
+from engine.scene.pairs import has_friction, own_drives
 from engine.scene.scene import Numbers, SceneError
 
 # Tolerance of a step in steady running, relative to the maximum work in a step: default, fraction of the requested
@@ -116,6 +116,7 @@ class AskedRegimes:
                 "an input that doesn't turn fully": not has_cycle(self.scene),
                 "the two speeds of a coupling": bool(self.sides),
                 "friction in pairs": has_friction(self.scene),
+                "a second input with a drive of its own": bool(own_drives(self.scene)),
                 "moments that depend on time": timed,
             }
             hindrances = [words for words, found in there.items() if found]

@@ -12,7 +12,7 @@ from engine.mechanism.acting import Load
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.dynamics import Dynamics, Reduction
 from engine.parts.regimes import Regime, RunRegime
-from engine.scene.pairs import has_friction
+from engine.scene.pairs import has_friction, own_drives
 from engine.scene.scene import Scene
 
 _WORDS = {
@@ -51,12 +51,14 @@ def _case_of(dynamics: Dynamics, regime: Regime) -> tuple[str, str]:
     couplings = mechanics.scene.couplings
     if not isinstance(regime, RunRegime):
         couplings = {name: coupling for name, coupling in couplings.items() if coupling.type == "fluid_coupling"}
-    in_time = dynamics.timed or rubs or couplings or not dynamics.reduction.has_cycle
+    in_time = dynamics.in_time or rubs or couplings
     method = "time form" if in_time else "energy form"
     if isinstance(regime, RunRegime) and regime.method is not None:
         method = f"energy form, by {regime.method} in {regime.steps_per_turn} steps a turn"
     sentence = f"case {number}: {'I(φ)' if turning else 'I constant'}, {_moment(dynamics, sources)}"
     sentence += ", and friction in pairs by φ, ω² and ε" if rubs else ""
+    servos = own_drives(mechanics.scene)
+    sentence += f"; {_listed(servos)} by a law, with a drive of its own" if servos else ""
     for name, coupling in couplings.items():
         joined = "open" if name in regime.off else "at work"
         sentence += f"; at two speeds, of the crank and of shaft {coupling.shaft}, with {name} {joined}"

@@ -16,10 +16,11 @@ from engine.mechanism.actions.motors import motor_at_speed, motor_on_shaft
 from engine.mechanism.actions.paths import input_sense
 from engine.mechanism.inertia import shaking
 from engine.mechanism.input_motion import InputMotion
-from engine.mechanism.loads import Loads
+from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.mechanics import Mechanics
 from engine.mechanism.reactions import Reactions
 from engine.motion.moments.dynamics import Variants
+from engine.motion.moments.own_drives import WithServos, loads_of
 from engine.motion.moments.tabulation import Tabulation
 
 # Moments that include the inertia of the flywheel.
@@ -50,19 +51,21 @@ class PairLoads:
         motion = InputMotion(square, epsilon, speed)
         # The coefficient of each load is a number of the variant: 0 for actions that are off.
         self._sizes: dict[Given, tuple[str, Node]] = {}
-        acting = Loads(mechanics.scene, kinematics, graph.given("time"), speed)
+        acting = loads_of(mechanics, graph.given("time"), speed, epsilon=epsilon)
+        if isinstance(acting, WithServos):
+            kinematics, motion = acting.true, InputMotion(graph.one, graph.zero, speed)
         self._facing, way = graph.given("facing of the motors"), input_sense(kinematics)
         on_shafts = []
         for name in acting.motors:
             reduced = motor_at_speed(kinematics, name, graph.one, self._facing, speed)
-            load = motor_on_shaft(kinematics, name, reduced, way)
+            load = motor_on_shaft(acting.kinematics, name, reduced, way)
             on_shafts.append(load._replace(coefficient=graph.derived(f"motor {name} is there", lambda n: 1.0)))
         loads = []
         for i, load in enumerate((*acting.terms, *on_shafts)):
             size = graph.given(f"size of load {i}")
             self._sizes[size] = load.action, load.coefficient
             loads.append(load._replace(coefficient=size))
-        known = Reactions(kinematics, mechanics.structure, loads, motion).variables | _shaking(mechanics, motion)
+        known = Reactions(kinematics, mechanics.structure, loads, motion).variables | _shaking(kinematics, motion)
         # Motors give a part of the torque that the input needs.
         given = sum((load.coefficient * load.basis for load in loads[len(acting.terms) :]), graph.zero)
         known["input_moment_by_equilibrium"] = known["input_moment_by_equilibrium"] + given
@@ -149,10 +152,10 @@ class PairLoads:
         return fields
 
 
-def _shaking(mechanics: Mechanics, motion: InputMotion) -> dict[str, Node]:
+def _shaking(kinematics: Kinematics, motion: InputMotion) -> dict[str, Node]:
     """Shaking force and moment: of the accelerations ω² r″ plus ε r′."""
-    second = shaking(mechanics.kinematics, lambda point: point.a, lambda link: link.e)
-    first = shaking(mechanics.kinematics, lambda point: point.v, lambda link: link.w)
+    second = shaking(kinematics, lambda point: point.a, lambda link: link.e)
+    first = shaking(kinematics, lambda point: point.v, lambda link: link.w)
 
     force = motion.acceleration_of(second.force, first.force)
     return {

@@ -25,6 +25,7 @@ from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.loads import Loads
 from engine.mechanism.mechanics import Mechanics
 from engine.mechanism.reactions import Reactions
+from engine.motion.moments.own_drives import WithServos, loads_of
 from engine.motion.moments.tabulation import Tabulation
 from engine.stepping.system import Guard, PrintedSystem, System
 
@@ -88,7 +89,7 @@ def sizes_of(mechanics: Mechanics, speed: Node, side: str = "") -> tuple[Loads, 
     graph, (_, wheel) = mechanics.graph, inertia_with_flywheel(mechanics)
     clock = graph.given("time of a state", Stage.STATE)
     # A step that ends at rest evaluates slightly beyond; a machine at rest resists motion in the direction it faces.
-    loads = Loads(mechanics.scene, mechanics.kinematics, clock, abs(speed) + AT_REST)
+    loads = loads_of(mechanics, clock, speed, abs(speed) + AT_REST)
 
     def number(label: str) -> Given:
         return graph.given(side + label, Stage.VARIANT)
@@ -187,14 +188,26 @@ def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str], rubs: b
     turned, speed = (graph.given(label, Stage.STATE) for label in ("angle turned", "speed of a state"))
     (loads, clock, sizes), (inertia, _) = sizes_of(mechanics, speed), inertia_with_flywheel(mechanics)
     moments, unknown = moments_of(mechanics, loads, sizes, speed, works), {}
+    servos = loads if isinstance(loads, WithServos) else None
+    if servos is None:
+        bias = (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)
+        smooth = (moments.total - bias) / inertia
+    else:
+        inertia, bias = servos.inertia, sizes.way * servos.bias
+        smooth = moments.motors / inertia
     # Motors make a step stiff, friction does not; its derivative would contain those of all reactions.
-    smooth = (moments.total - (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)) / inertia
+    steepness = derivative(smooth, speed, SLOPES)
     if rubs:
         unknown[speed] = graph.given("acceleration", Stage.STATE)
         moments.channels["harmful" if works else "all"] += friction_of(mechanics, loads, sizes, speed, unknown[speed])
     total = moments.total
-    epsilon = (total - (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)) / inertia
-    powers = {name: moment * speed for name, moment in moments.channels.items()}
+    epsilon = (total - bias) / inertia
+    powers, shown = {name: moment * speed for name, moment in moments.channels.items()}, {}
+    if servos is not None:
+        powers = moments_of(mechanics, servos.at_true_velocities(), sizes, speed, works).channels
+        of_drives = servos.energy_rate(epsilon) - moments.motors * speed - sum(powers.values(), graph.zero)
+        powers["driving" if works else "all"] += of_drives
+        shown = {"energy": servos.energy} | {f"{name} power": power for name, power in powers.items()}
     known = {"motors": moments.motors * speed, **powers, "squares": moments.motors * moments.motors}
     guards = (
         Guard("above", sizes.above - speed),
@@ -203,7 +216,6 @@ def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str], rubs: b
         Guard("rest", speed),
     )
     gathered = {name: node for name, node in known.items() if name in asked}
-    steepness = derivative(smooth, speed, SLOPES)
     rates = (sizes.facing * speed, epsilon)
     system = System(
         "time",
@@ -216,7 +228,7 @@ def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str], rubs: b
         unknown=unknown,
         gathered=gathered,
         guards=guards,
-        shown=shown_of(inertia, epsilon, moments),
+        shown=shown_of(inertia, epsilon, moments) | shown,
     )
     return system, sizes
 

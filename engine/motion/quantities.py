@@ -13,7 +13,7 @@ from engine.parts.skeleton import OF_FLUCTUATION, CrankInput, SliderInput
 from engine.quantities.chapters import inertia, reactions
 from engine.quantities.quantity import STATISTICS, Quantity, called, has_cycle
 from engine.quantities.register import Field
-from engine.scene.pairs import has_friction
+from engine.scene.pairs import has_friction, own_drives
 from engine.scene.scene import Scene
 
 # Kinds of power, by the channel that supplies or absorbs it.
@@ -112,6 +112,7 @@ AXES = {
 AT_UNIFORM_SPEED = " at constant speed"
 LOADS = (
     *(f"reaction{part}" for part in ("", "_x", "_y", "_along", "_across", "_moment")),
+    *(f"driving_{part}" for part in ("moment", "force")),
     *(f"shaking_{part}" for part in ("force", "force_x", "force_y", "moment")),
 )
 
@@ -206,6 +207,9 @@ def motion_summaries(scene: Scene) -> list[Quantity]:
     found: list[Quantity] = []
     for name, regime in scene.regimes.items():
         limited = {} if has_cycle(scene) else WITHIN_RANGE
+        if own_drives(scene):
+            # At an impact other drives give energy, too.
+            limited = {key: row for key, row in limited.items() if key != "impact_energy"}
         found += _made(scene, name, COMMON | (STEADY if regime.type == "steady" else RUN | limited))
         found += _of_couplings(scene, name)
         for n in only_motor(scene, regime):

@@ -109,7 +109,7 @@ class RunRegime(Part):
     has `velocity` instead of `speed`, and the initial values `from_velocity` and `from_position`.
 
     `lock_up` = true ends a run when a clutch holds both sides together. `from_speed` and `from_angle` are the initial
-    values, by default those at the end of the regime before; both together reset the time of time-dependent loads to
+    values, by default those at the end of the regime before; both together reset the time of loads and laws of time to
     zero. `from_shaft_speed` is the initial speed of a shaft behind a coupling, by default that given by `from_speed`. A
     run is abandoned after `at_most` cycles. `at` gives the instants at which fields of the run are kept.
 

@@ -47,8 +47,8 @@ class MovedByLaw(MotionProgram):
     """A motion by a law that repeats with each turn of its argument τ.
 
     Without `period` and `travel` the argument is the crank angle φ. With a `period` it is 2π t/`period`, the time t
-    being zero where the first input's coordinate is. With a `travel`, under a first input that slides by s, it is
-    2π s/`travel`.
+    being zero where the first input's coordinate is; in regimes it is their time. With a `travel`, under a first input
+    that slides by s, it is 2π s/`travel`.
     """
 
     drive: Drive = "own"

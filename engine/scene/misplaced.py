@@ -12,6 +12,7 @@ from engine.parts.wanted_motion import wrong_angles
 from engine.scene import structure
 from engine.scene.attachments import geared_to_input
 from engine.scene.names import wrong_reference
+from engine.scene.pairs import own_drives
 from engine.scene.scene import Problem, Scene
 from engine.scene.structure.closing import how_to_close, is_whole
 
@@ -88,17 +89,28 @@ def _open_laws(scene: Scene) -> Iterator[Problem]:
 
 
 def _one_drive(scene: Scene) -> Iterator[Problem]:
-    """Parts that require a single drive."""
-    own = next((name for name, second in scene.inputs.items() if second.drive == "own"), None)
+    """Parts that require a single drive, and those that a run with another drive doesn't count."""
+    own = next(iter(own_drives(scene)), None)
     if own is None:
         return
-    counting = [f"{table}.{name}" for table in ("regimes", "couplings") for name in getattr(scene, table)]
-    counting += [f"moments.{name}" for name, moment in scene.moments.items() if isinstance(moment, Motor)]
+    remedy = f"or let gears or cams move it, inputs.{own}.drive = 'crank'"
+    counting = [f"couplings.{name}" for name in scene.couplings]
+    counting += [f"regimes.{name}" for name, regime in scene.regimes.items() if regime.type == "steady"]
     counting += ["flywheel"] if scene.flywheel is not None else []
     counting += [f"elements.{name}" for name, element in scene.elements.items() if any(element.machine_needed())]
-    alone = f"counts on one drive, and {own!r} has its own, which gives what moment its law needs: leave this out, "
     for path in counting:
-        yield path, f"{alone}or let gears or cams move it, inputs.{own}.drive = 'crank'"
+        message = f"counts on one drive, and {own!r} has its own, which gives what moment its law needs: leave this out"
+        yield path, f"{message}, {remedy}"
+    tables = ("links", "noncircular_wheels", "racks", "pinions", "cams", "cylinders", "friction")
+    uncounted = [f"{table}.{name}" for table in tables for name in getattr(scene, table)]
+    uncounted += [f"shafts.{name}.pivot" for name, shaft in scene.shafts.items() if shaft.pivot is not None]
+    uncounted += [f"shafts.{name}.efficiency" for name, shaft in scene.shafts.items() if shaft.efficiency is not None]
+    for name, second in scene.inputs.items():
+        unlike = {"sections": second.sections, "table": second.table is not None, "drive": second.drive != "own"}
+        uncounted += [f"inputs.{name}.{key}" for key, given in unlike.items() if given]
+    for path in uncounted if scene.regimes else ():
+        message = f"a run with {own!r}, which has a drive of its own, doesn't count this: leave regimes out"
+        yield path, f"{message}, {remedy}"
 
 
 def _cams(scene: Scene) -> Iterator[Problem]:

@@ -248,6 +248,7 @@ def _of_pieces(part: _Part, fields: Iterable[str]) -> Iterator[dict[str, np.ndar
         # The moments of a regime that can't start may be NaN.
         with np.errstate(invalid="ignore"):
             own |= {f"{name} power": sense * m * rows["speed"] for name, m in zip(SOURCES, moments, strict=False)}
+        own |= {key: row for key, row in rows.items() if key.endswith(" power")}
         own |= {"speed": sense * rows["speed"]} | {key: row for key, row in rows.items() if key in AT_TWO_SPEEDS}
         kept = ("acceleration", "motor_moment", *CHANNELS, *fields)
         yield own | {"energy": rows["kinetic_energy"]} | {key: rows[key] for key in kept}

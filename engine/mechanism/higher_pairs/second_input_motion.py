@@ -1,9 +1,9 @@
 """Second inputs as nodes: links moved by laws of the first input or of time.
 
 The argument τ of a law is proportional to the input's coordinate q, τ = κ q. At constant input speed ω, t = q/ω, so a
-law with period T is a law of q with κ = 2π/(ω T). The transfer functions are
+law with period T is a law of q with κ = 2π/(ω T). By any parameter, such as q or the time of a true motion,
 
-    dψ/dq = κ dψ/dτ,    d²ψ/dq² = κ² d²ψ/dτ²
+    ψ′ = τ′ dψ/dτ,    ψ″ = τ′² d²ψ/dτ² + τ″ dψ/dτ
 """
 
 import numpy as np
@@ -46,8 +46,7 @@ def rate_of_drive(assembly: Assembly, name: str) -> Node:
 def _law(assembly: Assembly, name: str) -> Law:
     """Angle or position of a second input by its law, and two derivatives with respect to the input."""
     second, graph, at = assembly.scene.inputs[name], assembly.graph, f"inputs.{name}"
-    rate = _rate(assembly, name)
-    argument = rate * graph.q
+    argument, rate, growth = _argument(assembly, name)
     if second.type == "slider":
         law = assembly.number(f"{at}.start"), graph.zero, graph.zero
     else:
@@ -60,11 +59,26 @@ def _law(assembly: Assembly, name: str) -> Law:
         lag = graph.derived(f"begin of {name}", lambda n: np.mod(n[f"{at}.begin"], TURN))
         turns = turns_of_input(assembly.scene.input, law_rate(assembly.scene, name))
         law = _sum(law, add_program(graph, second, at, Turned(argument - lag, rate, turns)))
-    place, slope, bend = law[0], rate * law[1], (rate * rate) * law[2]
+    place, slope, bend = law[0], rate * law[1], (rate * rate) * law[2] + growth * law[1]
     if getattr(second, "speed", 0.0) != 0.0:
-        even = graph.derived(f"even rate of {name}", lambda n: n[f"{at}.speed"] / n["input.speed"])
-        place, slope = place + even * graph.q, slope + even
+        clock, even = assembly.course.clock, assembly.number(f"{at}.speed")
+        if clock is None:
+            even = graph.derived(f"even rate of {name}", lambda n: n[f"{at}.speed"] / n["input.speed"])
+            return place + even * graph.q, slope + even, bend
+        place, slope = place + even * clock, slope + even * assembly.course.pace
     return place, slope, bend
+
+
+def _argument(assembly: Assembly, name: str) -> Law:
+    """Argument τ of a second input's law, and its first two derivatives by the parameter of the motion."""
+    second, course, graph = assembly.scene.inputs[name], assembly.course, assembly.graph
+    if second.period is not None and course.clock is not None:
+        rate = graph.derived(f"rate of {name} over time", lambda n: TURN / n[f"inputs.{name}.period"])
+        return rate * course.clock, rate * course.pace, graph.zero
+    rate = _rate(assembly, name)
+    if not course.follows:
+        return rate * graph.q, graph.zero, graph.zero
+    return rate * graph.q, rate * course.first, rate * course.second
 
 
 def _rate(assembly: Assembly, name: str) -> Node:

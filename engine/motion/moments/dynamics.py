@@ -13,17 +13,17 @@ from engine.mechanism.acting import Grip, Load
 from engine.mechanism.actions.brakes import braking_moment
 from engine.mechanism.actions.motors import motor_ratio
 from engine.mechanism.friction import relative_motion, rolling_rate
-from engine.mechanism.loads import Loads
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.breaks import Breaks, instants_of
 from engine.motion.moments.grid import Grid, make_grid
 from engine.motion.moments.landmarks import Landmarks
+from engine.motion.moments.own_drives import loads_of
 from engine.motion.moments.tabulation import Ends, Tabulation
 from engine.motion.one_speed import CHANNELS, MachineSystem, Sizes, along_angle, along_time
 from engine.parts.actions import Brake
 from engine.parts.motor_constants import MotorCurve, motor_curve
 from engine.scene.load_formulas import load_formulas
-from engine.scene.pairs import contact_pairs, lossy_meshes, pairs
+from engine.scene.pairs import contact_pairs, lossy_meshes, own_drives, pairs
 from engine.scene.scene import Numbers
 
 # Crank angles at which the inertia of a machine without a constant part is sampled.
@@ -114,7 +114,7 @@ class Reduction:
     def __init__(self, mechanics: Mechanics) -> None:
         graph, reduced = mechanics.graph, mechanics.reduced
         self.mechanics, self.time, self.speed = mechanics, graph.given("time"), graph.given("speed")
-        self.loads = Loads(mechanics.scene, mechanics.kinematics, self.time, self.speed)
+        self.loads = loads_of(mechanics, self.time, self.speed)
         working = {load.action: [] for load in self.loads.terms if load.basis is not graph.zero}
         for load in self.loads.terms:
             working.get(load.action, []).append((load.coefficient, load.basis))
@@ -155,11 +155,14 @@ class Reduction:
         return Variants(numbers, direction, flywheel, parameters, ends, breaks, None, {})
 
     def without_inertia(self, variants: "Variants") -> np.ndarray:
-        """Which variants have zero reduced inertia at some crank angle, (variants,) of bool."""
+        """Which variants have zero reduced inertia at some crank angle, (variants,) of bool.
+
+        With servos the inertia depends on time, too, and its zeros end the steps.
+        """
         constant = self.mechanics.reduced.first_kind.compute(variants.numbers) + variants.flywheel
         found = np.zeros(variants.count, bool)
         bare = np.flatnonzero(np.broadcast_to(constant, (variants.count,)) <= 0.0)
-        if bare.size:
+        if bare.size and not own_drives(self.mechanics.scene):
             found[bare] = self._vanishes(variants.some(bare))
         return found
 
@@ -244,13 +247,17 @@ class Dynamics:
         self.active |= {IN_PAIRS} if rubs else set()
         self.active |= {OF_INERTIA} if scene.cams else set()
         working = [load for load in acting if load.basis is not load.basis.graph.zero]
-        self.timed = reduction.time in reached([load.basis for load in working])
+        own = [scene.inputs[name] for name in own_drives(scene)]
+        self.with_servos = bool(own)
+        # Whether second inputs keep moving while the first is at rest.
+        self.moved = any(second.period is not None or getattr(second, "speed", 0.0) for second in own)
+        self.timed = self.moved or reduction.time in reached([load.basis for load in working])
         # Whether a torque may change at any time.
         formulas = load_formulas(scene)
-        self.changing = any(formulas[name].depends_on_time for name in self.active if name in formulas)
+        self.changing = self.moved or any(formulas[name].depends_on_time for name in self.active & formulas.keys())
         self.brakes = tuple(name for name in self.active if isinstance(scene.moments.get(name), Brake))
         # Whether all torques vanish with the speed: then nothing stops the machine nor starts it.
-        self.fades = not (self.motors or rubs) and all(load.order in (1, 2) for load in working)
+        self.fades = not (self.motors or rubs or own) and all(load.order in (1, 2) for load in working)
         self.cycle = reduction.cycle
 
     def driven(self, variants: Variants) -> Variants:
@@ -303,8 +310,8 @@ class Dynamics:
 
     @property
     def in_time(self) -> bool:
-        """Whether only the time form applies: friction in pairs, torques over time, an input of limited range."""
-        return self.timed or self.rubs or not self.reduction.has_cycle
+        """Whether only the time form applies: friction in pairs, torques over time, other drives, a limited range."""
+        return self.timed or self.rubs or self.with_servos or not self.reduction.has_cycle
 
     def locked(self, variants: Variants) -> np.ndarray:
         """Which variants have an acting brake that is self-locking, (variants,) of bool."""

@@ -76,6 +76,14 @@ class EquationOfMotion:
         places = self.start[self.who] + self.variants.direction[self.who] * turned
         return self.dynamics.inertia(self.variants, places, self.who)
 
+    def with_servos(
+        self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Kinetic energy (…, variants) [J], and powers (channels, …, variants) [W], with servos."""
+        names = ("energy", *(f"{name} power" for name in self.dynamics.channels))
+        energy, *powers = self.evaluated(names, True, turned, omega, time, facing)
+        return energy, np.array(powers)
+
     def along(self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray) -> MotionAt:
         """The motion at instants, (instants, variants) or (variants,).
 

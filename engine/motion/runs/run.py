@@ -35,9 +35,10 @@ def run_to_end(
         runs = _Runs(dynamics, variants, standing, ends, steps, stepping, observers)
         started = runs.energy()
         runs.go_to_end()
-        inertia, ended = runs.inertia(np.arange(variants.count), runs.turned), runs.energy()
+        ended = runs.energy()
         fastest = np.maximum(np.abs(runs.fastest), np.abs(runs.slowest))
-        energy = np.maximum(0.5 * inertia * fastest**2, np.maximum(started, ended))
+        highest = runs.energy_at(np.arange(variants.count), runs.turned, fastest, runs.time)
+        energy = np.maximum(highest, np.maximum(started, ended))
     speeds, energies = (runs.slowest, runs.fastest), (started, ended, energy)
     rest = runs.covered, runs.steep, runs.arrived, runs.changed, runs.known
     return RunOutcome(runs.verdict, runs.state, *speeds, *energies, *rest)

@@ -44,6 +44,12 @@ def set_off(runs: OneSpeedRuns, who: np.ndarray) -> None:
     """Choose the direction of machines at rest; those that remain at rest have reached their end, or do not start."""
     if not who.size:
         return
+    if runs.dynamics.with_servos:
+        turned, time = runs.state.turned[who], runs.clock[who] + runs.state.time[who]
+        epsilon, _ = runs.equation(who).acceleration(turned, np.zeros(who.size), time, np.ones(who.size))
+        # Servos may have moved their links apart, or leave the first input no inertia.
+        runs.jammed(who[np.isnan(epsilon)])
+        who = who[~np.isnan(epsilon)]
     runs.facing[who] = runs.equation(who).sets_off(runs.state.turned[who], runs.clock[who] + runs.state.time[who])
     # A stop holds an input that is pressed against it.
     runs.facing[who[runs.ahead(who) <= 0.0]] = 0.0
@@ -52,9 +58,10 @@ def set_off(runs: OneSpeedRuns, who: np.ndarray) -> None:
     if runs.ends.standing:
         runs.done[stays[begun]] = True
         stays = stays[~begun]
-    # The machine stays at rest until a torque over time changes, or until the time is over.
+    # The machine stays at rest until a torque over time changes, or until the time is over; second inputs that keep
+    # moving would do work meanwhile, which no steps gather.
     later = np.minimum(_next_look(runs, stays) - runs.clock[stays], runs.ends.time[stays])
-    waits = np.isfinite(later)
+    waits = np.isfinite(later) & (not runs.dynamics.moved)
     if runs.dynamics.changing:
         later[waits] = _starts_by(runs, stays[waits], later[waits])
     runs.state.time[stays[waits]] = later[waits]
@@ -186,8 +193,9 @@ def _take(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks, goal:
     turned = np.where(why == Why.OTHER_GOAL, goal, gone.states[TURNED])
     omega = np.where(why == REST, 0.0, facing * gone.states[SPEED])
     time = np.where(why == Why.GOAL, runs.ends.time[who], before.time + gone.at)
-    energies = [0.5 * runs.inertia(who, at) * w**2 for at, w in ((before.turned, before.omega), (turned, omega))]
-    dynamics, change = runs.dynamics, energies[1] - energies[0]
+    ends = (before.turned, before.omega, before.time), (turned, omega, time)
+    started, ended = (runs.energy_at(who, *end) for end in ends)
+    dynamics, change = runs.dynamics, ended - started
     works, squares = dynamics.gathered(dynamics.by_time, gone.states, change, -1.0)
     low, high = np.where(forward, gone.slowest, -gone.fastest), np.where(forward, gone.fastest, -gone.slowest)
     runs.slowest[who], runs.fastest[who] = np.fmin(runs.slowest[who], low), np.fmax(runs.fastest[who], high)

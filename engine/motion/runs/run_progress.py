@@ -243,7 +243,15 @@ class MachineRuns(WalkedRuns):
 
     def energy(self) -> np.ndarray:
         """Current kinetic energy [J]."""
-        return 0.5 * self.inertia(np.arange(self.turned.size), self.turned) * self.omega**2
+        return self.energy_at(np.arange(self.turned.size), self.turned, self.omega, self.time)
+
+    def energy_at(self, who: np.ndarray, turned: np.ndarray, omega: np.ndarray, time: np.ndarray) -> np.ndarray:
+        """Kinetic energy of variants at given states [J]."""
+        if not self.dynamics.with_servos:
+            return 0.5 * self.inertia(who, turned) * omega**2
+        equation = EquationOfMotion(self.dynamics, self.variants, self.start, who)
+        facing = np.where(omega < 0.0, -1.0, 1.0)
+        return equation.with_servos(turned, omega, self.clock[who] + time, facing)[0]
 
     def inertia(self, who: np.ndarray, turned: np.ndarray) -> np.ndarray:
         """Reduced inertia of variants at given angles turned [kg·m²].

@@ -12,7 +12,7 @@ from engine.motion.loads import PairLoads
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.quantities import INSTANT, TURNED
-from engine.motion.settled.cycle import motion_rows
+from engine.motion.settled.cycle import motion_rows, power_rows
 
 
 class Piece(NamedTuple):
@@ -127,7 +127,12 @@ class RunFields:
             found = form.along(piece.turned, piece.omega, clock, piece.facing)
             inertia, epsilon, motors, loads = found.known_better(piece.moment)
             rows = motion_rows(own, piece.omega, epsilon, motors, loads)
-        rows["kinetic_energy"] = 0.5 * inertia * piece.omega**2
+            rows["kinetic_energy"] = 0.5 * inertia * piece.omega**2
+            if self.dynamics.with_servos:
+                energy, powers = form.with_servos(piece.turned, piece.omega, clock, piece.facing)
+                rows["kinetic_energy"] = energy
+                rows |= {f"{name} power": row for name, row in zip(self.dynamics.channels, powers, strict=True)}
+                rows |= power_rows(motors * piece.omega, powers) if self.dynamics.works else {}
         rows[INSTANT], rows[TURNED] = piece.time, piece.turned
         rows |= {key: own.direction * row for key, row in zip(self.dynamics.channels, loads, strict=True)}
         places = self.start[who] + own.direction * piece.turned

@@ -193,7 +193,7 @@ def test_first_input_that_slides__beside_a_second_by_its_travel(phase, k):
             {"inputs__second__travel": 0.1, "inputs__second__period": None},
             "inputs.second.travel: is of a first input",
         ),
-        (OVER_RANGE, {"regimes": {"run": {"type": "run", "time": 1.0}}}, "counts on one drive"),
+        (OVER_RANGE, {"regimes": {"run": {"type": "run", "time": 1.0}}}, "inputs.second.sections: a run with"),
         (SLIDING, {"inputs__second__travel": None}, "give travel, the length"),
         (SLIDING, {"inputs__second__drive": "crank"}, "there is no crank"),
     ],

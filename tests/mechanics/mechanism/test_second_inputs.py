@@ -105,7 +105,6 @@ def test_friction__is_borne_by_both_drives():
 
 
 SLIDER = {"type": "slider", "link": "crank", "guide": "way", "point": "A", "start": 0, "stop": 0.05, "speed": 0.1}
-MOTOR = {"type": "dc_motor", "on": "crank", "stall_moment": 5, "no_load_speed": "900 rpm"}
 
 
 @pytest.mark.parametrize(
@@ -119,7 +118,6 @@ MOTOR = {"type": "dc_motor", "on": "crank", "stall_moment": 5, "no_load_speed": 
         ),
         ({"input": SLIDER, "guides": {"way": {}}}, "inputs.second: the first input slides and has no angle"),
         ({"regimes": {"idle": {"type": "steady"}}}, "regimes.idle: counts on one drive"),
-        ({"moments": {"motor": MOTOR}}, "moments.motor: counts on one drive"),
         ({"flywheel": {"speed_fluctuation": 0.05}}, "flywheel: counts on one drive"),
     ],
 )

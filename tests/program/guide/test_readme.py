@@ -33,7 +33,7 @@ AXIS = '[points]\nC = { x = "300 mm", y = 0 }'
 HOSTS = {
     "cams": ['[points]\nC = { x = "-200 mm", y = 0 }\n[input]\nrevolutions = 2'],
     "gears": [AXIS, "", "", "", AXIS, AXIS, AXIS],
-    "inputs": ["", AXIS + "\n[input]\nrevolutions = 15"],
+    "inputs": ["", AXIS + "\n[input]\nrevolutions = 15", ""],
     "motion": [
         """[input]
         start = "20 deg"
