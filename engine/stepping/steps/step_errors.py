@@ -174,7 +174,7 @@ def carry_errors(task: WalkTask, room: Room) -> None:
             errors[q, lane] = abs(errors[q, lane]) + behind + ahead
     most, rounded = (-3.0, 4.0 * FOUND_TO) if task.implicit else (-1.0, 0.25 * EPS)
     for lane in range(LANES):
-        # A steep motor holds the speed that the energy and the inertia of this place beside the edge have.
+        # A steep motor holds the speed that the energy and the inertia of this place next to the edge have.
         fades = abs(own.length[lane] * watched[end + STEEPNESS, lane])
         errors[0, lane] += energy_beside(lane, task, room) * (fades if fades < 1.0 else 1.0)
         grows = 0.5 * own.length[lane] * (watched[STEEPNESS, lane] + watched[end + STEEPNESS, lane])
