@@ -58,8 +58,9 @@ def machine_pictures(
         Unknown extension; the mechanism can't be assembled, or an element can't be drawn.
     """
     format_of(path)
+    whole = with_values(scene, values)
     motion = None if scene.input is None else DrawnMotion(scene, values, known)
-    made = save_beside(path, _sheets(with_values(scene, values), motion, parts))
+    made = save_beside(path, _sheets(whole, motion, parts))
     if motion is None:
         return made
     # Last: where it is there, so are the others.
