@@ -4,7 +4,7 @@ import json
 import re
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import reduce, wraps
 from pathlib import Path
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import click
 
 from sweeps.cli.waiting import clear_the_line, doing, waiting_told
+from sweeps.text.input_files import InputError, files_read, read_text
 from sweeps.text.visible import visible
 
 if TYPE_CHECKING:
@@ -59,13 +60,14 @@ class Commands(click.Group):
 
     def invoke(self, ctx: click.Context) -> object:
         """Run the command of a command line."""
-        try:
-            with waiting_told():
-                return super().invoke(ctx)
-        except Exception as error:
-            if not isinstance(error, foreseen_errors()):
-                raise
-            fail(str(error), _code_of(error))
+        with files_read() as files:
+            try:
+                with waiting_told():
+                    return super().invoke(ctx)
+            except Exception as error:
+                if not isinstance(error, foreseen_errors()):
+                    raise
+                fail(str(_in_its_file(error, files)), _code_of(error))
 
 
 def joints_by_letter(command: Command) -> Command:
@@ -103,6 +105,22 @@ def _code_of(error: Exception) -> int:
     return NOT_ALL_DONE if isinstance(error, UnfinishedError) else WRONG_INPUT
 
 
+def _in_its_file(error: Exception, files: Iterable[Path]) -> Exception:
+    """An error, with file and line where a scene read without complaint is found wrong when it is computed."""
+    from engine import SceneError
+    from sweeps.study.study_text import is_scene
+    from sweeps.text.toml_text import parse_toml, problems_in
+
+    if not isinstance(error, SceneError):
+        return error
+    texts = {path: read_text(path) for path in [*files] if path.suffix == ".toml"}
+    if not texts:
+        return error
+    scene = next((path for path, text in texts.items() if is_scene(parse_toml(text, path.name))), None)
+    path, prefix = (scene, ()) if scene is not None else (next(iter(texts)), ("scene",))
+    return InputError(path.name, problems_in(texts[path], error.problems, prefix))
+
+
 def foreseen_errors() -> tuple[type[Exception], ...]:
     """Errors meant for the user; imported only when one occurs, as that is slow."""
     from engine import AskError, BalanceError, SceneError, TableError, UnitError
@@ -110,7 +128,6 @@ def foreseen_errors() -> tuple[type[Exception], ...]:
     from sweeps.run.cluster.cluster_errors import ClusterError
     from sweeps.store import StoreError
     from sweeps.synthesis.synthesis_error import SynthesisError
-    from sweeps.text.input_files import InputError
 
     of_engine = (AskError, BalanceError, SceneError, SynthesisError, TableError, UnitError)
     return (InputError, StoreError, *of_engine, PictureError, ClusterError)
@@ -215,8 +232,6 @@ def variants_only(where: tuple[str, ...], is_sweep: bool) -> None:
     InputError
         There is one machine only.
     """
-    from sweeps.text.input_files import InputError
-
     if where and not is_sweep:
         raise InputError.of("--where", "chooses variants of a whole result file; here there is one machine")
 
@@ -375,8 +390,6 @@ def make_folder(path: Path) -> None:
     InputError
         It can't be created.
     """
-    from sweeps.text.input_files import InputError
-
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -400,7 +413,6 @@ def write_text(path: Path, text: str, replace: bool = False, mend: str = "name a
     InputError
         The file exists or can't be written.
     """
-    from sweeps.text.input_files import InputError
     from sweeps.text.whole_files import write_whole_text
 
     if path.exists() and not replace:
