@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from engine import counted
 from sweeps.cli import shared
 from sweeps.text.interruption import keeping
 
@@ -105,7 +106,7 @@ def run(asked: shared.Options) -> None:
             files = [str(path) for path in _made(asked, result, file)]
             shared.tell_data(result_data(result, told) | {"warnings": shared.warnings_of(result), "files": files})
         else:
-            head = f"{found.title or found.name}: {count} variant{'' if count == 1 else 's'}"
+            head = f"{found.title or found.name}: {counted(count, 'variant')}"
             _tell_answer(result, head, counts_text(result), answer_text(result, asked.every))
             if remark := between_positions_text(found):
                 shared.tell(remark)
@@ -148,7 +149,7 @@ def optimise(asked: shared.Options) -> None:
             optimise_study(found, out, asked.restart, update, asked.replace, shared.tell_aside, client)
         bar.close()
         result = SweepResult(out)
-        head = f"{found.title or found.name}: {result.description.variants} candidates"
+        head = f"{found.title or found.name}: {counted(result.description.variants, 'candidate')}"
         _tell_answer(result, head, counts_text(result), optimum_text(result, asked.every))
         _tell_made(asked, result, file, begun)
     shared.stop_without_answer(result)

@@ -372,6 +372,8 @@ def cluster_client(address: str | None, jobs: int | None = None) -> Iterator["Cl
 
 def workers_text(client: "Client | None") -> str:
     """Number of workers, as a text; "" if unknown or without a cluster."""
+    from engine import counted
+
     if client is None:
         return ""
     try:
@@ -379,7 +381,7 @@ def workers_text(client: "Client | None") -> str:
     except OSError:
         # A lost scheduler is reported where it is used.
         return ""
-    return f"{count} worker{'' if count == 1 else 's'}"
+    return counted(count, "worker")
 
 
 def make_folder(path: Path) -> None:
