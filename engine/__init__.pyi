@@ -177,7 +177,7 @@ from engine.warnings.kinds import KINDS as WARNING_KINDS
 from engine.words.verdicts import Verdict
 
 __version__: str
-from engine.words.glossary import did_you_mean, speaks_of, unknown_name_message
+from engine.words.glossary import counted, did_you_mean, speaks_of, unknown_name_message
 from engine.words.glossary import nearest as nearest_names
 
 __all__ = [
@@ -301,6 +301,7 @@ __all__ = [
     "comma_advice",
     "common_units",
     "corrected_unbalance",
+    "counted",
     "crank_radius",
     "crankshaft_counterweights",
     "definitions_of_names",

@@ -286,8 +286,10 @@ def nudged(values: Callable[[Numbers], Columns], n: Numbers) -> tuple[Columns, C
     found, errors = {}, {}
     for name, rows in values(dict(zip(n, every.reshape(count, -1), strict=True))).items():
         parts = np.broadcast_to(rows, every[0].size).reshape(count + 1, variants)
-        with np.errstate(invalid="ignore"):
-            moved = np.abs(parts[1:] - parts[0])
+        with np.errstate(invalid="ignore", divide="ignore"):
+            # Closer to a pole, such as a resonance, than the change is, the result's reciprocal is linear in it.
+            steeper = np.where(parts[1:] != 0.0, np.fmax(np.abs(parts[0] / parts[1:]), 1.0), 1.0)
+            moved = np.abs(parts[1:] - parts[0]) * steeper
         moved = np.where(np.isnan(moved), math.inf, moved).sum(axis=0)
         found[name], errors[name] = parts[0], ROUNDING * EPS * (np.abs(parts[0]) + moved / (NUDGE * ROUNDING))
     return found, errors

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.words.glossary import counted
 from engine.words.verdicts import Verdict
 
 CACHE_LINE = 64
@@ -80,7 +81,7 @@ class Outcome(NamedTuple):
         held = {"summaries": self.summaries, "fields": self.fields}
         asked = "".join(f"; {kind} {self._names_text(names)}" for kind, names in held.items() if names)
         count, remarks = self.status.size, "".join(f"; {remark}" for remark in self.remarks)
-        return f"<Outcome of {count} variant{'s' if count != 1 else ''}: {verdicts}{remarks}{asked}>"
+        return f"<Outcome of {counted(count, 'variant')}: {verdicts}{remarks}{asked}>"
 
     def _names_text(self, names: Iterable[str]) -> str:
         """Names with their units."""

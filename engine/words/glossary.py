@@ -173,6 +173,11 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     return listed(name, sorted(known), "known are")
 
 
+def counted(count: int, noun: str) -> str:
+    """A number of things: "1 variant", "2 variants"."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
 def listed(name: str, known: Iterable[str], lead: str) -> str:
     """As `did_you_mean`, in the order of the known names and with another lead: "allowed: mm, SI, US"."""
     known = list(known)

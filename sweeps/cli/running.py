@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from engine import counted
 from sweeps.cli import shared
 from sweeps.cli.shared import main
 from sweeps.text.input_files import InputError
@@ -117,7 +118,7 @@ def run(asked: shared.Options) -> None:
             files = [str(path) for path in _made(asked, result, file)]
             shared.tell_data(result_data(result, told) | {"warnings": shared.warnings_of(result), "files": files})
         else:
-            head = f"{found.title or found.name}: {count} variant{'' if count == 1 else 's'}"
+            head = f"{found.title or found.name}: {counted(count, 'variant')}"
             answer = head, counts_text(result), answer_text(result, asked.every)
             _tell(asked, result, file, begun, answer, between_positions_text(found))
     shared.stop_without_answer(result)
@@ -150,6 +151,6 @@ def optimise(asked: shared.Options) -> None:
     with keeping(bar.kept_text):
         _compute(asked, bar, partial(optimise_study, found))
         result = SweepResult(asked.out)
-        head = f"{found.title or found.name}: {result.description.variants} candidates"
+        head = f"{found.title or found.name}: {counted(result.description.variants, 'candidate')}"
         _tell(asked, result, file, begun, (head, counts_text(result), optimum_text(result, asked.every)))
     shared.stop_without_answer(result)

@@ -4,7 +4,7 @@ import json
 import re
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import reduce, wraps
 from pathlib import Path
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import click
 
 from sweeps.cli.waiting import clear_the_line, doing, waiting_told
-from sweeps.text.input_files import InputError
+from sweeps.text.input_files import InputError, files_read, read_text
 from sweeps.text.visible import visible
 
 if TYPE_CHECKING:
@@ -54,16 +54,17 @@ class Commands(click.Group):
 
     def invoke(self, ctx: click.Context) -> object:
         """Run the command of a command line."""
-        try:
-            with waiting_told():
-                return super().invoke(ctx)
-        except Exception as error:
-            if not isinstance(error, foreseen_errors()):
-                raise
-            from sweeps.run.cluster.cluster_errors import UnfinishedError
+        with files_read() as files:
+            try:
+                with waiting_told():
+                    return super().invoke(ctx)
+            except Exception as error:
+                if not isinstance(error, foreseen_errors()):
+                    raise
+                from sweeps.run.cluster.cluster_errors import UnfinishedError
 
-            tell_aside(f"Error: {shown_message(str(error))}")
-            sys.exit(NOT_ALL_DONE if isinstance(error, UnfinishedError) else WRONG_INPUT)
+                tell_aside(f"Error: {shown_message(str(_in_its_file(error, files)))}")
+                sys.exit(NOT_ALL_DONE if isinstance(error, UnfinishedError) else WRONG_INPUT)
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
@@ -109,6 +110,22 @@ def in_options(command: Command) -> Command:
         command(Options(**asked))
 
     return gathered
+
+
+def _in_its_file(error: Exception, files: Iterable[Path]) -> Exception:
+    """An error, with file and line where a scene read without complaint is found wrong when it is computed."""
+    from engine import SceneError
+    from sweeps.study.study_text import is_scene
+    from sweeps.text.toml_text import parse_toml, problems_in
+
+    if not isinstance(error, SceneError):
+        return error
+    texts = {path: read_text(path) for path in [*files] if path.suffix == ".toml"}
+    if not texts:
+        return error
+    scene = next((path for path, text in texts.items() if is_scene(parse_toml(text, path.name))), None)
+    path, prefix = (scene, ()) if scene is not None else (next(iter(texts)), ("scene",))
+    return InputError(path.name, problems_in(texts[path], error.problems, prefix))
 
 
 def foreseen_errors() -> tuple[type[Exception], ...]:
@@ -353,6 +370,8 @@ def cluster_client(address: str | None, jobs: int | None = None) -> Iterator["Cl
 
 def workers_text(client: "Client | None") -> str:
     """Number of workers, as a text; "" if unknown or without a cluster."""
+    from engine import counted
+
     if client is None:
         return ""
     try:
@@ -360,7 +379,7 @@ def workers_text(client: "Client | None") -> str:
     except OSError:
         # A lost scheduler is reported where it is used.
         return ""
-    return f"{count} worker{'' if count == 1 else 's'}"
+    return counted(count, "worker")
 
 
 def write_text(path: Path, text: str, replace: bool = False, mend: str = "name another file with --out") -> None:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import click
 
+from engine import counted
 from sweeps.cli.shared import main, tell, tell_aside
 
 DAMAGED = 1
@@ -30,4 +31,4 @@ def verify(file: Path) -> None:
     if damaged or found.edited:
         sys.exit(DAMAGED)
     left = f", {found.variants - variants} not computed yet" if variants < found.variants else ""
-    tell(f"{file}: {variants} variants intact{left}")
+    tell(f"{file}: {counted(variants, 'variant')} intact{left}")

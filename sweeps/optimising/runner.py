@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from engine import Verdict, quantity_text
+from engine import Verdict, counted, quantity_text
 from sweeps.optimising.pareto import pareto_front
 from sweeps.optimising.searching import descend, refine, way_of
 from sweeps.optimising.spread import spread_columns, spreads
@@ -123,7 +123,7 @@ def _search(
     found = {name: values[found["status"] != Verdict.NOT_COMPUTED] for name, values in found.items()}
     batch = trials.judged(found)
     best, last = _best(batch), int(found["generation"].max()) + 1
-    words = f"{last} generations"
+    words = counted(last, "generation")
     if task.method != GENETIC and best is not None:
         start = task.variables.coordinates({name: found[name][best] for name in task.variables.names})
         better = refine(task, trials, start, batch.costs[best, 0])
@@ -259,7 +259,7 @@ def _finish(
         for i in range(store.layout.blocks):
             store.write(i, {name: values[store.slice(i)] for name, values in found.items()})
         by = "" if trials.crew is None else f"; computed by {trials.crew.words}"
-        store.finish(f"{count} candidates, {way}{by}", keep_former=keep)
+        store.finish(f"{counted(count, 'candidate')}, {way}{by}", keep_former=keep)
         tell_all(store, tell)
 
 

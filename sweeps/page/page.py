@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from engine import Verdict
+from engine import Verdict, counted
 from sweeps.optimising.optimum import is_search, optimum_text
 from sweeps.page import page_tables
 from sweeps.page.digest import Digest
@@ -111,9 +111,9 @@ def _warnings(digest: Digest) -> list[str]:
     best = [0] if digest.is_one else [] if digest.best is None else [digest.best]
     found = [*result.altered, *result_warnings(result, best)]
     if waiting := digest.counts[Verdict.NOT_COMPUTED]:
-        found.append(f"{waiting} variants are not computed yet: run the study again to resume.")
+        found.append(f"{counted(waiting, 'variant')} not computed yet: run the study again to resume.")
     if digest.undecided:
-        found.append(f"For {digest.undecided} variants the condition is undecided within error estimates.")
+        found.append(f"For {counted(digest.undecided, 'variant')} the condition is undecided within error estimates.")
     if digest.rivals:
         found.append(
             f"{digest.rivals} other variants tie with the best within the error estimates: "
@@ -122,7 +122,7 @@ def _warnings(digest: Digest) -> list[str]:
     works = digest.counts[Verdict.OK]
     failed = result.description.variants - works - digest.counts[Verdict.DROPPED] - digest.counts[Verdict.NOT_COMPUTED]
     if failed and result.description.variants > 1:
-        found.append(f"{failed} variants fail; see the verdicts.")
+        found.append(f"{counted(failed, 'variant')} without a result; see the verdicts.")
     coarse = [name for name, share in digest.worst_errors.items() if share > (result.accuracy or 0.01)]
     if coarse:
         share = "the requested accuracy" if result.accuracy else "1 %"

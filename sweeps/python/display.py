@@ -88,7 +88,7 @@ def _(thing: engine.Outcome) -> str:
     ]
     rest = f"the first {SHOWN} of them, " if thing.status.size > SHOWN else ""
     fields = f"<p>fields: {escape(', '.join(thing.fields))}</p>" if thing.fields else ""
-    title = f"{thing.status.size} variants: {verdicts}"
+    title = f"{engine.counted(thing.status.size, 'variant')}: {verdicts}"
     heads = ("variant", "verdict", *thing.summaries)
     return _page(title, f"<p>{rest}SI units</p>", _table(rows, heads), fields)
 
@@ -104,7 +104,7 @@ def _(thing: Study) -> str:
     rows += [(path, "", f"= {expression.text}") for path, expression in thing.derived.items()]
     asked = [("summary", name) for name in thing.summaries] + [("field", name) for name in thing.fields]
     question = f"<p>{escape(thing.question)}</p>" if thing.question else ""
-    words = f"{thing.title or thing.name}: {thing.design.size} variants"
+    words = f"{thing.title or thing.name}: {engine.counted(thing.design.size, 'variant')}"
     return _page(
         words, question, _drawing(thing.scene), _table(rows, ("varied", "count", "values")), _folded("asked", asked)
     )

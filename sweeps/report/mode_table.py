@@ -1,6 +1,6 @@
 """Table of the assembly modes of groups of free links."""
 
-from engine import AssemblyMode, Scene, quantity_text
+from engine import AssemblyMode, Scene, counted, quantity_text
 from sweeps.text.tables import table
 
 
@@ -20,7 +20,7 @@ def mode_table(scene: Scene, modes: dict[str, tuple[AssemblyMode, ...] | None]) 
         if found is None:
             parts.append(f"{group}: depends on a group without a mode; set that mode first")
             continue
-        count = f"{len(found)} real assembly mode{'' if len(found) == 1 else 's'}"
+        count = counted(len(found), "real assembly mode")
         parts.append(f"{group}: {count if found else 'no assembly'} at the first position")
         if not found:
             continue

@@ -19,7 +19,7 @@ from sweeps.text.tables import table
 def variants_done_text(result: SweepResult) -> str:
     """Number of variants, and of those done."""
     count, done = result.description.variants, result.done
-    words = f"{count} variant{'' if count == 1 else 's'}"
+    words = engine.counted(count, "variant")
     if done < count:
         return f"{done} of {words} done; run the study again to resume"
     return f"{words}, all done {result.finished}".rstrip()

@@ -82,9 +82,8 @@ class Study(StudyContent):
     def __repr__(self) -> str:
         axes = " × ".join(f"{axis.size} {', '.join(axis.names)}" for axis in self.design.axes)
         asked = ", ".join((*self.summaries, *self.fields))
-        return (
-            f"<Study {self.title or self.name!r}: {self.design.size} variants{f' of {axes}' if axes else ''}; {asked}>"
-        )
+        size = engine.counted(self.design.size, "variant")
+        return f"<Study {self.title or self.name!r}: {size}{f' of {axes}' if axes else ''}; {asked}>"
 
     def __getstate__(self) -> dict[str, object]:
         # Cached results and compiled code aren't pickled.

@@ -48,7 +48,8 @@ def phase_lag(eta: np.ndarray, ratio: np.ndarray) -> np.ndarray:
 
 def transmission_lag(eta: np.ndarray, ratio: np.ndarray) -> np.ndarray:
     """Angle by which the motion lags behind that of the support [rad]."""
-    return phase_lag(eta, ratio) - np.arctan(2.0 * ratio * eta)
+    # The difference of the motion's lag and the support's lead, which may nearly cancel, as one angle.
+    return np.arctan2(2.0 * ratio * eta**3, (1.0 - eta) * (1.0 + eta) + (2.0 * ratio * eta) ** 2)
 
 
 def resonance_factor(ratio: np.ndarray) -> np.ndarray:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import Verdict, figure_text, quantity_text
+from engine import Verdict, counted, figure_text, quantity_text
 from sweeps.report.sweep_result import SweepResult, drop_counts
 from sweeps.text.conditions import Condition, Judgement, Where
 
@@ -68,7 +68,7 @@ def no_answer_text(result: SweepResult, noun: str = "variant") -> str:
     if asked is None:
         return f"{head} None could be computed."
     texts, missed = [condition.text for condition in asked.conditions], (rows for _, rows, _ in _judged(result, asked))
-    lines = [f"{head} Of {counts[asked.verdict]} {noun}s, the conditions exclude:"]
+    lines = [f"{head} Of {counted(counts[asked.verdict], noun)}, the conditions exclude:"]
     lines += [f"  {line}" for line in drop_lines(texts, missed)]
     return "\n".join([*lines, _closest_text(result, asked, noun)])
 

@@ -21,6 +21,7 @@ from distributed.comm import connect
 from distributed.core import send_recv
 from distributed.protocol.serialize import merge_and_deserialize
 
+from engine import counted
 from sweeps.run.carrying import Blocks
 from sweeps.run.cluster import on_workers
 from sweeps.run.cluster.cluster_errors import ClusterError, UnfinishedError
@@ -103,8 +104,7 @@ class Crew:
         threads = sum(member.threads for member in self._seen.values())
         kinds = Counter(member.processor for member in self._seen.values())
         processors = ", ".join(f"{kind} ({count})" for kind, count in sorted(kinds.items()))
-        plural = "" if len(self._seen) == 1 else "s"
-        return f"{len(self._seen)} worker{plural}, {threads} threads; processors: {processors}"
+        return f"{counted(len(self._seen), 'worker')}, {counted(threads, 'thread')}; processors: {processors}"
 
     # Members
 

@@ -1,6 +1,7 @@
-"""Stiffness and damping of parts together: against equilibrium solved as a system of equations, and against energy."""
+"""Stiffness and damping of parts together: against equilibrium in fractions, and against energy."""
 
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -66,42 +67,39 @@ def drives(draw, depth=0):
 
 
 def loaded(part, moment):
-    """Twist under a moment about the reference axis, and energy and dissipation at a twist rate equal to the twist."""
-    moment = moment / part["ratio"]
+    """Twist under a moment about the reference axis, and energy and dissipation at a twist rate equal to the twist.
+
+    In fractions, as stiffnesses may differ a millionfold.
+    """
+    ratio = Fraction(part["ratio"])
+    moment = moment / ratio
     if part["type"] == "coupling":
-        twist = moment / part["stiffness"]
-        energy, lost = 0.5 * moment * twist, part.get("damping", 0.0) * twist**2
-    elif part["type"] == "series":
-        each = [loaded(p, moment) for p in part["parts"].values()]
-        twist, energy, lost = (sum(e[i] for e in each) for i in range(3))
-    else:
-        # Unknown moments of the parts and the common twist: one twist for all, moments adding up.
-        parts = list(part["parts"].values())
-        n = len(parts)
-        matrix, right = np.zeros((n + 1, n + 1)), np.zeros(n + 1)
-        unit = [loaded(p, 1.0)[0] for p in parts]
-        matrix[range(n), range(n)], matrix[:n, n], matrix[n, :n], right[n] = unit, -1.0, 1.0, moment
-        scale = np.array([*[1.0] * n, max(unit)])
-        solved = np.linalg.solve(matrix * scale, right) * scale
-        each = [loaded(p, m) for p, m in zip(parts, solved, strict=False)]
-        twist, energy, lost = solved[n], sum(e[1] for e in each), sum(e[2] for e in each)
-    return twist / part["ratio"], energy, lost
+        twist = moment / Fraction(part["stiffness"])
+        return twist / ratio, moment * twist / 2, Fraction(part.get("damping", 0.0)) * twist**2
+    parts = list(part["parts"].values())
+    if part["type"] == "series":
+        twists, energies, losses = zip(*(loaded(p, moment) for p in parts), strict=True)
+        return sum(twists) / ratio, sum(energies), sum(losses)
+    # One twist for all, and the moments that cause it add up.
+    causing = [1 / loaded(p, Fraction(1))[0] for p in parts]
+    twist = moment / sum(causing)
+    _, energies, losses = zip(*(loaded(p, twist * m) for p, m in zip(parts, causing, strict=True)), strict=True)
+    return twist / ratio, sum(energies), sum(losses)
 
 
 @settings(deadline=None, max_examples=60)
 @given(drives(), st.floats(10, 1000))
 def test_parts_together__twist_store_and_dissipate_as_each_of_them_does(part, frequency):
     data = drive({"all": part}, moment=100.0, frequency=frequency)
-    twist, energy, lost = loaded(part, 100.0)
+    twist, energy, lost = loaded(part, Fraction(100))
     names = ["twist", "stiffness", "damping", "energy_absorption"]
     _, outcome = asked({"it": data}, *(f"it.{n}" for n in names))
     assert outcome.status[0] == Verdict.OK
     # What a cycle of this amplitude dissipates at the frequency, over the greatest energy.
-    absorbed = math.pi * frequency * lost / energy
-    for name, exact in zip(names, [twist, 100.0 / twist, lost / twist**2, absorbed], strict=True):
+    absorbed = Fraction(math.pi) * Fraction(frequency) * lost / energy
+    for name, exact in zip(names, [twist, 100 / twist, lost / twist**2, absorbed], strict=True):
         value, error = outcome.summaries[f"it.{name}"][0], outcome.errors[f"it.{name}"][0]
-        # The oracle solves systems with condition up to 1e6.
-        assert abs(value - exact) <= error + 1e-9 * abs(exact)
+        assert abs(Fraction(value) - exact) <= Fraction(error) + Fraction(1e-16) * exact
         assert error <= 1e-12 * abs(value)
 
 

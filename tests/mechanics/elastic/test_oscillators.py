@@ -1,6 +1,7 @@
 """One mass on a spring: against mpmath's solution of its equation, integration, energy, and textbook values."""
 
 import math
+from fractions import Fraction
 
 import mpmath
 import numpy as np
@@ -30,6 +31,45 @@ def free_exact(ratio, q, v, t, w=20.0):
         first = (v - b * q) / (a - b)
         terms = first * mpmath.exp(a * t), (q - first) * mpmath.exp(b * t)
         return float(mpmath.re(sum(terms))), float(mpmath.re(a * terms[0] + b * terms[1]))
+
+
+EXCITATIONS = {
+    "force": {"amplitude": 5.0},
+    "unbalance": {"mass": 0.02, "radius": 0.08},
+    "support_motion": {"amplitude": 0.002},
+}
+
+
+@pytest.mark.parametrize("kind", EXCITATIONS)
+def test_vibration_near_resonance__is_that_of_fractions_within_its_figure(kind):
+    stiffness, distance = 801.3, 10.0 ** -np.linspace(1, 15, 57)
+    speeds = math.sqrt(stiffness / 2.0) * (1 + np.concatenate([distance, -distance]))
+    excitation = {"type": kind, "speed": 1.0} | EXCITATIONS[kind]
+    data = OSCILLATOR | {"stiffness": stiffness, "damping": 0.0, "excitation": excitation}
+    (values,), outcome = asked({"it": data}, "it.amplitude", it__excitation__speed=speeds)
+    assert (outcome.status == Verdict.OK).all()
+    for speed, value, error in zip(speeds, values, outcome.errors["it.amplitude"], strict=True):
+        squared = Fraction(speed) ** 2
+        force = {
+            "force": Fraction(5),
+            "unbalance": Fraction(0.02) * Fraction(0.08) * squared,
+            "support_motion": Fraction(0.002) * Fraction(stiffness),
+        }[kind]
+        exact = force / abs(Fraction(stiffness) - 2 * squared)
+        assert abs(Fraction(value) - exact) <= Fraction(error)
+        # A few roundings of the frequency ratio, over its distance from 1.
+        assert error <= 100 * 2.0**-53 * value / abs(speed**2 * 2.0 / stiffness - 1)
+
+
+@some
+@given(st.floats(1e-4, 10.0), st.floats(0.1, 10.0))
+def test_lag_behind_a_support__is_that_of_mpmath_within_its_figure(ratio, eta):
+    excitation = {"type": "support_motion", "speed": 20.0 * eta, "amplitude": 0.002}
+    ((value, error),) = figures(OSCILLATOR | {"damping_ratio": ratio, "excitation": excitation}, "phase_lag")
+    with mpmath.workdps(50):
+        twice = 2j * mpmath.mpf(ratio) * (mpmath.mpf(20.0 * eta) / 20)
+        motion = (1 + twice) / (1 - (mpmath.mpf(20.0 * eta) / 20) ** 2 + twice)
+        assert abs(value + mpmath.arg(motion)) <= error
 
 
 @some

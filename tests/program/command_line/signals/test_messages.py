@@ -69,6 +69,21 @@ def test_scene_without_input__is_told_that(press_folder):
     assert len(message.splitlines()) == 1
 
 
+@pytest.mark.parametrize("command", ["check triad.toml", "show triad.toml --at 0", "run study.toml"])
+def test_mode_that_no_point_selects__is_told_with_the_file(command, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done("new", "triad")
+    Path("triad.toml").write_text(scene := changed(Path("triad.toml").read_text(), "[near]\nC =", "[near]\n# C ="))
+    tables = re.sub(r"^\[", "[scene.", scene.partition("[points]")[2], flags=re.MULTILINE)
+    varied = '[vary]\n"input.length" = { values = ["30 mm", "31 mm"] }\n'
+    Path("study.toml").write_text(f"{varied}\n[scene.points]{tables}")
+    file = command.split()[1]
+    table = "[near]" if file == "triad.toml" else "[scene.near]"
+    line = Path(file).read_text().splitlines().index(table) + 1
+    told = f"{file}, line {line}: near: rod, lower, upper, plate have 2 assembly modes"
+    assert told in refused(*command.split())
+
+
 @pytest.mark.parametrize(
     ("addition", "words"),
     [
