@@ -39,11 +39,6 @@ from engine.elements.gears.gear_train import GearTrain
 from engine.elements.gears.train_results import train_results
 from engine.elements.gears.velocity_picture import DrawnWheel, VelocityPicture, velocity_picture
 from engine.elements.governors.governor import Governor
-from engine.elements.governors.governor_curves import (
-    governor_curves,
-    load_change,
-    stability_point,
-)
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.elements.rotors.correction import corrected_unbalance
 from engine.elements.rotors.grades import permissible_unbalance, tolerance_shares
@@ -331,7 +326,6 @@ __all__ = [
     "four_runs",
     "full_names",
     "governed_scene",
-    "governor_curves",
     "group_links",
     "guide_edge_forces",
     "guide_of",
@@ -348,7 +342,6 @@ __all__ = [
     "is_union",
     "is_warning",
     "joined_by_and",
-    "load_change",
     "made_engine",
     "made_ready",
     "mesh_axis",
@@ -390,7 +383,6 @@ __all__ = [
     "sources_digest",
     "speaks_of",
     "split_on_neighbours",
-    "stability_point",
     "summaries_for_warnings",
     "table_unit",
     "text_pattern",

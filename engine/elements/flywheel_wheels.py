@@ -81,15 +81,6 @@ class Wheel(NamedTuple):
     burst_impulse: np.ndarray
 
 
-class _Section(NamedTuple):
-    """Parts of a wheel: mass [kg] and inertia [kg·m²] per metre of width, and of the parts independent of the width."""
-
-    mass_per_width: Value
-    inertia_per_width: Value
-    other_mass: Value = 0.0
-    other_inertia: Value = 0.0
-
-
 def make_wheel(form: WheelForm, inertia: Value, speed: Value, numbers: Mapping[str, Value]) -> Wheel:
     """Design the wheel for a required inertia.
 
@@ -159,11 +150,20 @@ def _mean_rim(form: WheelForm, density: Value, mean: Value, asked: Value, number
 
 
 def _solid(form: WheelForm, density: Value, diameter: Value, asked: Value, numbers: Mapping[str, Value]) -> _Made:
-    section = _section(form, density, diameter, numbers)
-    width = np.maximum((asked - section.other_inertia) / section.inertia_per_width, 0.0)
-    made = section.other_inertia + width * section.inertia_per_width
     inner = 0.0 if form.type == "disc" else diameter * (1 - 2 * numbers["flywheel.wheel.thickness_ratio"])
-    return _Made(diameter, inner, width, section.other_mass + width * section.mass_per_width, made)
+    per_width = density * math.pi / 4 * (diameter**2 - inner**2)
+    inertia_per_width = ring_inertia(per_width, diameter, inner)
+    other_mass = other_inertia = 0.0
+    if form.type == "arms":
+        hub = numbers["flywheel.wheel.hub_diameter"]
+        hub_mass = density * math.pi / 4 * hub**2 * numbers["flywheel.wheel.hub_width"]
+        length = np.where(hub < inner, (inner - hub) / 2, np.nan)
+        arms_mass = form.arms * density * numbers["flywheel.wheel.arm_area"] * length
+        # A uniform rod along a radius from r to R: m(R² + Rr + r²)/3 about the axis.
+        arms_inertia = arms_mass * (inner**2 + inner * hub + hub**2) / 12
+        other_mass, other_inertia = hub_mass + arms_mass, disc_inertia(hub_mass, hub) + arms_inertia
+    width = np.maximum((asked - other_inertia) / inertia_per_width, 0.0)
+    return _Made(diameter, inner, width, other_mass + width * per_width, other_inertia + width * inertia_per_width)
 
 
 def _proportions(form: WheelForm, speed: Value, numbers: Mapping[str, Value]) -> tuple[Material, Value, Value]:
@@ -177,21 +177,3 @@ def _proportions(form: WheelForm, speed: Value, numbers: Mapping[str, Value]) ->
         if getattr(form, key) is not None:
             return material, numbers[f"flywheel.wheel.{key}"], shaft_speed
     return material, 2 * material.rim_speed_limit / shaft_speed, shaft_speed
-
-
-def _section(form: WheelForm, density: Value, diameter: Value, numbers: Mapping[str, Value]) -> _Section:
-    if form.type == "disc":
-        mass = density * math.pi / 4 * diameter**2
-        return _Section(mass, disc_inertia(mass, diameter))
-    inner = diameter * (1 - 2 * numbers["flywheel.wheel.thickness_ratio"])
-    mass = density * math.pi / 4 * (diameter**2 - inner**2)
-    rim = _Section(mass, ring_inertia(mass, diameter, inner))
-    if form.type == "rim":
-        return rim
-    hub = numbers["flywheel.wheel.hub_diameter"]
-    hub_mass = density * math.pi / 4 * hub**2 * numbers["flywheel.wheel.hub_width"]
-    length = np.where(hub < inner, (inner - hub) / 2, np.nan)
-    arms_mass = form.arms * density * numbers["flywheel.wheel.arm_area"] * length
-    # A uniform rod along a radius from r to R: m(R² + Rr + r²)/3 about the axis.
-    arms_inertia = arms_mass * (inner**2 + inner * hub + hub**2) / 12
-    return rim._replace(other_mass=hub_mass + arms_mass, other_inertia=disc_inertia(hub_mass, hub) + arms_inertia)

@@ -1,6 +1,6 @@
 """What holds each moving link: its outer pair, its origin, and the points it carries by definition."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 from engine.parts.skeleton import FRAME, CrankInput, Group, Hinged, Sliding, Yoke
@@ -167,13 +167,9 @@ def places_on(scene: Scene, link: str) -> dict[str, tuple[str | None, str | None
 
 
 @once
-def still_links(scene: Scene) -> frozenset[str]:
+def still_links(scene: Scene) -> set[str]:
     """Links that never turn: the frame, and links that slide on guides or in slots of links that never turn."""
-    still, found = frozenset(), frozenset({FRAME})
-    while found != still:
-        still = found
-        found |= {one.link for one in attachments(scene) if _bearer(scene, one) in still}
-    return still
+    return _grown({FRAME}, lambda still: {one.link for one in attachments(scene) if _bearer(scene, one) in still})
 
 
 def _bearer(scene: Scene, one: Attachment) -> str | None:
@@ -187,11 +183,10 @@ def geared_to_input(scene: Scene) -> set[str]:
 
 def driven_by_gears(scene: Scene) -> set[str]:
     """Shafts geared to the input on the frame, also through other shafts."""
-    found, grown = geared_to_input(scene), True
-    while grown:
-        further = {n for n, s in scene.shafts.items() if s.geared_to in found and s.carrier is None} - found
-        found, grown = found | further, bool(further)
-    return found
+    return _grown(
+        geared_to_input(scene),
+        lambda found: {n for n, s in scene.shafts.items() if s.geared_to in found and s.carrier is None},
+    )
 
 
 @once
@@ -199,8 +194,15 @@ def turning_evenly(scene: Scene) -> set[str]:
     """Links whose angle is a multiple of the crank's: the crank, and pivoted shafts geared to it through all gears."""
     if not isinstance(scene.input, CrankInput):
         return set()
-    even, grown = {FRAME, scene.input.link}, True
-    while grown:
-        known = {n for n, s in scene.shafts.items() if s.pivot and {s.geared_to, s.carrier or FRAME} <= even}
-        grown, even = not known <= even, even | known
+    even = _grown(
+        {FRAME, scene.input.link},
+        lambda known: {n for n, s in scene.shafts.items() if s.pivot and {s.geared_to, s.carrier or FRAME} <= known},
+    )
     return even - {FRAME}
+
+
+def _grown(known: set[str], attached_to: Callable[[set[str]], set[str]]) -> set[str]:
+    """Names, with all that are attached to them in turn."""
+    while not (further := attached_to(known)) <= known:
+        known = known | further
+    return known

@@ -20,12 +20,12 @@ import numpy as np
 from pydantic import Field
 from scipy.integrate import solve_ivp
 
+from engine.cycle.regula_falsi import regula_falsi
 from engine.elements.element import Columns, Element, ElementResult, Numbers
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, circle, path, plan
 from engine.parts.actions import Force, Stiffness
 from engine.parts.skeleton import Length, Mass, Speed
 
-_ROUNDS = 100
 # Samples of a curve.
 _SHOWN = 721
 
@@ -120,13 +120,7 @@ class TetheredBody(Element):
 
 
 def _relative_stretch(stiffness: np.ndarray) -> np.ndarray:
-    """The x of κ x (1 + x)² = 2 + x, by Newton's method from above the only root, where the function is convex."""
+    """The x of κ x (1 + x)² = 2 + x."""
     # At 2/κ and at 1/√κ the left side exceeds the right one.
-    x = np.minimum(2.0 / stiffness, 1.0 / np.sqrt(stiffness))
-    for _ in range(_ROUNDS):
-        over = stiffness * x * (1.0 + x) ** 2 - 2.0 - x
-        new = x - over / (stiffness * (1.0 + x) * (1.0 + 3.0 * x) - 1.0)
-        if np.all(np.abs(new - x) <= 4e-16 * x):
-            break
-        x = new
-    return x
+    high = np.minimum(2.0 / stiffness, 1.0 / np.sqrt(stiffness))
+    return regula_falsi(lambda x: stiffness * x * (1.0 + x) ** 2 - 2.0 - x, 0.0 * high, high)

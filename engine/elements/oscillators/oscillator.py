@@ -34,7 +34,6 @@ from engine.elements.oscillators.one_mass import (
 from engine.elements.oscillators.over_time import (
     OVER_TIME_RESULTS,
     PIECES,
-    OscillatorHistory,
     oscillator_history,
     over_time_columns,
 )
@@ -186,16 +185,6 @@ class OscillatorElement(Element):
                 errors[name] += np.nan_to_num(np.abs(found[name] - values), posinf=np.inf)
         return Answers(found, errors)
 
-    def history(self, instants: int) -> OscillatorHistory:
-        """Motion of the mass under an excitation over time, at equally spaced instants.
-
-        Parameters
-        ----------
-        instants : int
-        """
-        n = self.own_numbers()
-        return oscillator_history(self.excitation, n, self.values(n), instants)
-
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Plots: free motion, vibration over the exciting frequency, passage through resonance.
 
@@ -212,23 +201,19 @@ class OscillatorElement(Element):
         return tuple(made)
 
     def _over_time(self) -> tuple[Panel, ...]:
-        history, own, x = self.history(2 * _INSTANTS), self.own_values(), PanelAxis("time", "s", "t")
+        n, own, x = self.own_numbers(), self.own_values(), PanelAxis("time", "s", "t")
+        time, *rows = oscillator_history(self.excitation, n, self.values(n), 2 * _INSTANTS)
         drives = (
             PanelAxis("motion of the support", "m", "y")
             if isinstance(self.excitation, SupportOverTime)
             else PanelAxis("force", "N", "F")
         )
-        peaks = {"displacement": "greatest_displacement_at", "spring force": "spring_force_at"}
-        rows = (
-            (drives, history.drives),
-            (PanelAxis("displacement", "m", "x"), history.displacement),
-            (PanelAxis("spring force", "N", "F_s"), history.spring_force),
-        )
-        made = []
-        for y, row in rows:
-            at = own.get(peaks.get(y.words), math.nan)
-            peak = [Mark("", at, float(np.interp(at, history.time, row)))] if math.isfinite(at) else []
-            made.append(Panel(x, y, history.time, (Curve("", row),), [*peak, Mark("", None, 0.0)]))
+        axes = drives, PanelAxis("displacement", "m", "x"), PanelAxis("spring force", "N", "F_s")
+        peaks, made = (None, "greatest_displacement_at", "spring_force_at"), []
+        for y, row, key in zip(axes, rows, peaks, strict=True):
+            at = own.get(key, math.nan)
+            peak = [Mark("", at, float(np.interp(at, time, row)))] if math.isfinite(at) else []
+            made.append(Panel(x, y, time, (Curve("", row),), [*peak, Mark("", None, 0.0)]))
         return tuple(made)
 
     def _free(self) -> Panel:

@@ -1,7 +1,6 @@
 """Response of one mass to a force or support motion given over time: peaks and history."""
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -108,29 +107,9 @@ def over_time_columns(
     return columns, sizes
 
 
-class OscillatorHistory(NamedTuple):
-    """Motion of one mass over time; every attribute is an ndarray (instants,).
-
-    Attributes
-    ----------
-    time : ndarray
-        [s].
-    displacement, velocity : ndarray
-        [m], [m/s].
-    spring_force : ndarray
-        [N].
-    drives : ndarray
-        Force on the mass [N] or displacement of the support [m].
-    """
-
-    time: np.ndarray
-    displacement: np.ndarray
-    velocity: np.ndarray
-    spring_force: np.ndarray
-    drives: np.ndarray
-
-
-def oscillator_history(excitation: OverTime, n: Numbers, columns: Columns, instants: int) -> OscillatorHistory:
+def oscillator_history(
+    excitation: OverTime, n: Numbers, columns: Columns, instants: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Motion of an oscillator under an excitation over time, at equally spaced instants.
 
     Parameters
@@ -139,14 +118,18 @@ def oscillator_history(excitation: OverTime, n: Numbers, columns: Columns, insta
     n, columns : mapping of str to ndarray (1,)
         Numbers of the oscillator by their keys, and its results.
     instants : int
+
+    Returns
+    -------
+    time, drives, displacement, spring_force : ndarray (instants,)
+        [s], force on the mass [N] or displacement of the support [m], [m], [N].
     """
     stiffness, ratio = columns["stiffness"], columns["damping_ratio"]
     found, states, rows, horizon = _followed(excitation, n, stiffness, ratio, PIECES, instants)
     time = np.linspace(0.0, horizon[0], instants)
-    begins, *motion = states[0].T
+    begins, displacement, _ = states[0].T
     # No piece starts at the end.
-    asked, ends = np.isin(begins, time[:-1]), (found.end, found.end_velocity)
-    moved, rate = (np.append(row[asked], end) for row, end in zip(motion, ends, strict=True))
+    moved = np.append(displacement[np.isin(begins, time[:-1])], found.end)
     drives = rows[0, 1, np.searchsorted(rows[0, 0], time, side="right") - 1]
     stretch = moved - drives if isinstance(excitation, SupportOverTime) else moved
-    return OscillatorHistory(time, moved, rate, stiffness * stretch, drives)
+    return time, drives, moved, stiffness * stretch

@@ -25,7 +25,7 @@ def governed_scene(scene: Scene) -> tuple[Scene, dict[str, np.ndarray]]:
         With the whole inertia of these engines; unchanged if no governor governs the mechanism, or if the mechanism
         can't be evaluated.
     cycles : dict of str to ndarray
-        Curves of the mechanism by the names of the governors that need them, for `load_change`.
+        Curves of the mechanism by the names of the governors that need them, for their panels.
     """
     governing = [name for name, element in scene.elements.items() if element.machine_needed()[0] == ".engine.machine"]
     if not governing:

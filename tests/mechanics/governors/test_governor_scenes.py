@@ -14,10 +14,8 @@ from engine import (
     Scene,
     Verdict,
     governed_scene,
-    governor_curves,
     made_ready,
     scene_numbers,
-    stability_point,
     warnings_from_numbers,
 )
 from sweeps import SweepResult, read_study, run_study
@@ -138,14 +136,16 @@ def test_governed_set_study__weighs_evenness_against_speed():
 
 
 def test_curves__have_their_stops_and_stretches():
-    curve = governor_curves(element(PROELL | {"least_radius": 0.15}))
-    found, _, _ = governor_results(PROELL | {"least_radius": 0.15})
-    assert curve.stops == (pytest.approx(0.15), pytest.approx(0.2))
-    assert curve.stable[0] == pytest.approx(found["stable_from"][0], rel=1e-9)
-    inside = curve.between & (curve.radius > curve.stable[0])
-    assert (curve.margin[inside] > 0).all()
-    assert (curve.margin[curve.between & (curve.radius < curve.stable[0])] < 0).all()
-    assert_allclose(curve.force, 10.0 * curve.speed**2 * curve.radius, rtol=1e-12)
+    governor = PROELL | {"least_radius": 0.15}
+    force, speed = element(governor).panels()
+    found, _, _ = governor_results(governor)
+    assert [mark.place for mark in force.marks] == [pytest.approx(0.15), pytest.approx(0.2)]
+    stable, unstable = (force.places[np.isfinite(curve.values)] for curve in force.curves[:2])
+    assert unstable.max() < found["stable_from"][0] < stable.min()
+    assert [unstable.min(), stable.max()] == [pytest.approx(0.15, rel=3e-3), pytest.approx(0.2, rel=3e-3)]
+    between = (force.places > 0.15) & (force.places < 0.2)
+    whole, spindle = force.curves[2].values[between], np.fmax(*(curve.values for curve in speed.curves[:2]))
+    assert_allclose(whole, 10.0 * spindle**2 * force.places[between], rtol=1e-12)
 
 
 def lines(ax):
@@ -160,10 +160,8 @@ def test_sheet__shows_what_is_computed():
     assert rays == [f"{found[key][0] * 30 / math.pi:.4g} rpm" for key in ("least_speed", "greatest_speed")]
     y = change.lines[0].get_ydata()
     assert y.max() * math.pi / 30 == pytest.approx(found["highest_speed"][0], rel=1e-9)
-    point = stability_point(governor)
-    assert (point.x, point.y) == (found["vyshnegradsky_x"][0], found["vyshnegradsky_y"][0])
     marker = next(line for line in diagram.lines if line.get_marker() == "o")
-    assert marker.get_xydata()[0] == pytest.approx((point.x, point.y))
+    assert marker.get_xydata()[0] == pytest.approx([found[f"vyshnegradsky_{axis}"][0] for axis in "xy"])
     stable = lines(force)["stable"].get_xydata()
     assert stable[np.isfinite(stable[:, 1]), 0].min() == pytest.approx(150, abs=0.5)
     assert speed.get_xlabel() == "lift of the sleeve s, mm"
