@@ -200,9 +200,7 @@ class Reference:
         return best
 
     def _of_grid(self, name: str, sense: int, poses: Pose, q: np.ndarray) -> np.ndarray:
-        return np.array(
-            [sense * self.curves(Pose(*(part[i] for part in poses)), q[i])[name] for i in range(len(poses.x))]
-        )
+        return sense * self.curves(poses, q)[name]
 
     def _around(self, pose: Pose, centre: np.ndarray, step: np.ndarray) -> tuple[Pose, np.ndarray]:
         """Poses within a step of one, reached from it on either side."""
@@ -256,10 +254,9 @@ def compared(count: int, tried: int, seed: int, accuracy: float | None) -> dict[
     reference = Reference(numbers)
     grid = machine.nodes.astype(LONG)
     angle, x, y = (outcome.fields[name].T.astype(LONG) for name in fields)
-    poses = [reference.solved(Pose(x[k], y[k], angle[k]), np.full(len(chosen), grid[k])) for k in range(GRID)]
-    starts = Pose(*(np.array([getattr(p, part) for p in poses]) for part in Pose._fields))
-    assert np.abs(starts.x - x).max() < 1e-6
     wide = np.repeat(grid[:, None], len(chosen), axis=1)
+    starts = reference.solved(Pose(x, y, angle), wide)
+    assert np.abs(starts.x - x).max() < 1e-6
     exact = {
         name: reference.peak(curve, sense, starts, wide, outcome.summaries[_PLACES.get(name, f"{name}_at")])
         for name, (curve, sense) in _PEAKS.items()

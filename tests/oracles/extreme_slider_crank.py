@@ -6,6 +6,7 @@ Summaries are those of the continuous cycle, from float64 numbers.
 """
 
 import math
+from functools import cached_property
 from itertools import pairwise
 
 import mpmath as mp
@@ -129,8 +130,7 @@ class SliderCrank:
         bend = (r * c * c - y * s) / root + y**2 * r * c * c / root**3
         return r * c + root, -r * s - y * r * c / root, -r * c - r * bend
 
-    def moment(self, phi: mp.mpf) -> mp.mpf:
-        x1 = self.transfer(phi)[1]
+    def moment(self, phi: mp.mpf, x1: mp.mpf) -> mp.mpf:
         return self.v["F"] * x1 - self.v["c"] * self.v["w"] * x1**2 - self.weight * mp.cos(phi)
 
 
@@ -157,7 +157,7 @@ class Closed(SliderCrank):
         size1, size2 = r + r * whole / root, r + r * whole / root + (y * r * c) ** 2 / root**3
         x, x1, x2 = self.transfer(mp.mpf(phi))
         inertia, slope = self.first_kind + mass * x1**2, 2 * mass * x1 * x2
-        moment = self.moment(mp.mpf(phi))
+        moment = self.moment(mp.mpf(phi), x1)
         of_slope = 2 * mass * grown * (abs(x2) * size1 + abs(x1) * size2)
         of_moment = grown * size1 * (abs(self.v["F"]) + 2 * abs(drag * speed * x1)) + ROUNDINGS * abs(self.weight)
         for name, value, slack in (
@@ -190,7 +190,10 @@ class Cycle(SliderCrank):
         steep = [at + sign * mp.mpf(10) ** (-k / mp.mpf(4)) for at in (mp.pi / 2, 3 * mp.pi / 2) for sign in (-1, 1)
                  for k in range(36)]  # fmt: skip
         self.grid = sorted([*(self.turn * k / 96 for k in range(97)), *steep])
-        self._slopes = [self._rates(phi) for phi in self.grid]
+
+    @cached_property
+    def _slopes(self) -> list[tuple[mp.mpf, mp.mpf]]:
+        return [self._rates(phi) for phi in self.grid]
 
     def _square(self, phi: mp.mpf) -> mp.mpf:
         """∫₀^φ x′² dφ = r² ∫ (s² + 2 r s² c/√(l² − r² s²) + r² s² c²/(l² − r² s²)) dφ, term by term."""
@@ -218,7 +221,7 @@ class Cycle(SliderCrank):
     def _rates(self, phi: mp.mpf) -> tuple[mp.mpf, mp.mpf]:
         """dW/dφ and dI/dφ."""
         _, x1, x2 = self.transfer(phi)
-        return self.moment(phi) - self.mean, 2 * self.v["m"] * x1 * x2
+        return self.moment(phi, x1) - self.mean, 2 * self.v["m"] * x1 * x2
 
     def extremes(self, slope: mp.mpf) -> tuple[mp.mpf, mp.mpf]:
         """Least and greatest value of W − slope (I − I_1): where its rate changes sign, and at the first position."""

@@ -35,10 +35,11 @@ class Jet:
         return Jet(self.v * o.v, self.d * o.v + self.v * o.d, self.dd * o.v + 2 * self.d * o.d + self.v * o.dd)
 
     def __neg__(self):
-        return self * -1
+        return Jet(-self.v, -self.d, -self.dd)
 
     def __sub__(self, other):
-        return self + -jet(other)
+        o = jet(other)
+        return Jet(self.v - o.v, self.d - o.d, self.dd - o.dd)
 
     __radd__, __rmul__ = __add__, __mul__
 

@@ -53,7 +53,8 @@ def mesh_sizes(train: Element, n: Numbers) -> dict[str, MeshSizes]:
     for place in train.structure.meshes:
         z_a, z_b = (n[f"wheels.{wheel}.teeth"] for wheel in place.wheels)
         helix = n[f"meshes.{place.name}.helix_angle"]
-        module = module_of(train, place.name, n)
+        # In a train without modules, lengths are in modules.
+        module = n.get(f"meshes.{place.name}.module", n.get("module", np.ones_like(z_a)))
         shifts = (n[f"wheels.{wheel}.profile_shift"] for wheel in place.wheels)
         teeth = TeethInMesh(z_a, z_b, place.sense, n[f"meshes.{place.name}.pressure_angle"], helix, *shifts)
         diameters = pitch_diameter(z_a, module, helix), pitch_diameter(z_b, module, helix)
@@ -88,13 +89,6 @@ def tooth_contact(train: Element, n: Numbers, sizes: dict[str, MeshSizes]) -> np
         overlap = np.where(teeth.helix_angle == 0.0, 0.0, width * np.sin(teeth.helix_angle) / (np.pi * module))
         breaks = breaks | (sum(geometry.contact) + overlap < 1.0)
     return np.where(interferes, Verdict.INTERFERES, np.where(breaks, Verdict.CONTACT_BREAKS, Verdict.OK))
-
-
-def module_of(train: Element, mesh: str, n: Numbers) -> np.ndarray:
-    """Normal module of a mesh [m]; 1 in a train without modules."""
-    if train.meshes[mesh].module is not None:
-        return n[f"meshes.{mesh}.module"]
-    return n["module"] if train.module is not None else np.ones(next(iter(n.values())).size)
 
 
 def assembly_conditions(train: Element, n: Numbers, sizes: dict[str, MeshSizes]) -> AssemblyConditions:

@@ -31,7 +31,7 @@ def kinetic_energy(train: Element, n: Numbers, speeds: Measured, sizes: dict[str
         count = 1.0
         parts = [(inertia, speeds[i])]
         if name in structure.planets:
-            count = planet_sets(train, n, structure.name_of(carrier))
+            count = planet_sets(n, structure.name_of(carrier))
             if name in structure.pin_meshes:
                 radius = sizes[structure.meshes[structure.pin_meshes[name]].name].distance
                 parts.append((mass * radius**2, speeds[carrier]))
@@ -40,19 +40,15 @@ def kinetic_energy(train: Element, n: Numbers, speeds: Measured, sizes: dict[str
     return energy
 
 
-def planet_sets(train: Element, n: Numbers, carrier: str) -> np.ndarray:
+def planet_sets(n: Numbers, carrier: str) -> np.ndarray:
     """Number of planet sets of a carrier (variants,)."""
-    if carrier in train.shafts and train.shafts[carrier].planets is not None:
-        return n[f"shafts.{carrier}.planets"]
-    return np.ones(next(iter(n.values())).size)
+    return n.get(f"shafts.{carrier}.planets", np.ones(next(iter(n.values())).size))
 
 
 def mass_and_inertia(train: Element, n: Numbers, shaft: str, sizes: dict[str, MeshSizes]) -> tuple[Measured, Measured]:
     """Mass and inertia about its own axis of a shaft with its wheels (variants,)."""
-    own = train.shafts[shaft]
     zero = np.zeros(next(iter(n.values())).size)
-    mass = n[f"shafts.{shaft}.mass"] if own.mass is not None else zero
-    inertia = n[f"shafts.{shaft}.inertia"] if own.inertia is not None else zero
+    mass, inertia = (n.get(f"shafts.{shaft}.{key}", zero) for key in ("mass", "inertia"))
     for name, wheel in train.wheels.items():
         if wheel.shaft != shaft or wheel.width is None:
             continue

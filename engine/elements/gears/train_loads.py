@@ -35,14 +35,11 @@ def mesh_efficiencies(train: Element, n: Numbers, sizes: dict[str, MeshSizes]) -
     """Efficiencies of all meshes with their carriers at rest (meshes, variants)."""
     found = []
     for place in train.structure.meshes:
-        mesh = train.meshes[place.name]
-        if mesh.friction is not None:
-            size = sizes[place.name]
-            found.append(mesh_efficiency(size.teeth, size.geometry.contact, n[f"meshes.{place.name}.friction"]))
-        elif mesh.efficiency is not None:
-            found.append(n[f"meshes.{place.name}.efficiency"])
+        size, at = sizes[place.name], f"meshes.{place.name}"
+        if train.meshes[place.name].friction is not None:
+            found.append(mesh_efficiency(size.teeth, size.geometry.contact, n[f"{at}.friction"]))
         else:
-            found.append(np.ones(next(iter(n.values())).size))
+            found.append(n.get(f"{at}.efficiency", np.ones_like(size.module)))
     return np.array(found)
 
 
@@ -157,7 +154,7 @@ def _circulating(train: Element, speeds: Measured, state: TrainMoments, into: Me
 
 def _tooth_forces(train: Element, n: Numbers, mesh: tuple[int, MeshSizes], state: TrainMoments) -> ToothForces:
     j, size = mesh
-    sets = planet_sets(train, n, train.structure.name_of(train.structure.meshes[j].carrier))
+    sets = planet_sets(n, train.structure.name_of(train.structure.meshes[j].carrier))
     pulls = (abs(_pull(state, size, j, end)) for end in (0, 1))
     return tooth_forces(maximum(*pulls) / sets, size.geometry.angle, size.teeth)
 
@@ -175,7 +172,7 @@ def _pin_force(
     structure = train.structure
     i = structure.shafts.index(planet)
     carrier = structure.carriers[i]
-    sets = planet_sets(train, n, structure.name_of(carrier))
+    sets = planet_sets(n, structure.name_of(carrier))
     along, across = 0.0, 0.0
     for j, place in enumerate(structure.meshes):
         if i not in (place.first, place.second):

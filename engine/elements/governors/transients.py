@@ -70,8 +70,8 @@ class SleeveMode(NamedTuple):
     ----------
     moves : node or ndarray
         1 if the sleeve moves, 0 if it rests.
-    sense, rubs : node or ndarray
-        +1 or −1 if friction opposes a rising or falling sleeve, else 0; the friction force against it [N].
+    sense : node or ndarray
+        +1 or −1 if friction opposes a rising or falling sleeve, else 0.
     low, high : node or ndarray
         Positions of the stops; infinite for a resting sleeve.
     rises, falls : node or ndarray
@@ -80,7 +80,6 @@ class SleeveMode(NamedTuple):
 
     moves: Given | np.ndarray
     sense: Given | np.ndarray
-    rubs: Given | np.ndarray
     low: Given | np.ndarray
     high: Given | np.ndarray
     rises: Given | np.ndarray
@@ -120,8 +119,8 @@ def governed_system(governor: Element, machine: bool) -> tuple[System, Graph, Sl
     _, speed, velocity, position = states
     held = SleeveMode(*(graph.given(label, Stage.VARIANT) for label in SleeveMode._fields))
     flipped = Flipped(*(graph.given(label, Stage.STATE) for label in Flipped._fields))
-    keys = ("ball_mass", "sleeve_mass", "engine.ratio", "damping", "engine.self_regulation")
-    ball, sleeve, ratio, damping, regulation = numbers(graph, *keys)
+    keys = ("ball_mass", "sleeve_mass", "engine.ratio", "damping", "friction", "engine.self_regulation")
+    ball, sleeve, ratio, damping, friction, regulation = numbers(graph, *keys)
     x = graph.number("origin") + position
     link = governor.linkage(graph, x)
     lift, square = link.height - graph.number("zero"), ratio * ratio
@@ -141,7 +140,7 @@ def governed_system(governor: Element, machine: bool) -> tuple[System, Graph, Sl
     whirl_rate = 4.0 * ball * link.radius * link.radius_rate
     inertia = graph.number("engine.inertia") + change + square * (2.0 * ball * link.radius * link.radius)
     rise = graph.apply(engine_acceleration, moment, inertia, square * whirl_rate, velocity, speed)
-    hindered = link.lift_rate * (damping * link.lift_rate * velocity + held.rubs)
+    hindered = link.lift_rate * (damping * link.lift_rate * velocity + friction * held.sense)
     pull = 0.5 * square * speed * speed * whirl_rate - slope - hindered
     own = graph.apply(moving_inertia, ball, sleeve, link.radius_rate, link.rise, link.lift_rate)
     rates = (link.radius_rate, link.radius_rate_rate, link.rise, link.rise_rate, link.lift_rate, link.lift_rate_rate)
@@ -333,7 +332,7 @@ class _Runs(WalkedRuns):
         there = g.at(self.origin[who] + position, self.marks.inner[who])
         friction, own = g.n["friction"], there.speed / g.n["engine.ratio"]
         share = np.minimum(friction / there.sleeve, 1.0)
-        self.state.velocity[who] = self.held.moves[who] = self.held.sense[who] = self.held.rubs[who] = 0.0
+        self.state.velocity[who] = self.held.moves[who] = self.held.sense[who] = 0.0
         self.held.low[who], self.held.high[who] = -np.inf, np.inf
         rises = np.where(position < 2.0 * self.width[who], speed_with_friction(own, share, 1.0), np.inf)
         falls = np.where(position > self.width[who], speed_with_friction(own, -share, 1.0), -np.inf)
@@ -346,7 +345,7 @@ class _Runs(WalkedRuns):
         held, friction, width = self.held, self.g.n["friction"][who], self.width[who]
         held.moves[who], held.rises[who], held.falls[who] = 1.0, np.inf, -np.inf
         held.low[who], held.high[who] = width * (1.0 - BEHIND), width * (2.0 + BEHIND)
-        held.sense[who], held.rubs[who] = np.where(friction > 0.0, sense, 0.0), friction * sense
+        held.sense[who] = np.where(friction > 0.0, sense, 0.0)
         self.numbers[self.flipped.rising, who] = np.where(friction > 0.0, 0.0, sense)
 
     def _walk(self, who: np.ndarray, mark: np.ndarray) -> Walks:

@@ -10,7 +10,7 @@ from governor_samples import ENGINE, PORTER, TABLE, governor_results
 from machines import slider_crank
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, PPoly
 
 from engine import MovingMachine, Scene, SceneError, Verdict, governed_scene, made_ready
 
@@ -174,12 +174,19 @@ def test_machine_with_its_true_inertia_and_moments__is_what_another_method_finds
     other = moment - steam
     rows = np.stack([inertia - inertia.mean(), steam / steam.mean(), other - other.mean()])
     phi = np.linspace(0, math.tau, rows.shape[1] + 1)
-    change, share, rest = (CubicSpline(phi, np.append(row, row[0]), bc_type="periodic") for row in rows)
+    curves = CubicSpline(phi, np.append(rows, rows[:, :1], axis=1).T, bc_type="periodic")
     governor = scene.elements["it"].model_dump(exclude_none=True)
     governor["engine"]["inertia"] += inertia.mean()
     motion = GovernedMotion(governor)
-    slope = change.derivative()
-    motion.curves = lambda a: (float(change(a)), float(slope(a)), float(share(a)), float(rest(a)))
+    # All with their slopes in one polynomial, evaluated once a rate.
+    slopes = np.concatenate([np.zeros_like(curves.c[:1]), curves.derivative().c])[..., :1]
+    whole = PPoly(np.concatenate([curves.c, slopes], axis=-1), phi, "periodic")
+
+    def at(angle: float) -> tuple[float, float, float, float]:
+        change, share, rest, slope = whole(angle).tolist()
+        return change, slope, share, rest
+
+    motion.curves = at
     regimes, speeds, _ = motion.follow(300.0, 200.0, 2.0)
     value, error = ({k.removeprefix("it."): v[0] for k, v in t.items()} for t in (outcome.summaries, outcome.errors))
     for key, wanted in (("highest_speed", speeds.max()), ("lowest_speed", speeds.min())):

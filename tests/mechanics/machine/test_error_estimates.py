@@ -1,6 +1,7 @@
 """What errors are made of: dips, change points, distance from the origin, places of cuts, zeros by nature."""
 
 import math
+from functools import cache
 
 import mpmath
 import numpy as np
@@ -111,10 +112,14 @@ def test_what_vanishes_by_nature__reaches_the_accuracy():
         assert all(abs(found.summaries[name][0]) < 1e-9 for name in zeros)
 
 
-def true_slider_motion(rods):
+RODS = np.random.default_rng(5).uniform(1.2, 6.0, 128)
+
+
+@cache
+def true_slider_motion():
     """Position of a slider-crank's slider with two derivatives, by Fourier series of the closed formula; by summary."""
     q = np.arange(4096) * (TURN / 4096)
-    x = np.cos(q) + np.sqrt(rods[:, None] ** 2 - np.sin(q) ** 2)
+    x = np.cos(q) + np.sqrt(RODS[:, None] ** 2 - np.sin(q) ** 2)
     order = np.arange(2049)
     found = {}
     for power, name in enumerate(("B.x", "B.x_phi", "B.x_phiphi")):
@@ -141,13 +146,12 @@ CUT |= {"interpolation": "linear", "outside": "zero", "measured_from": "high end
 @pytest.mark.parametrize("accuracy", [1e-2, 1e-4])
 @pytest.mark.parametrize("forces", [{}, {"cut": CUT}])
 def test_coarse_accuracy__takes_fewer_positions_and_covers_the_true_errors(forces, accuracy):
-    rods = np.random.default_rng(5).uniform(1.2, 6.0, 128)
-    true, path = true_slider_motion(rods), "groups.g.first.length"
-    true |= {"required_drive_moment": np.full(128, 2e3 * 0.5 / TURN)} if forces else {}
+    path = "groups.g.first.length"
+    true = true_slider_motion() | ({"required_drive_moment": np.full(128, 2e3 * 0.5 / TURN)} if forces else {})
     scene = Scene.model_validate(slider_crank(length=1.0, rod=2.0) | {"forces": forces})
     asked = [*true, "positions_used"]
-    by_default = Machine(scene, asked, (), [path]).evaluate({path: rods})
-    found = Machine(scene, asked, (), [path], accuracy=accuracy).evaluate({path: rods})
+    by_default = Machine(scene, asked, (), [path]).evaluate({path: RODS})
+    found = Machine(scene, asked, (), [path], accuracy=accuracy).evaluate({path: RODS})
     assert found.summaries["positions_used"].mean() < by_default.summaries["positions_used"].mean()
     for name, exact in true.items():
         off = np.abs(found.summaries[name] - exact)

@@ -67,9 +67,10 @@ def test_work_in_an_extreme__is_the_closed_form(machines, name):
             continue
         with mp.workdps(80):
             cycle = Cycle(numbers)
-            true = [cycle.work(mp.mpf(float(phi))) for phi in machines[dtype].nodes]
+            places = [mp.mpf(float(phi)) for phi in machines[dtype].nodes]
+            true = [cycle.work(phi) for phi in places]
             # A position of its own is rounded, too, and moves the work by the moment there.
-            moved = [abs(cycle.moment(mp.mpf(float(phi)))) * float(phi) for phi in machines[dtype].nodes]
+            moved = [abs(cycle.moment(phi, cycle.transfer(phi)[1])) * float(phi) for phi in places]
         # Between the positions of panels it is off by what their series leave of the moment.
         series = 2 * math.pi * CLOSELY * np.abs(outcome.fields["reduced_moment"]).max()
         for got, value, of_place in zip(outcome.fields["work"][0], true, moved, strict=True):

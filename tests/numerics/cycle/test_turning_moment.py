@@ -29,7 +29,7 @@ def work_by_sampling(phi, moment, interpolation, samples):
     """Excess work of a table: a fine midpoint sum of its values."""
     table = make_table(phi, moment, interpolation, TURN)
     middles = (np.arange(samples) + 0.5) * (TURN / samples)
-    values = np.array([table_value(*table, x) for x in middles])
+    values = table_value(*table, middles)
     work = np.concatenate(([0.0], np.cumsum(values - values.mean()))) * (TURN / samples)
     return values.mean(), np.ptp(work)
 
