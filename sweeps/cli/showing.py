@@ -72,12 +72,15 @@ def show(asked: shared.Options) -> None:
         return
     d = result.description
     shared.tell(f"{d.title}: {variants_done_text(result)}")
-    shared.tell(f"varied: {varied_text(result)}")
+    if d.variants > 1:
+        shared.tell(f"varied: {varied_text(result)}")
     for line in fields_text(result):
         shared.tell(line)
     shared.tell(counts_text(result))
-    shared.tell(f"{meeting_text(result, condition)}; the first {chosen.size}:")
-    shared.tell(variants_text(result, chosen, names, asked.every))
+    # The answer lists a single machine.
+    if d.variants > 1 or asked.where or names:
+        shared.tell(f"{meeting_text(result, condition)}; the first {chosen.size}:")
+        shared.tell(variants_text(result, chosen, names, asked.every))
     if not asked.where:
         shared.tell((optimum_text if is_search(result) else answer_text)(result, asked.every))
         shared.tell_warnings(result)

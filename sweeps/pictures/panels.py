@@ -89,6 +89,8 @@ def draw_panel(
             width = 0.8 * np.diff(places).min(initial=1.0) / len(panel.curves)
             shift = width * (k - 0.5 * (len(panel.curves) - 1))
             ax.bar(along * (places + shift), factor * row, along * width, color=colour, label=words or "_")
+            # Room for the legend above the bars.
+            ax.margins(y=0.35 if words else 0.05)
             continue
         look = {"linewidth": 0.8, "zorder": 1.5} if faint else {}
         (line,) = ax.plot(along * places, factor * row, color=colour, label=words or "_", **look)

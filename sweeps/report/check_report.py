@@ -160,6 +160,8 @@ def _asked_rows(
     known, rows = machine.available_summaries, []
     for name in names:
         value, error = float(outcome.summaries[name][0]), float(outcome.errors[name][0])
+        if outcome.status[0] != engine.Verdict.OK and np.isnan(value):
+            continue
         rows.append((name, engine.quantity_text(value, known[name].units, error), known[name].long_name))
     return rows
 

@@ -145,6 +145,8 @@ def _only_text(result: SweepResult, every: bool) -> str:
     if not result.summaries:
         return f"Kept: {', '.join(result.fields)}; `sweeps plot {result.path}` draws the machine with its diagrams."
     shown, hidden = shown_summaries(result, every), hidden_text(result, every)
+    if verdict != engine.Verdict.OK:
+        shown = [name for name in shown if not np.isnan(result.columns[name][0])]
     if not scene.regimes:
         return "\n".join([table(summary_rows(result, 0, shown), "  "), *hidden])
     parts, failed = [], verdict in MOTION_VERDICTS

@@ -68,13 +68,15 @@ def engine_panels(engine: Element) -> tuple[Panel, ...]:
     kinds = [("force", "N", "F", found.forces)]
     kinds += [] if engine.spacing is None else [("couple", "N m", "M", found.couples)]
     for word, unit, letter, both in kinds:
+        if not any(np.any(vector.major) for vector in both):
+            continue
         phi = np.linspace(0.0, math.tau, _SHOWN)
         # The engine's own axis points upwards.
         ways = [1j * vector.at(phi) for vector in both]
         lines = path(BEFORE, ways[0], True), path(AFTER, ways[1])
         marks = [Mark("crank at 0" if k else "", way[0].real, way[0].imag) for k, way in enumerate(ways)]
         words = "across", "along the engine's axis"
-        panels.append(plan(lines, f"{word.capitalize()} by counterweights", unit, words)._replace(marks=marks))
+        panels.append(plan(lines, f"{word.capitalize()} over a turn", unit, words)._replace(marks=marks))
         bars = [Curve(words, np.asarray(v.major)) for words, v in zip((BEFORE, AFTER), both, strict=True)]
         panels.append(
             Panel(_ORDER, PanelAxis(f"maximum {word}", unit, letter), np.array(SHOWN_ORDERS, float), bars, kind="bars")
@@ -95,8 +97,9 @@ def _torque(engine: Element) -> tuple[Panel, Panel]:
     mean, parts = torque_orders(engine, steps)
     torque = mean + (parts @ np.exp(1j * np.multiply.outer(steps, phi))).real
     fires = firing_angles(engine.nominal_layout, engine.order_of_firing) % FOUR_STROKE
-    marks = Mark("mean", None, mean), *(Mark("" if k else "firing", angle, None) for k, angle in enumerate(fires))
-    title = f"Gas and inertia, firing order {'-'.join(map(str, engine.order_of_firing))}"
+    marks = Mark("", None, mean), *(Mark("", angle, None) for angle in fires)
+    title = f"Mean {mean:.4g} N·m, firing order {'-'.join(map(str, engine.order_of_firing))}"
     y = PanelAxis("torque", "N m", "M")
-    curve = Panel(PanelAxis("crank angle", "rad", "φ"), y, phi, (Curve("", torque),), marks, title)
+    axes = PanelAxis("crank angle", "rad", "φ"), y._replace(words="torque of gas and inertia")
+    curve = Panel(*axes, phi, (Curve("", torque),), marks, title)
     return curve, Panel(_ORDER, y, steps[:12], (Curve("", np.abs(parts[:12])),), kind="bars")

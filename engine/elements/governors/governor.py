@@ -46,7 +46,7 @@ _STATICS = (
     further("least_stability_radius", "radius at which the governor is least stable", "m"),
     ElementResult("isochronous", "the governor is isochronous (1 or 0)", **_FLAG),
     ElementResult("sleeve_lift", "lift of the sleeve between the stops", "m"),
-    ElementResult("insensitivity", "maximum range of speeds within which friction holds the sleeve, as a share", "1"),
+    ElementResult("insensitivity", "maximum range of speeds within which friction holds the sleeve, relative", "1"),
     further("least_speed_with_friction", "speed at which the sleeve falls to its lowest", "rad s-1"),
     further("greatest_speed_with_friction", "speed at which the sleeve rises to its highest", "rad s-1"),
     further("sleeve_force", "force at the sleeve that holds the balls, at half of the stable lift", "N"),
@@ -70,9 +70,9 @@ _OF_ENGINE = (
 _TRANSIENT = (
     ElementResult("highest_speed", "highest speed of the engine after the change of load", "rad s-1"),
     ElementResult("lowest_speed", "lowest speed of the engine after the change of load", "rad s-1"),
-    ElementResult("overshoot", "maximum departure beyond the new steady speed, as a share", "1"),
+    ElementResult("overshoot", "maximum departure beyond the new steady speed, relative", "1"),
     ElementResult("settling_time", "time after which the speed stays in its band", "s", None, True),
-    ElementResult("hunting", "half the swing of speed that is left at the end, as a share", "1"),
+    ElementResult("hunting", "amplitude of the speed at the end, over the new steady speed", "1"),
     further("inner_stop_hits", "how often the sleeve runs on its inner stop", **_FLAG),
     further("outer_stop_hits", "how often the sleeve runs on its outer stop", **_FLAG),
 )

@@ -57,7 +57,7 @@ _CONSTANTS = (
     ElementResult("stiffness", "stiffness of the spring", "N m-1"),
     ElementResult("natural_frequency", "natural frequency without damping", "rad s-1"),
     ElementResult("damping", "damping", "N s m-1"),
-    ElementResult("damping_ratio", "damping over that at which the free motion becomes aperiodic", "1"),
+    ElementResult("damping_ratio", "damping over critical damping", "1"),
     ElementResult("damped_frequency", "frequency of the free motion", "rad s-1", None, True),
     ElementResult("decrement", "logarithmic decrement", "1", None, True),
     ElementResult("energy_absorption", "energy absorption in a cycle at the natural frequency", "1"),
@@ -72,7 +72,7 @@ _FORCED = (
     ElementResult("frequency_ratio", "exciting over natural frequency", "1"),
     ElementResult("dynamic_factor", "dynamic factor", "1"),
     ElementResult("amplitude", "amplitude of the forced vibration", "m"),
-    ElementResult("phase_lag", "angle by which the forced vibration lags behind what excites it", "rad"),
+    ElementResult("phase_lag", "phase lag of the forced vibration behind the excitation", "rad"),
     ElementResult("transmitted_force", "amplitude of the force of spring and damper", "N"),
     ElementResult("dissipated_power", "mean power dissipated by the damper", "W"),
     ElementResult("resonance_speed", "exciting frequency of the peak amplitude", "rad s-1", None, True),
@@ -267,7 +267,7 @@ class OscillatorElement(Element):
         size = unit * np.abs(run_through_motion(*(np.full(time.shape, value) for value in given), time)[0])
         kept = speed >= 0.0
         steady = self.model_copy(update={"run_through": None}).over("excitation.speed", speed[kept])["amplitude"]
-        curves = Curve("on the way", size[kept]), Curve("at steady speed", steady, True)
+        curves = Curve("passing through", size[kept]), Curve("steady", steady, True)
         top = own["run_through_amplitude"]
         # The undamped steady vibration is unbounded.
         limits = (0.0, 1.6 * top) if math.isfinite(top) else None

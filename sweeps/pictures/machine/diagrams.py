@@ -174,9 +174,11 @@ def _mark_quarters(ax: Axes, cycle: _Cycle, x: np.ndarray, y: np.ndarray) -> Non
     """Mark the start and quarters of the cycle on a loop with the input position."""
     quarters = np.arange(4) * x.size // 4
     ax.plot(x[quarters], y[quarters], "o", color=BLUE, markersize=3)
-    for k in quarters:
+    # The second half's labels lie on the other side: a closed loop's start and middle may lie close together.
+    for n, k in enumerate(quarters):
+        side = {"xytext": (3, 3)} if n < 2 else {"xytext": (-3, -3), "ha": "right", "va": "top"}
         text = f"φ {math.degrees(cycle.moving.q[k]):.0f}°"
-        ax.annotate(text, (x[k], y[k]), (3, 3), textcoords="offset points", fontsize=6)
+        ax.annotate(text, (x[k], y[k]), textcoords="offset points", fontsize=6, **side)
 
 
 def _tangents(moving: engine.MovingMachine, inertia: np.ndarray, work: np.ndarray) -> list[tuple[float, float, int]]:

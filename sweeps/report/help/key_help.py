@@ -84,7 +84,7 @@ def key_text(asked: str) -> str:
     """
     parts = tuple(part for part in asked.strip("[] ").split(".") if part)
     searches = (
-        lambda key: _matches(key.path, parts),
+        lambda key: any(_matches(path, parts) for path in _paths(key)),
         lambda key: parts == (key.kind,) and key.is_type,
         lambda key: _ends_with(key.path, parts),
     )
@@ -178,6 +178,12 @@ def _type_of(model: type[BaseModel]) -> str | None:
     field = model.model_fields.get("type")
     values = get_args(field.annotation) if field and get_origin(field.annotation) is Literal else ()
     return values[0] if len(values) == 1 else None
+
+
+def _paths(key: Key) -> Iterator[tuple[str, ...]]:
+    """The path of a key, and those of its named tables."""
+    yield key.path
+    yield from (path for _, path in tables_in(key.field.annotation, key.path))
 
 
 def _matches(path: tuple[str, ...], parts: Sequence[str]) -> bool:

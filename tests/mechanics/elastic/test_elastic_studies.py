@@ -89,7 +89,7 @@ def test_sheets__show_what_is_computed():
     factor, moved, peak = one(data, "dynamic_factor", "free_displacement", "run_through_amplitude")
     assert any(list(line.get_ydata()) == [pytest.approx(factor)] for line in forced.get_lines())
     assert any(list(line.get_ydata()) == [pytest.approx(1e3 * moved)] for line in free.get_lines())
-    curve = next(line for line in through.get_lines() if line.get_label() == "on the way")
+    curve = next(line for line in through.get_lines() if line.get_label() == "passing through")
     assert curve.get_ydata().max() == pytest.approx(1e3 * peak, rel=1e-3)
     figure = element_sheet(element(DRIVE))
     moments = figure.axes[0].get_lines()[0].get_ydata()

@@ -35,6 +35,10 @@ def test_help__explains_paths_of_the_user_and_types(asked):
     assert "required" in done("help", asked)
 
 
+def test_help__explains_a_named_table():
+    assert "type: one of" in done("help", "elements.cam")
+
+
 def test_help__tells_unit_limit_default_and_example():
     text = key_text("cylinders.gas.bore")
     assert "length, '80 mm', greater than 0" in text
