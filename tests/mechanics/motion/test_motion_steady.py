@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from motion_scenes import MOMENTS, RATIO, ask, rotor, run, slider_crank, steady
+from motion_scenes import MOMENTS, RATIO, ask, crank_on_dc_motor, rotor, run, slider_crank, steady
 from scipy.integrate import solve_ivp
 
 from engine import Machine, Scene, Verdict
@@ -283,16 +283,8 @@ def test_extremes_close_together__are_found_with_long_steps_too():
     places = random.uniform(0.0, 2.0 * math.pi, (4, 4000))[:, chosen]
     waves = " + ".join(f"a{k} * cos({k} * phi + b{k})" for k in range(1, 5))
     numbers = {f"a{k}": "1 N m" for k in range(1, 5)} | {f"b{k}": "0 rad" for k in range(1, 5)}
-    scene = {
-        "points": {"O": {"x": 0, "y": 0}},
-        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.1, "speed": light},
-        "bodies": {"rotor": {"link": "crank", "mass": 1.0, "inertia": inertia}},
-        "moments": {
-            "dc": {"type": "dc_motor", "on": "crank", "stall_moment": stall, "no_load_speed": light},
-            "load": {"type": "formula", "on": "crank", "moment": waves, "numbers": numbers},
-        },
-        "regimes": {"on": {"type": "steady"}},
-    }
+    load = {"type": "formula", "moment": waves, "numbers": numbers}
+    scene = crank_on_dc_motor(inertia, stall, light, load, {"on": {"type": "steady"}})
     varied = {f"moments.load.numbers.a{k}": sizes[k - 1] for k in range(1, 5)}
     varied |= {f"moments.load.numbers.b{k}": places[k - 1] for k in range(1, 5)}
     grid, extremes = np.linspace(0.0, 2.0 * math.pi, 20_001), []

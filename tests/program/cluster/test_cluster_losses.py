@@ -143,7 +143,7 @@ def test_worker_with_other_sources__is_left_out(tmp_path):
             path = run_study(study, tmp_path / "study.h5", client=client, tell=told.append)
     assert len(told) == 1
     assert told[0].startswith("Excluded: worker tcp://127.0.0.1:")
-    assert describe_result(path).attributes["outcome"].startswith("computed by 1 worker, 1 threads")
+    assert describe_result(path).attributes["outcome"].startswith("computed by 1 worker, 1 thread")
 
 
 def test_worker_without_the_program__is_told_what_to_install(tmp_path):

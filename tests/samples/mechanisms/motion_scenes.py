@@ -86,6 +86,20 @@ def rotor(regimes: dict, speed: float = 10.0, **changes: dict) -> dict:
     return scene
 
 
+def crank_on_dc_motor(inertia: float, stall: float, light: float, load: dict, regimes: dict) -> dict:
+    """A crank of an inertia alone, with a load, on a DC motor with a stall torque and a no-load speed."""
+    return {
+        "points": {"O": {"x": 0, "y": 0}},
+        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.1, "speed": light},
+        "bodies": {"rotor": {"link": "crank", "mass": 1.0, "inertia": inertia}},
+        "moments": {
+            "dc": {"type": "dc_motor", "on": "crank", "stall_moment": stall, "no_load_speed": light},
+            "load": {"on": "crank", **load},
+        },
+        "regimes": regimes,
+    }
+
+
 def pendulum(regimes: dict, mass: float = 2.0, arm: float = 0.25, inertia: float = 0.05, **changes: dict) -> dict:
     """A heavy crank that swings about φ = −π/2, and no ram."""
     scene = slider_crank(regimes, **changes)

@@ -16,6 +16,7 @@ from motion_scenes import (
     RATIO,
     ROD,
     ask,
+    crank_on_dc_motor,
     run,
     slider_crank,
     steady,
@@ -127,23 +128,11 @@ def test_motor_with_a_flywheel__needs_no_implicit_steps():
 
 def test_load_that_jumps_on_a_steep_motor__slows_it_down_to_their_balance():
     inertia, stall, light, load, turns = 0.1, 20000.0, 12.5, 80.0, 200
-    scene = {
-        "points": {"O": {"x": 0, "y": 0}},
-        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.1, "speed": light},
-        "bodies": {"rotor": {"link": "crank", "mass": 1.0, "inertia": inertia}},
-        "moments": {
-            "dc": {"type": "dc_motor", "on": "crank", "stall_moment": stall, "no_load_speed": light},
-            # More than four times what energy there is in a radian, as near to rest.
-            "load": {
-                "type": "table",
-                "on": "crank",
-                "over_angle": [1.0, 1.0, 4.0, 4.0],
-                "moment": [0.0, -load, -load, 0.0],
-                "interpolation": "linear",
-            },
-        },
-        "regimes": {"go": {"type": "run", "from_speed": light, "cycles": turns}},
-    }
+    # More than four times what energy there is in a radian, as near to rest.
+    loads = {"over_angle": [1.0, 1.0, 4.0, 4.0], "moment": [0.0, -load, -load, 0.0]}
+    loads |= {"type": "table", "interpolation": "linear"}
+    regimes = {"go": {"type": "run", "from_speed": light, "cycles": turns}}
+    scene = crank_on_dc_motor(inertia, stall, light, loads, regimes)
     found = ask(scene, "go.speed_min go.speed_max go.time")
     # Its time constant I ω₀/M₀ is worth a thousandth of a radian: ω = ω₀ (1 − M/M₀) after one radian.
     slow = light * (1.0 - load / stall)
@@ -158,16 +147,8 @@ def test_load_that_jumps_on_a_steep_motor__slows_it_down_to_their_balance():
 def test_kink_of_a_load_on_a_steep_motor__is_followed_to_the_extremes_behind_it():
     inertia, light, most, fall = 0.1, 12.5, 1e3, 0.01
     kinks = {"over_angle": [1.0, 2.0, 5.0, 6.0], "moment": [0.0, most, (1.0 - fall) * most, 0.0]}
-    scene = {
-        "points": {"O": {"x": 0, "y": 0}},
-        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.1, "speed": light},
-        "bodies": {"rotor": {"link": "crank", "mass": 1.0, "inertia": inertia}},
-        "moments": {
-            "dc": {"type": "dc_motor", "on": "crank", "stall_moment": 1e6, "no_load_speed": light},
-            "load": {"type": "table", "on": "crank", "interpolation": "linear", **kinks},
-        },
-        "regimes": {"on": {"type": "steady"}},
-    }
+    kinks |= {"type": "table", "interpolation": "linear"}
+    scene = crank_on_dc_motor(inertia, 1e6, light, kinks, {"on": {"type": "steady"}})
     stalls = np.array([3e4, 1e5, 3e5, 1e6, 3e6, 1e7])
     for accuracy in (None, 1e-6):
         varied = {"moments.dc.stall_moment": stalls}
