@@ -24,7 +24,7 @@ from engine.parts.actions import Brake
 from engine.parts.motor_constants import MotorCurve, motor_curve
 from engine.scene.load_formulas import load_formulas
 from engine.scene.pairs import contact_pairs, lossy_meshes, own_drives, pairs
-from engine.scene.scene import Numbers
+from engine.scene.scene import Numbers, Scene
 
 # Crank angles at which the inertia of a machine without a constant part is sampled.
 LOOKED_AT = 720
@@ -34,7 +34,7 @@ NO_INERTIA = 1e-18
 SPEEDS_BETWEEN = 33
 # Friction in pairs as an action, which jumps where a pair reverses; no action can have this name.
 IN_PAIRS = "friction in pairs"
-# Derivative of the inertia as an action, which jumps with the acceleration of a cam's follower.
+# Derivative of the inertia as an action, which jumps with the acceleration of what moves by sections or a table.
 OF_INERTIA = "inertia of followers"
 
 
@@ -205,9 +205,14 @@ def _reversals(mechanics: Mechanics) -> list[Load]:
     return found
 
 
+def _has_programs(scene: Scene) -> bool:
+    """Whether anything moves by sections or a table: a cam's follower or a second input."""
+    return bool(scene.cams) or any(second.sections or second.table is not None for second in scene.inputs.values())
+
+
 def _jerks(mechanics: Mechanics) -> list[Load]:
-    """Jumps of the inertia's derivative where cam sections meet, as a load; independent of the acting actions."""
-    if not mechanics.scene.cams:
+    """Jumps of the inertia's derivative where sections meet, as a load; independent of the acting actions."""
+    if not _has_programs(mechanics.scene):
         return []
     one, slope, grip = mechanics.graph.one, mechanics.reduced.slope, Grip(mechanics.scene.input.link, None, None)
     return [Load(OF_INERTIA, one, slope, grip, one, slope, None, 0)]
@@ -245,7 +250,7 @@ class Dynamics:
         acting = [load for load in loads.terms if load.action not in off]
         self.active = frozenset(load.action for load in acting)
         self.active |= {IN_PAIRS} if rubs else set()
-        self.active |= {OF_INERTIA} if scene.cams else set()
+        self.active |= {OF_INERTIA} if _has_programs(scene) else set()
         working = [load for load in acting if load.basis is not load.basis.graph.zero]
         own = [scene.inputs[name] for name in own_drives(scene)]
         self.with_servos = bool(own)
