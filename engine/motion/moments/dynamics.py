@@ -34,7 +34,7 @@ NO_INERTIA = 1e-18
 SPEEDS_BETWEEN = 33
 # Friction in pairs as an action, which jumps where a pair reverses; no action can have this name.
 IN_PAIRS = "friction in pairs"
-# Derivative of the inertia as an action, which jumps with the acceleration of what moves by sections or a table.
+# Derivative of the inertia as an action, which jumps with the acceleration of a link that moves by sections or a table.
 OF_INERTIA = "inertia of followers"
 
 
