@@ -93,7 +93,7 @@ class Slide(NamedTuple):
 
 
 class Course(NamedTuple):
-    """The parameter by which a mechanism's derivatives are taken, as rates of what moves it.
+    """The parameter with respect to which a mechanism's derivatives are taken, by the rates of its inputs.
 
     Attributes
     ----------

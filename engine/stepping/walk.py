@@ -185,7 +185,7 @@ def decide_steps(task: WalkTask, room: Room) -> bool:
                 shorten(lane, task, room)
             elif hides_top(lane, task, room):
                 own.pace[lane] = SAFETY / steepness(lane, room)
-            elif task.extremes and own.fired[lane] + own.trials[lane] == 0.0 and hides_two(lane, task, room):
+            elif hides_two(lane, task, room):
                 own.pace[lane] = 0.5 * own.length[lane]
             elif (own.fired[lane] == 0.0 and own.trials[lane] == 0.0) or narrow(lane, task, room):
                 own.taken[lane], took = 1.0, True

@@ -27,6 +27,12 @@ from engine.parts.formulas.by_formula import ByFormula
 from engine.scene.pairs import own_drives
 from engine.scene.scene import SceneError
 
+_NOT_SMOOTH = (
+    "in a run with a second input that has a drive of its own, a load whose point or link that input moves may neither "
+    "jump nor be by formula or a higher power of the speed: use a linear one, or let gears or cams move the input, "
+    "drive = 'crank'"
+)
+
 
 def loads_of(
     mechanics: Mechanics, time: Node, speed: Node, magnitude: Node | None = None, epsilon: Node | None = None
@@ -155,10 +161,3 @@ class WithServos(Loads):
         )
         change = self._way * self._sum(self._geared, self._true) + self._first_kind * self._speed_in_motion
         return at_constant_speed + epsilon * change
-
-
-_NOT_SMOOTH = (
-    "in a run with a second input that has a drive of its own, a load whose point or link that input moves may neither "
-    "jump nor be by formula or a higher power of the speed: use a linear one, or let gears or cams move the input, "
-    "drive = 'crank'"
-)

@@ -140,11 +140,9 @@ def shorten(lane: int, task: WalkTask, room: Room) -> None:
 
 @inlined
 def energy_beside(lane: int, task: WalkTask, room: Room) -> float:
-    """Change of ½Iω² at this speed from an edge at the end of a step to where its inertia is evaluated.
+    """Change of ½Iω² at constant speed from an edge that ends a step to the place where its inertia is evaluated.
 
-    Of steps along the angle.
-
-    ½ω²·dI/dφ is the rate of the energy less I ω dω/dφ.
+    ½ω²·dI/dφ is the rate of the energy over the angle less I ω dω/dφ.
     """
     rate = in_lanes(room.rates)[(task.stages - 1) * task.width, lane]
     return room.lane.ahead[lane] * abs(rate - in_lanes(room.watched)[task.watched + SLOPE, lane])

@@ -153,6 +153,8 @@ def hides_two(lane: int, task: WalkTask, room: Room) -> bool:
     Source: Hermite's cubic through its values and slopes, whose slope is a quadratic.
     """
     own, watched, length = room.lane, in_lanes(room.watched), room.lane.length[lane]
+    if task.fixed or not task.extremes or own.fired[lane] + own.trials[lane] > 0.0:
+        return False
     near, far = watched[SPEED, lane], watched[task.watched + SPEED, lane]
     a, b = speed_slope(lane, 0, task, room) * length, speed_slope(lane, 1, task, room) * length
     linear, squared = 6.0 * (far - near) - 4.0 * a - 2.0 * b, 3.0 * (a + b) - 6.0 * (far - near)
