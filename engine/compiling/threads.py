@@ -6,12 +6,14 @@ parallel loops would take several times as long to compile, abort when entered b
 
 import os
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from functools import cache
+from functools import cache, lru_cache, wraps
 from itertools import pairwise
 
 PIECES_PER_THREAD = 8
+# Scratch memory of the latest calls that a thread keeps.
+KEPT = 8
 
 # `alone` marks a thread that is already working on one of several pieces.
 _here = threading.local()
@@ -78,6 +80,25 @@ def on_all_threads(function: Callable, pieces: Sequence) -> list:
             _here.alone = False
 
     return list(_pool(workers).map(alone, pieces))
+
+
+def kept_by_thread(make: Callable) -> Callable:
+    """Scratch memory that a thread uses again in its later calls with the same arguments, and no other thread does.
+
+    Parameters
+    ----------
+    make : callable
+        Takes arguments that can be hashed; allocates the memory.
+    """
+    mine = threading.local()
+
+    @wraps(make)
+    def kept(*arguments: Hashable) -> object:
+        if not hasattr(mine, "make"):
+            mine.make = lru_cache(KEPT)(make)
+        return mine.make(*arguments)
+
+    return kept
 
 
 @cache

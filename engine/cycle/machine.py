@@ -17,7 +17,6 @@ positions, LANES), which the function fills at the positions of q.
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
@@ -29,6 +28,7 @@ from engine.compiling.ahead import compile_ahead, wait_until_compiled
 from engine.compiling.blocks import LANES
 from engine.compiling.packed import Packed
 from engine.compiling.running import address_of, run_piece, spread
+from engine.compiling.threads import kept_by_thread
 from engine.cycle.block_measures import MEASURES
 from engine.cycle.driver import (
     DriverAnswers,
@@ -150,6 +150,12 @@ def _extremes(answers: np.ndarray) -> Extremes:
     return Extremes(*(part for side in range(2) for part in _measured(ExtremeRows, answers[:, side], "value", "at")))
 
 
+@kept_by_thread
+def workspace_of(asked: Packed, numbers: int, steps: int) -> Packed:
+    """Workspace of the calling thread for a `Task`, with a given number of rows of P and of steps of the walk."""
+    return Packed(new_workspace(asked.record, numbers, steps))
+
+
 def address_of_cuts(asked: Packed, variants: Packed, room: Packed) -> int:
     """Address of the function that finds the cuts of a `Task`'s cycles, given its other arguments; 0 without any."""
     return address_of(find_cuts, asked.kind, variants.kind, room.kind) if is_cut(asked.record) else 0
@@ -182,8 +188,6 @@ class CycleMachine:
     events: Callable | None = None
     levels: Callable | None = None
     _packed: Packed = field(init=False)
-    # Each thread's workspace, reused by its next call.
-    _per_thread: threading.local = field(init=False, default_factory=threading.local)
 
     def __post_init__(self) -> None:
         task = self.plan.task((self.events, self.levels, self.curves))
@@ -234,7 +238,7 @@ class CycleMachine:
 
     def _arguments(self, asked: Packed, answers: Packed, variants: Packed, steps: int) -> tuple:
         """Arguments of the driver behind its range; what it calls is compiled now, or loaded from the cache."""
-        room = self._workspace(asked.record, len(variants.record.numbers), steps)
+        room = workspace_of(asked, len(variants.record.numbers), steps)
         cuts = address_of_cuts(asked, variants, room)
         wait_until_compiled(evaluate_blocks)
         return asked, answers, room, variants, cuts, self._measures(asked, answers, room)
@@ -272,14 +276,6 @@ class CycleMachine:
         kinds = (*(record.kind for record in records), types.intp)
         needed = [measure for name, measure in MEASURES.items() if len(getattr(self.task, name))]
         return np.array([address_of(measure, *kinds) for measure in needed], np.int64)
-
-    def _workspace(self, task: Task, numbers: int, steps: int) -> Packed:
-        """Workspace of the calling thread, reused if its size fits."""
-        mine = self._per_thread.__dict__
-        size = (task.scan, numbers, steps)
-        if mine.get("size") != size:
-            mine["size"], mine["work"] = size, Packed(new_workspace(task, numbers, steps))
-        return mine["work"]
 
     def _outcome(self, numbers: np.ndarray, answers: DriverAnswers) -> CycleOutcome:
         first, last = (numbers[row] for row in self.plan.ends)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from functools import cached_property, partial
+from functools import cached_property
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -14,16 +14,17 @@ from engine.compiling.blocks import LANES
 from engine.compiling.kept_code import load_printed
 from engine.compiling.packed import Packed, PackedRecord
 from engine.compiling.running import address_of, spread
+from engine.compiling.threads import kept_by_thread
 from engine.compiling.tiles import TileFunction
 from engine.graph.functions import Functions, functions_in_motion, places_of
 from engine.graph.nodes import Given, Graph, Node, Stage
 from engine.graph.values import LevelValues
 from engine.stepping.at_states import GivenStates, evaluate_states
-from engine.stepping.closed_cycle import OUTCOME, CycleBatch, CycleRoom, find_cycles, new_cycle_room
+from engine.stepping.closed_cycle import OUTCOME, CycleBatch, find_cycles, new_cycle_room
 from engine.stepping.methods import EIGHT, EIGHT_IN_TIME, METHODS
 from engine.stepping.steps.implicit_stages import find_stages
 from engine.stepping.steps.step_guards import ROOT
-from engine.stepping.steps.step_lanes import FOUND, GIVEN, RESPONSES, STEEPNESS, Printed, Room, WalkBatch, new_room
+from engine.stepping.steps.step_lanes import FOUND, GIVEN, RESPONSES, STEEPNESS, Printed, WalkBatch, new_room
 from engine.stepping.walk import STEEPEST, StepAddresses, attempt, lay_steps, repeat_steps, walk
 from engine.stepping.walk_task import WALKS, WalkTask
 
@@ -183,6 +184,7 @@ class PrintedSystem:
         title = f"Motion along {system.along}."
         self.functions: Functions = functions_in_motion(graph, title, first, last, self.rates, self.watched, self.last)
         self.levels = LevelValues(self.functions)
+        self._tasks: dict[tuple, Packed] = {}
         self._rated = len(places_of(self.rates))
         self.names = {name: len(system.states) + i for i, name in enumerate(system.gathered)}
         slope = len(self.rates) + RESPONSES + len(system.responses)
@@ -191,14 +193,34 @@ class PrintedSystem:
         self.shown |= {"steepness": len(self.rates) + STEEPNESS}
         self.shown |= {f"slope {i}": slope + i for i in range(len(system.slopes))}
 
-    def task(
-        self, cycle: float, method: int = EIGHT, extremes: bool = False, longer: float = 1.0, root: float = ROOT
+    def task(self, cycle: float, method: int = EIGHT, **others: bool | float) -> Packed:
+        """Settings of a walk, a `WalkTask`.
+
+        Parameters
+        ----------
+        cycle : float
+        method : int
+        others : bool or float
+            `extremes`, `longer` and `root` as in `WalkTask`; `timed`: whether loads may depend on time.
+        """
+        asked = cycle, method, *sorted(others.items())
+        if asked not in self._tasks:
+            self._tasks[asked] = Packed(self._task(cycle, method, **others))
+        return self._tasks[asked]
+
+    def _task(
+        self,
+        cycle: float,
+        method: int,
+        extremes: bool = False,
+        longer: float = 1.0,
+        root: float = ROOT,
+        timed: bool = True,
     ) -> WalkTask:
-        """Settings of a walk."""
         system, rows = self.system, self.functions.rows
         method = EIGHT_IN_TIME if method == EIGHT and system.along == "time" else method
         made = METHODS[method]
-        timed = system.clock in rows
+        timed = timed and system.clock in rows
         return WalkTask(
             along_time=system.along == "time",
             method=method,
@@ -235,7 +257,7 @@ class PrintedSystem:
 
     def run(
         self,
-        task: WalkTask,
+        asked: Packed,
         numbers: np.ndarray,
         edges: np.ndarray | None,
         instants: np.ndarray | None,
@@ -245,7 +267,7 @@ class PrintedSystem:
         recorded: int = 0,
     ) -> Walks:
         """Walk; parameters as in `WalkBatch`, `given` rows of lanes by name, steps to record."""
-        count = states.shape[1]
+        task, count = asked.record, states.shape[1]
         edges = np.repeat(NO_EDGES, count, axis=1) if edges is None else edges
         instants = np.zeros((0, count)) if instants is None else instants
         states = np.array(states, float, order="C")
@@ -253,11 +275,7 @@ class PrintedSystem:
         carried_errors = np.zeros_like(states) if carried_errors is None else np.array(carried_errors, float, order="C")
         batch = self._batch(task, numbers, edges, instants, given, states, carried_errors, recorded)
         repeats = not (task.along_time or task.implicit or recorded) and np.isfinite(task.cycle)
-
-        def room() -> Room:
-            return new_room(task, len(numbers), len(edges) // 2, len(instants), bool(repeats))
-
-        self._go(walk, states.shape[1], batch, task, room)
+        self._go(walk, asked, batch, room_of, bool(repeats))
         return Walks(states, carried_errors, batch.ending, *batch.found, batch.recorded, batch.numbers)
 
     def at(
@@ -291,41 +309,37 @@ class PrintedSystem:
         flat = np.array([np.broadcast_to(state, places.shape) for state in states]).reshape(len(states), places.size)
         numbers = np.require(numbers, requirements="CW")
         batch = GivenStates(self._printed, numbers, *rows, flat, np.array(wanted, int), found)
-        given, asked = Packed(batch), self._at_states
-        room = partial(new_room, asked.record, len(numbers), 1, 0, False)
-        spread(evaluate_states, -(-places.size // LANES), lambda: (given, asked, Packed(room())))
+        given, asked = Packed(batch), self.task(np.inf)
+        spread(evaluate_states, -(-places.size // LANES), lambda: (given, asked, room_of(asked, len(numbers), 1)))
         return found.reshape(len(wanted), *places.shape)
 
     def close(
         self,
-        task: WalkTask,
+        asked: Packed,
         numbers: np.ndarray,
         edges: np.ndarray,
         given: Mapping[str, np.ndarray],
         energies: np.ndarray,
-        last: WalkTask,
+        last: Packed,
         farthest: float,
     ) -> Closed:
         """Find the cycles that return to their own energies, from energies at which loads should dominate.
 
         Other parameters are those of `run` and `CycleBatch`.
         """
+        task = asked.record
         states, nothing = np.zeros((task.width, energies.size)), np.zeros((0, energies.size))
         states[0] = energies
         walks = self._batch(task, numbers, edges, nothing, given, states, np.zeros_like(states), 0)
         batch = CycleBatch(
             walks,
-            last,
+            last.record,
             farthest,
             np.empty_like(energies),
             np.empty((len(OUTCOME), energies.size)),
             self.names["fading"],
         )
-
-        def room() -> CycleRoom:
-            return new_cycle_room(new_room(task, len(numbers), len(edges) // 2, 0, not task.implicit))
-
-        self._go(find_cycles, energies.size, batch, task, room)
+        self._go(find_cycles, asked, batch, cycle_room_of, not task.implicit)
         cycle = Walks(states, walks.carried_errors, walks.ending, *walks.found, walks.recorded, walks.numbers)
         return Closed(batch.energies, cycle, *batch.outcome)
 
@@ -349,29 +363,21 @@ class PrintedSystem:
         return WalkBatch(self._printed, *parts, states, carried_errors, np.empty_like(states), found, kept)
 
     def _go(
-        self,
-        driver: Callable,
-        count: int,
-        batch: WalkBatch | CycleBatch,
-        task: WalkTask,
-        room: Callable[[], Room | CycleRoom],
+        self, driver: Callable, asked: Packed, batch: WalkBatch | CycleBatch, room_of: Callable, repeats: bool
     ) -> None:
         """Run a driver over all blocks of a batch."""
-        given, asked = Packed(batch), Packed(task)
+        given, walks = Packed(batch), batch if driver is walk else batch.walks
+        sizes = len(walks.numbers), len(walks.edges) // 2, len(walks.instants), repeats
 
         def arguments() -> tuple:
-            own = Packed(room())
-            of_walk = given.kind, own.kind
-            if driver is find_cycles:
-                of_walk = given.kind.kind_of("walks"), own.kind.kind_of("walk")
-            return _addresses(of_walk[0], asked, of_walk[1]), given, asked, own
+            own = room_of(asked, *sizes)
+            kinds = (
+                (given.kind, own.kind) if driver is walk else (given.kind.kind_of("walks"), own.kind.kind_of("walk"))
+            )
+            return _addresses(kinds[0], asked, kinds[1]), given, asked, own
 
         wait_until_compiled(walk)
-        spread(driver, -(-count // LANES), arguments)
-
-    @cached_property
-    def _at_states(self) -> Packed:
-        return Packed(self.task(np.inf))
+        spread(driver, -(-walks.states.shape[1] // LANES), arguments)
 
     @cached_property
     def _printed(self) -> Printed:
@@ -387,6 +393,18 @@ class PrintedSystem:
         if self.levels.depend_on(limits):
             self.levels.fill(numbers)
         return numbers
+
+
+@kept_by_thread
+def room_of(asked: Packed, numbers: int, edges: int, instants: int = 0, repeats: bool = False) -> Packed:
+    """Scratch memory of the calling thread for one block of a walk; parameters as for `new_room`."""
+    return Packed(new_room(asked.record, numbers, edges, instants, repeats))
+
+
+@kept_by_thread
+def cycle_room_of(asked: Packed, *sizes: int) -> Packed:
+    """Scratch memory of the calling thread for one block of a search for closed cycles; parameters as for `room_of`."""
+    return Packed(new_cycle_room(new_room(asked.record, *sizes)))
 
 
 def _addresses(walks: PackedRecord, task: Packed, room: PackedRecord) -> Packed:

@@ -1,6 +1,7 @@
 """Landmarks of a machine's cycle: ends of strokes, and crank angles at which torques have jumps or kinks."""
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -9,9 +10,8 @@ from engine.compiling.decorators import driver
 from engine.compiling.kept_code import load_printed
 from engine.compiling.packed import Packed, call_at
 from engine.compiling.running import spread
-from engine.compiling.tiles import TileFunction
-from engine.cycle.driver import EvaluatedVariants, MachineFunctions, Task, Workspace, new_workspace
-from engine.cycle.machine import MOST_DOUBLINGS, address_of_cuts
+from engine.cycle.driver import EvaluatedVariants, Task, Workspace
+from engine.cycle.machine import MOST_DOUBLINGS, address_of_cuts, workspace_of
 from engine.cycle.panels.walk import set_out
 from engine.cycle.plan import Plan
 from engine.graph.nodes import Found, Given, reached
@@ -49,9 +49,10 @@ class Landmarks:
         self._unjudged = {load.action for load in loads if any(isinstance(n, Given) for n in reached([load.basis]))}
         self._unjudged |= set(self.actions) - moments.keys()
         self._found = [node for node in functions.rows if isinstance(node, Found)]
-        self._task = self._asked(turns)
+        self._turns = turns
 
-    def _asked(self, turns: int) -> Task:
+    @cached_property
+    def _asked(self) -> Packed:
         """The cycle's task: landmarks and crossings, without curves."""
         functions = self.tabulation.functions
         events = {curve: i for i, (curve, _) in enumerate(functions.events)}
@@ -64,9 +65,10 @@ class Landmarks:
             levels=functions.found_levels,
             crossings=crossings,
             looks=functions.looks,
-            turns=turns,
+            turns=self._turns,
         )
-        return plan.task([None] * 3)
+        module = load_printed(functions.text)
+        return Packed(plan.task((module.events, module.levels, None)))
 
     def __call__(self, numbers: Numbers, direction: np.ndarray) -> tuple[np.ndarray, Ends, Breaks]:
         """Numbers of the printed functions, the ends of strokes among them, and the breaks of all actions.
@@ -78,7 +80,7 @@ class Landmarks:
             +1 or −1, the sign of the crank speed.
         """
         parameters = self.tabulation.parameters(numbers, direction)
-        some_sought = len(self._task.landmarks) > 0
+        some_sought = len(self.tabulation.functions.landmarks) > 0
         found = self._find(parameters) if some_sought else np.full((0, 0, direction.size), np.nan)
         some = np.isfinite(found).any(axis=2)
         which, angles = np.nonzero(some)[0], found[some]
@@ -87,29 +89,25 @@ class Landmarks:
 
     def _find(self, parameters: np.ndarray) -> np.ndarray:
         """Positions of the crossings, (crossings, places, variants); writes the landmarks into the parameters."""
-        task, (found, coarse) = self._task, self._found_at(self._task, parameters)
+        task, (found, coarse) = self._asked.record, self._found_at(self._asked, parameters)
         chosen, doublings = np.flatnonzero(coarse > 0.0), 0
         while chosen.size and doublings < MOST_DOUBLINGS:
             task, doublings = task._replace(scan=2 * task.scan, most_roots=2 * task.most_roots), doublings + 1
             found = np.concatenate([found, np.full_like(found, np.nan)], axis=1)
             some = np.ascontiguousarray(parameters[:, chosen])
-            found[..., chosen], coarse = self._found_at(task, some)
+            found[..., chosen], coarse = self._found_at(Packed(task), some)
             parameters[:, chosen] = some
             chosen = chosen[coarse > 0.0]
         return found
 
-    def _found_at(self, task: Task, parameters: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _found_at(self, asked: Packed, parameters: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Positions found by one scan, and the variants for which the scan is too coarse."""
         functions, variants = self.tabulation.functions, parameters.shape[1]
-        module = load_printed(functions.text)
-        found, coarse = np.full((len(self.watches), task.most_roots, variants), np.nan), np.zeros(variants)
-
-        given = MachineFunctions(TileFunction(module.events), TileFunction(module.levels), TileFunction(None))
-        asked = Packed(task._replace(functions=given))
+        found, coarse = np.full((len(self.watches), asked.record.most_roots, variants), np.nan), np.zeros(variants)
         chosen = Packed(EvaluatedVariants(np.zeros(0, np.int64), parameters, functions.memory))
 
         def arguments() -> tuple:
-            room = Packed(new_workspace(task, len(parameters), 0))
+            room = workspace_of(asked, len(parameters), 0)
             return asked, chosen, room, address_of_cuts(asked, chosen, room), found, coarse
 
         spread(find_places, -(-variants // LANES), arguments)

@@ -73,7 +73,8 @@ def _walk(
     dynamics, system, state = runs.dynamics, runs.dynamics.by_angle, runs.part(who)
     direction, classical = runs.variants.direction[who], runs.stepping.classical
     begin = runs.start[who] + direction * state.turned
-    task = system.task(dynamics.cycle, FOUR if classical else NINE if implicit else EIGHT, runs.finds_extremes)
+    method = FOUR if classical else NINE if implicit else EIGHT
+    task = system.task(dynamics.cycle, method, extremes=runs.finds_extremes)
     brisk = TIMES_TO_THE_END if runs.to_the_end else TIMES_PER_RADIAN
     limits = runs.speed_limits(who, system.sizes, np.ones(who.size))
     limits[system.sizes.below] = np.maximum(limits[system.sizes.below], 0.0)

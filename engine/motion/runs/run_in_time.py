@@ -182,7 +182,7 @@ def _walk(runs: OneSpeedRuns, who: np.ndarray, goal: np.ndarray, floor: np.ndarr
     states = np.zeros((len(system.rates), who.size))
     states[TURNED], states[SPEED] = state.turned, np.abs(state.omega)
     recorded = RECORDED if runs.observers else 0
-    task = system.task(dynamics.cycle, EIGHT, runs.finds_extremes, runs.longer)
+    task = system.task(dynamics.cycle, EIGHT, extremes=runs.finds_extremes, longer=runs.longer)
     return system.run(task, numbers, edges, runs.variants.instants[:, who], lanes, states, recorded=recorded)
 
 

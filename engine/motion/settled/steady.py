@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.packed import Packed
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.grid import edges_of
 from engine.stepping.closed_cycle import TOO_STEEP
@@ -18,7 +19,7 @@ from engine.stepping.methods import EIGHT, NINE
 from engine.stepping.recorded import RECORDED, states_at
 from engine.stepping.records import put, some
 from engine.stepping.system import Closed, Walks
-from engine.stepping.walk_task import WalkTask, Why
+from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
 
 # Maximum steps: during the search, in the final cycle, and in the final cycle if it is recorded.
@@ -136,8 +137,8 @@ class _Motion:
         lanes = self._lanes(who, FARTHEST)
         return self.system.close(task, self.numbers[:, who], self.edges[:, who], lanes, top, last, self.farthest)
 
-    def _task(self, implicit: bool, extremes: bool) -> WalkTask:
-        return self.system.task(self.dynamics.cycle, NINE if implicit else EIGHT, extremes)._replace(clock=-1)
+    def _task(self, implicit: bool, extremes: bool) -> Packed:
+        return self.system.task(self.dynamics.cycle, NINE if implicit else EIGHT, extremes=extremes, timed=False)
 
     def gone_through(
         self, closed: Closed, steep: np.ndarray, verdict: np.ndarray, asked: np.ndarray
@@ -198,7 +199,7 @@ class _Motion:
         """A cycle from given energies; the record at the requested angles, and its error estimates."""
         task, nothing = self._task(implicit, True), np.zeros((0, who.size))
         lanes = self._lanes(who, CLOSEST)
-        states, carried_errors = np.zeros((2, task.width, who.size))
+        states, carried_errors = np.zeros((2, task.record.width, who.size))
         states[ENERGY], carried_errors[ENERGY] = energy, carried_error
         numbers, edges = self.numbers[:, who], self.edges[:, who]
         record, off = np.full((2, 3, len(asked), who.size), np.nan)
