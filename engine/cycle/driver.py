@@ -21,6 +21,7 @@ from engine.cycle.events import (
     find_crossings,
     find_landmarks,
     find_turns,
+    hand_out_crossings,
     lay_edges,
     note_coarse,
     scan_positions,
@@ -158,6 +159,8 @@ class DriverAnswers(NamedTuple):
     broken_at : ndarray (variants,)
         First position at which a curve is NaN or infinite; NaN if there is none, infinite if a function switches too
         often.
+    crossings : ndarray (crossings, roots, variants)
+        Positions of the crossings of each level, NaN for missing ones.
     spaced : ndarray (spaced, variants, positions)
         Values at equally spaced positions.
     short_of_room : ndarray (blocks,) of bool
@@ -175,6 +178,7 @@ class DriverAnswers(NamedTuple):
     firsts: np.ndarray
     panels: np.ndarray
     broken_at: np.ndarray
+    crossings: np.ndarray
     spaced: np.ndarray
     short_of_room: np.ndarray
 
@@ -478,7 +482,9 @@ def evaluate_blocks(
         for lane in range(LANES):
             # Infinite, because the cause has no single position.
             work.broken_at[lane] = math.inf if work.too_many[lane] > 0.0 else work.broken_at[lane]
-        answers.short_of_room[b] = not follow(task, given, work)
+        if answers.crossings.shape[0] > 0:
+            hand_out_crossings(unpacked(work.crossings), first, answers.crossings)
+        answers.short_of_room[b] = task.tolerance.shape[0] > 0 and not follow(task, given, work)
         if answers.short_of_room[b]:
             continue
         for k in range(measures.shape[0]):

@@ -66,6 +66,10 @@ class Extremes:
     greatest: Measured
     greatest_at: Measured
 
+    def at_end(self, which: str) -> Measured:
+        """Values or positions at an end of strokes: "low", "low_at", "high" or "high_at"."""
+        return getattr(self, which.replace("low", "least").replace("high", "greatest"))
+
     def of(self, result: int) -> Extremes:
         """Those of one result, (variants,)."""
         parts = self.least, self.least_at, self.greatest, self.greatest_at
@@ -102,6 +106,8 @@ class CycleOutcome:
         Mean and mean square.
     arcs, arc_middles : Measured (results, variants)
         Widest unloaded arcs, and their middles [rad].
+    crossings : ndarray (crossings, roots, variants)
+        Positions of the crossings of each level, NaN for missing ones; empty unless the plan tells them.
     spaced : ndarray (results, variants, positions)
         Values at equally spaced positions.
     firsts : dict of int to ndarray (variants,)
@@ -124,6 +130,7 @@ class CycleOutcome:
     squares: Measured
     arcs: Measured
     arc_middles: Measured
+    crossings: np.ndarray
     spaced: np.ndarray
     firsts: dict[int, np.ndarray]
     panels: np.ndarray
@@ -154,11 +161,6 @@ def _extremes(answers: np.ndarray) -> Extremes:
 def workspace_of(asked: Packed, numbers: int, steps: int) -> Packed:
     """Workspace of the calling thread for a `Task`, with a given number of rows of P and of steps of the walk."""
     return Packed(new_workspace(asked.record, numbers, steps))
-
-
-def address_of_cuts(asked: Packed, variants: Packed, room: Packed) -> int:
-    """Address of the function that finds the cuts of a `Task`'s cycles, given its other arguments; 0 without any."""
-    return address_of(find_cuts, asked.kind, variants.kind, room.kind) if is_cut(asked.record) else 0
 
 
 def compile_driver(plan: Plan) -> None:
@@ -220,14 +222,18 @@ class CycleMachine:
             task = asked.record
             asked = Packed(task._replace(scan=2 * task.scan, most_roots=2 * task.most_roots))
             again = self._answers(asked, np.ascontiguousarray(numbers[:, coarse]), tables)
-            for part, finer in zip(answers[:-2], again[:-2], strict=True):
+            for part, finer in zip(answers[:-3], again[:-3], strict=True):
                 part[..., coarse] = finer
+            more = again.crossings.shape[1] - answers.crossings.shape[1]
+            crossings = np.pad(answers.crossings, ((0, 0), (0, more), (0, 0)), constant_values=np.nan)
+            crossings[..., coarse] = again.crossings
+            answers = answers._replace(crossings=crossings)
             answers.spaced[:, coarse] = again.spaced
         return self._outcome(numbers, answers)
 
     def _answers(self, asked: Packed, numbers: np.ndarray, tables: np.ndarray) -> DriverAnswers:
         blocks = np.arange(-(-numbers.shape[1] // LANES))
-        answers = self._new_answers(numbers.shape[1], blocks.size)
+        answers = self._new_answers(asked.record, numbers.shape[1], blocks.size)
         steps = _STEPS + 2 * len(self.task.crossings)
         both = asked, Packed(answers)
         while blocks.size:
@@ -239,19 +245,17 @@ class CycleMachine:
     def _arguments(self, asked: Packed, answers: Packed, variants: Packed, steps: int) -> tuple:
         """Arguments of the driver behind its range; what it calls is compiled now, or loaded from the cache."""
         room = workspace_of(asked, len(variants.record.numbers), steps)
-        cuts = address_of_cuts(asked, variants, room)
+        cuts = address_of(find_cuts, asked.kind, variants.kind, room.kind) if is_cut(asked.record) else 0
         wait_until_compiled(evaluate_blocks)
         return asked, answers, room, variants, cuts, self._measures(asked, answers, room)
 
     def compile_shared(self) -> None:
         """Compile what machines share, or load it from the cache, without evaluating any variant."""
         none = EvaluatedVariants(np.zeros(0, np.int64), np.zeros((1 + max(self.plan.ends), 0)), np.zeros(1))
-        run_piece(
-            evaluate_blocks, (0, 0), self._arguments(self._packed, Packed(self._new_answers(0, 0)), Packed(none), 1)
-        )
+        answers = self._new_answers(self.task, 0, 0)
+        run_piece(evaluate_blocks, (0, 0), self._arguments(self._packed, Packed(answers), Packed(none), 1))
 
-    def _new_answers(self, variants: int, blocks: int) -> DriverAnswers:
-        task = self.task
+    def _new_answers(self, task: Task, variants: int, blocks: int) -> DriverAnswers:
         shapes = {
             "integrals": (len(task.integrals), 2),
             "roots": (len(task.roots), 2),
@@ -267,6 +271,7 @@ class CycleMachine:
         }
         return DriverAnswers(
             **{name: np.empty((*shape, variants)) for name, shape in shapes.items()},
+            crossings=np.full((self.plan.tells_crossings * len(task.crossings), task.most_roots, variants), np.nan),
             spaced=np.full((len(task.spaced), variants, self.plan.positions), np.nan),
             short_of_room=np.zeros(blocks, np.bool_),
         )
@@ -296,6 +301,7 @@ class CycleMachine:
             *_measured(Fluctuation, answers.fluctuations, "delta"),
             *_measured(Averages, answers.averages, "mean", "square"),
             *_measured(Arc, answers.arcs, "arc", "middle"),
+            answers.crossings,
             answers.spaced,
             dict(zip(self.task.kept.tolist(), answers.firsts, strict=True)),
             answers.panels.astype(np.int64),

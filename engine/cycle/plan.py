@@ -91,6 +91,8 @@ class Plan:
         Rows that receive the outputs of these functions.
     crossings : sequence of tuples
         Switching function, row with a level of it, and an offset: the cycle is cut where the function equals their sum.
+    tells_crossings : bool
+        Whether the positions of the crossings are among the results.
     cuts : sequence of int
         Rows with input positions at which the cycle is cut; NaN for none.
     kinks : sequence of int
@@ -119,6 +121,7 @@ class Plan:
     levels: Sequence[int] = ()
     states: Sequence[int] = ()
     crossings: Sequence[tuple[int, int, float]] = ()
+    tells_crossings: bool = False
     cuts: Sequence[int] = ()
     kinks: Sequence[int] = ()
     rooted: Sequence[int] = ()

@@ -10,6 +10,7 @@ from engine.graph.functions import Functions
 from engine.graph.nodes import (
     Application,
     Constant,
+    Found,
     Graph,
     LawResult,
     Node,
@@ -127,6 +128,8 @@ class LevelValues:
         self._behind = set(reached(self._levels))
         made = Operation, Sum, LawResult
         self._given = {node: row for node, row in rows.items() if node in self._behind and not isinstance(node, made)}
+        self._found = {node: row for node, row in rows.items() if isinstance(node, Found)}
+        self._events = [curve for curve, _ in functions.events]
         self._values = NodeValues(next(iter(rows)).graph, {})
 
     def fill(self, numbers: np.ndarray) -> None:
@@ -135,6 +138,21 @@ class LevelValues:
         found = self._values.for_numbers({})(list(self._levels), np.zeros(numbers.shape[1]), known)
         for row, values in zip(self._levels.values(), found, strict=True):
             numbers[row] = values
+
+    def fill_found(self, numbers: np.ndarray, found: Callable[[str], np.ndarray]) -> None:
+        """Fill the rows of P with the ends of strokes, and what follows from them.
+
+        Parameters
+        ----------
+        numbers : ndarray (numbers, variants)
+            Modified in place.
+        found : callable
+            The values (switching functions, variants) of an end by its name in `Found.which`.
+        """
+        for node, row in self._found.items():
+            numbers[row] = found(node.which)[self._events.index(node.curve)]
+        if self._found:
+            self.fill(numbers)
 
     def depend_on(self, given: Iterable[Node]) -> bool:
         """Whether any of them follows from given nodes."""

@@ -23,7 +23,7 @@ from engine.cycle.measures.extremes import BOTH, EACH_TURN, GREATEST, LEAST, LEA
 from engine.cycle.panels.chebyshev import COARSE, DEGREE
 from engine.cycle.plan import CycleSpeed, Difference, Kept, Measure, Plan, Recorded, Running, VectorAngle
 from engine.graph.functions import Functions, functions_of
-from engine.graph.nodes import Constant, Found, Node, Stage, reached
+from engine.graph.nodes import Constant, Node, Stage, reached
 from engine.graph.values import LevelValues
 from engine.laws.rounding import EPS
 from engine.machine.conditions import Margin, margins_against_jamming, margins_at_cams, taking_part, wound_springs
@@ -352,13 +352,7 @@ class Measuring:
         landmarks : Extremes
             Extremes of the switching functions.
         """
-        part = {"low": "least", "high": "greatest", "low_at": "least_at", "high_at": "greatest_at"}
-        events = [curve for curve, _ in self.functions.events]
-        found = {node: row for node, row in self.functions.rows.items() if isinstance(node, Found)}
-        for node, row in found.items():
-            table[row] = getattr(landmarks, part[node.which])[events.index(node.curve)].value
-        if found:
-            self._levels.fill(table)
+        self._levels.fill_found(table, lambda which: landmarks.at_end(which).value)
 
     def __call__(self, table: np.ndarray) -> "MeasuredCycles":
         """Measure all variants.
@@ -594,8 +588,7 @@ class MeasuredCycles:
             first = self.number(self._m.mechanics.first)
             return first if which.endswith("_at") else self.number(coordinate)
         event = next(i for i, (node, _) in enumerate(self._m.functions.events) if node is coordinate)
-        part = {"low": "least", "high": "greatest", "low_at": "least_at", "high_at": "greatest_at"}[which]
-        return getattr(self.outcome.landmarks, part)[event]
+        return self.outcome.landmarks.at_end(which)[event]
 
     def _steady(self, asked: SteadyCycle) -> Measured:
         steady = self._m._cycle_of(asked)

@@ -5,14 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
-from engine.compiling.blocks import LANES, gather, hand_out, hand_out_row, in_lanes
-from engine.compiling.decorators import driver
 from engine.compiling.kept_code import load_printed
-from engine.compiling.packed import Packed, call_at
-from engine.compiling.running import spread
-from engine.cycle.driver import EvaluatedVariants, Task, Workspace
-from engine.cycle.machine import MOST_DOUBLINGS, address_of_cuts, workspace_of
-from engine.cycle.panels.walk import set_out
+from engine.cycle.machine import CycleMachine
 from engine.cycle.plan import Plan
 from engine.graph.nodes import Found, Given, reached
 from engine.mechanism.acting import Load
@@ -52,23 +46,23 @@ class Landmarks:
         self._turns = turns
 
     @cached_property
-    def _asked(self) -> Packed:
-        """The cycle's task: landmarks and crossings, without curves."""
+    def _cycle(self) -> CycleMachine:
+        """The cycle with its landmarks and crossings, without curves."""
         functions = self.tabulation.functions
         events = {curve: i for i, (curve, _) in enumerate(functions.events)}
         asked = [watch.crossing for watch in self.watches]
-        crossings = [(events[c.curve], functions.rows[c.level], c.offset) for c in asked]
         plan = Plan(
             (0, 1),
             0,
             landmarks=functions.landmarks,
             levels=functions.found_levels,
-            crossings=crossings,
+            crossings=[(events[c.curve], functions.rows[c.level], c.offset) for c in asked],
+            tells_crossings=True,
             looks=functions.looks,
             turns=self._turns,
         )
         module = load_printed(functions.text)
-        return Packed(plan.task((module.events, module.levels, None)))
+        return CycleMachine(plan, None, module.events, module.levels)
 
     def __call__(self, numbers: Numbers, direction: np.ndarray) -> tuple[np.ndarray, Ends, Breaks]:
         """Numbers of the printed functions, the ends of strokes among them, and the breaks of all actions.
@@ -80,38 +74,15 @@ class Landmarks:
             +1 or −1, the sign of the crank speed.
         """
         parameters = self.tabulation.parameters(numbers, direction)
-        some_sought = len(self.tabulation.functions.landmarks) > 0
-        found = self._find(parameters) if some_sought else np.full((0, 0, direction.size), np.nan)
+        functions, found = self.tabulation.functions, np.full((0, 0, direction.size), np.nan)
+        if functions.landmarks:
+            outcome = self._cycle.evaluate(parameters, functions.memory)
+            self.tabulation.levels.fill_found(parameters, lambda which: outcome.landmarks.at_end(which).value)
+            found = outcome.crossings
         some = np.isfinite(found).any(axis=2)
         which, angles = np.nonzero(some)[0], found[some]
-        ends = {node: parameters[self.tabulation.functions.rows[node]] for node in self._found}
+        ends = {node: parameters[functions.rows[node]] for node in self._found}
         return parameters, ends, Breaks(angles, self.actions, self._acting(parameters, angles, which))
-
-    def _find(self, parameters: np.ndarray) -> np.ndarray:
-        """Positions of the crossings, (crossings, places, variants); writes the landmarks into the parameters."""
-        task, (found, coarse) = self._asked.record, self._found_at(self._asked, parameters)
-        chosen, doublings = np.flatnonzero(coarse > 0.0), 0
-        while chosen.size and doublings < MOST_DOUBLINGS:
-            task, doublings = task._replace(scan=2 * task.scan, most_roots=2 * task.most_roots), doublings + 1
-            found = np.concatenate([found, np.full_like(found, np.nan)], axis=1)
-            some = np.ascontiguousarray(parameters[:, chosen])
-            found[..., chosen], coarse = self._found_at(Packed(task), some)
-            parameters[:, chosen] = some
-            chosen = chosen[coarse > 0.0]
-        return found
-
-    def _found_at(self, asked: Packed, parameters: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Positions found by one scan, and the variants for which the scan is too coarse."""
-        functions, variants = self.tabulation.functions, parameters.shape[1]
-        found, coarse = np.full((len(self.watches), asked.record.most_roots, variants), np.nan), np.zeros(variants)
-        chosen = Packed(EvaluatedVariants(np.zeros(0, np.int64), parameters, functions.memory))
-
-        def arguments() -> tuple:
-            room = workspace_of(asked, len(parameters), 0)
-            return asked, chosen, room, address_of_cuts(asked, chosen, room), found, coarse
-
-        spread(find_places, -(-variants // LANES), arguments)
-        return found, coarse
 
     def _acting(self, parameters: np.ndarray, angles: np.ndarray, which: np.ndarray) -> np.ndarray:
         """Whether the torques of actions are nonzero next to their breaks, (actions, places, variants)."""
@@ -131,38 +102,3 @@ class Landmarks:
                 if name in self.moments:
                     acting[i] |= (rows[self.moments[name]] != 0.0).any(axis=0)
         return acting & owned & np.isfinite(angles)
-
-
-@driver
-def find_places(
-    begin: int,
-    end: int,
-    task: Task,
-    variants: EvaluatedVariants,
-    work: Workspace,
-    cuts: int,
-    found: np.ndarray,
-    coarse: np.ndarray,
-) -> None:
-    """Find the crossings in the cycles of the blocks begin … end − 1 of variants.
-
-    `found` (crossings, roots, variants) receives the positions, NaN for missing ones; `coarse` (variants,) is set to 1
-    where the scan is too coarse; `variants.numbers` receives the landmarks and numbers that depend on them.
-    """
-    block = in_lanes(work.block)
-    numbers, crossings = variants.numbers, work.crossings
-    for b in range(begin, end):
-        first = b * LANES
-        gather(numbers, first, block)
-        set_out(block[task.ends[0]], block[task.ends[1]], task.longest, work.walk)
-        for lane in range(LANES):
-            work.too_many[lane] = 0.0
-        call_at(cuts, (task, variants, work))
-        level, slot = -1, 0
-        for r in range(work.laid[0]):
-            # Roots of one level are consecutive.
-            slot = slot + 1 if crossings.level[r] == level else 0
-            level = crossings.level[r]
-            hand_out_row(crossings.rows[r].x, first, found[level, slot])
-        hand_out(block, first, numbers)
-        hand_out_row(work.too_many, first, coarse)

@@ -38,13 +38,14 @@ class Tabulation:
     functions : as given
     given : tuple of Given
         Numbers supplied at each position.
+    levels : LevelValues
     """
 
     def __init__(self, functions: Functions) -> None:
         self.functions = functions
         self.given = tuple(node for node in functions.rows if isinstance(node, Given))
         self._compiled: dict[str, TileFunction] = {}
-        self._levels = LevelValues(functions)
+        self.levels = LevelValues(functions)
         self._found = [(node, row) for node, row in functions.rows.items() if isinstance(node, Found)]
 
     def parameters(
@@ -82,7 +83,7 @@ class Tabulation:
         for node, values in (given or {}).items():
             if node in functions.rows:
                 made[functions.rows[node]] = values
-        self._levels.fill(made)
+        self.levels.fill(made)
         return made
 
     def __call__(
