@@ -159,6 +159,19 @@ class FieldAnswers(NamedTuple):
         """No fields."""
         return cls({}, {}, {}, {})
 
+    def farther(self, other: "FieldAnswers", centre: "FieldAnswers") -> "FieldAnswers":
+        """Of these results and others, each the one farther from its centre, whose rows may have more positions."""
+
+        def chosen(these: dict[str, np.ndarray], those: dict[str, np.ndarray], near: dict[str, np.ndarray]) -> dict:
+            found = {}
+            for name, row in these.items():
+                middle = near[name] if row.ndim == 1 else near[name][:, :: near[name].shape[1] // row.shape[1]]
+                found[name] = np.where(np.abs(row - middle) >= np.abs(those[name] - middle), row, those[name])
+            return found
+
+        values, rows = (chosen(getattr(self, k), getattr(other, k), getattr(centre, k)) for k in ("values", "rows"))
+        return self._replace(values=values, rows=rows)
+
     def over_all(self, who: np.ndarray, count: int) -> "FieldAnswers":
         """Results of some variants expanded to all `count` of them, NaN for the others."""
         return FieldAnswers(*({key: of_all(row.T, who, count).T for key, row in rows.items()} for rows in self))

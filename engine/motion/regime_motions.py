@@ -374,7 +374,7 @@ class RegimeMotion:
         return found
 
     def _steady(self, variants: Variants, standing: Standing, longer: float) -> OneRegime:
-        zero, asked = np.zeros(variants.count), self.fields
+        zero, asked, kept = np.zeros(variants.count), self.fields, variants.kept
         found, missed, verdict = {}, {}, np.full(variants.count, Verdict.OK, np.uint8)
         if self.asks("flywheel"):
             delta = np.broadcast_to(variants.numbers["flywheel.speed_fluctuation"], (variants.count,))
@@ -399,8 +399,8 @@ class RegimeMotion:
 
         if off is not None and longer == 1.0:
             missed |= spread_errors(steady, off, results_of, self.asks)
-        if off is not None and longer > 1.0:
-            steady = steady.shifted(off)
+        both = [steady] if off is None or longer == 1.0 else [steady.shifted(off), steady.shifted(off.negative)]
+        steady = both[0]
         found |= results_of(steady)
         if self.two:
             peak, most = held_moment(self.two, self.dynamics, variants, grid, steady.record[0])
@@ -408,8 +408,12 @@ class RegimeMotion:
             verdict = np.where(peak > most, Verdict.SLIPS, verdict)
         answers = FieldAnswers.none()
         if asked:
-            acts = cycle_of(self.dynamics, variants, grid, steady, self.loads, self.dynamics.off)
-            answers = answers_of(acts, asked, self.dynamics.cycle)
+            cycles = (cycle_of(self.dynamics, variants, grid, one, self.loads, self.dynamics.off) for one in both)
+            answers, *others = (answers_of(cycle, asked, self.dynamics.cycle) for cycle in cycles)
+            # One change may cancel that of the positions; of two opposite ones, the other adds to it.
+            for other in others:
+                answers = answers.farther(other, kept["fields", self.name])
+            kept.setdefault(("fields", self.name), answers)
         answers.values.update(found)
         answers.missed.update(missed)
         # δ is a difference of speeds, and rounds as they do.

@@ -1,8 +1,9 @@
 """A schedule: the regimes of a scene in order, for many variants, with an error estimate for every number.
 
-Runs over the crank angle and steady running propagate the errors of their steps; fields of steady running are evaluated
-again with these errors added, at half the positions. All other motions run three times, twice for comparison. The error
-estimate is the larger of the propagated error and the range of the results, plus the rounding of the energies.
+Runs over the crank angle and steady running propagate the errors of their steps; fields of steady running, and what
+follows a run, are evaluated again with these errors added, fields at half the positions. All other motions run three
+times, twice for comparison. The error estimate is the larger of the propagated error and the range of the results, plus
+the rounding of the energies.
 """
 
 from typing import NamedTuple
@@ -94,11 +95,15 @@ class Schedule(AskedRegimes):
         begin = zero if self.reduction.has_cycle else np.where(variants.direction > 0.0, low, high)
         return Standing(begin, zero, zero, np.full(variants.count, Verdict.OK, np.uint8))
 
+    @property
+    def looked_at(self) -> bool:
+        """Whether any field is requested, or one of its statistics."""
+        return any(self.fields[name] for name in self.needed)
+
     def answers(self, numbers: Numbers, count: int) -> RegimeAnswers:
         """Requested results of a number of variants."""
         # Fields are tabulated over the steps of a cycle.
-        looked_at = any(self.fields[name] for name in self.needed)
-        together = int(CACHE / (8 * ROWS * (2 * self.steps + 1))) + 1 if looked_at else TOGETHER
+        together = int(CACHE / (8 * ROWS * (2 * self.steps + 1))) + 1 if self.looked_at else TOGETHER
         pieces = max(-(-count // together), min(threads(), count // WORTH_A_THREAD), 1)
         # Row lengths that are multiples of a power of two would map to a few sets of the cache.
         width = -(-count // pieces)
@@ -112,27 +117,32 @@ class Schedule(AskedRegimes):
         # Infinite or NaN numbers cause a verdict, not a warning.
         with np.errstate(all="ignore"):
             fine, regimes = self._go(driven, WALKS[0])
-            # The errors of a single steady motion may all be known by propagation.
-            propagated = len(regimes) == 1 and regimes[0].known is True
-            propagated &= {*fine.values, *fine.rows} <= fine.missed.keys()
-            coarse, others = (fine, regimes) if propagated else self._go(driven, WALKS[1])
-            verdict, other_verdict = (each[-1].standing.verdict for each in (regimes, others))
-            # A verdict with coarser steps only is due to the method, not to the machine.
-            whole, rough, compared = other_verdict == Verdict.OK, np.zeros(count, bool), [coarse.values | coarse.rows]
+            verdict = regimes[-1].standing.verdict
             known = np.all([np.broadcast_to(one.known, count) for one in regimes], axis=0)
-            again = np.flatnonzero(~known & whole & (verdict == Verdict.OK))
-            if again.size:
+            # Of one regime without fields, all errors may be known by propagation.
+            alone = len(regimes) == 1 and not self.looked_at and fine.values.keys() <= fine.missed.keys()
+            whole, rough, compared = np.ones(count, bool), np.zeros(count, bool), []
+            for longer in WALKS[1:]:
+                every = longer == WALKS[1] and not alone
+                again = np.flatnonzero(every | (~known & whole & (verdict == Verdict.OK)))
+                if not again.size:
+                    continue
                 # Nothing kept of other walks: an estimate depends on its own variant alone.
-                few = {off: each.some(again)._replace(kept={}) for off, each in driven.items()}
-                third, more = self._go(few, WALKS[2])
-                whole[again] = more[-1].standing.verdict == Verdict.OK
-                compared.append(on_arrays(np.copy, compared[0]))
-                for name, row in (third.values | third.rows).items():
-                    compared[1][name][again] = row
-        for mine, other in zip(regimes, others, strict=True):
-            if mine.by_equal_steps is not None:
-                change = np.abs(mine.by_equal_steps - other.by_equal_steps)
-                rough |= ~(change <= TELLS_NOTHING * np.abs(mine.by_equal_steps)).all(axis=0) | ~whole
+                few = driven if every else {off: each.some(again)._replace(kept={}) for off, each in driven.items()}
+                coarse, others = self._go(few, longer)
+                # A verdict with coarser steps only is due to the method, not to the machine.
+                whole[again] = others[-1].standing.verdict == Verdict.OK
+                rows = coarse.values | coarse.rows
+                if not every:
+                    rows, new = on_arrays(np.copy, compared[-1] if compared else fine.values), rows
+                    for name, row in new.items():
+                        rows[name][again] = row
+                compared.append(rows)
+                for mine, other in zip(regimes, others, strict=True):
+                    if mine.by_equal_steps is not None and longer == WALKS[1]:
+                        own = mine.by_equal_steps[:, again]
+                        close = np.abs(own - other.by_equal_steps) <= TELLS_NOTHING * np.abs(own)
+                        rough[again] |= ~close.all(axis=0) | ~whole[again]
         verdict = np.where(rough & (verdict == Verdict.OK), Verdict.TOO_COARSE, verdict).astype(np.uint8)
         values = {name: np.where(verdict == Verdict.OK, v, np.nan) for name, v in fine.values.items()}
         errors = {}

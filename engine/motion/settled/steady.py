@@ -72,6 +72,11 @@ class Steady(NamedTuple):
     record: np.ndarray
     steep: np.ndarray
 
+    @property
+    def negative(self) -> "Steady":
+        """Every number with its sign changed."""
+        return Steady(self.verdict, *(-mine for mine in self[1:]))
+
     def shifted(self, by: "Steady") -> "Steady":
         """The same with every number changed."""
         return Steady(self.verdict, *(mine + off for mine, off in zip(self[1:], by[1:], strict=True)))

@@ -135,7 +135,7 @@ def record(first: int, printed: Printed, recorded: np.ndarray, task: WalkTask, r
         # There may be no integral.
         for q in range(min(task.states + 1, task.width)):
             at = 3 + q * (shown + 1)
-            recorded[i, at + shown, v] = carried_errors[q, lane]
+            last = 0.0
             for j in range(shown):
                 theta, value, factor = task.shown[j], 0.0, 1.0
                 for p in range(task.parts.shape[0]):
@@ -144,4 +144,7 @@ def record(first: int, printed: Printed, recorded: np.ndarray, task: WalkTask, r
                     for s in range(dense):
                         part += task.parts[p, s] * k[s * task.width + q, lane]
                     value += factor * part
+                    last = max(last, abs(factor * part)) if p == task.parts.shape[0] - 1 else last
                 recorded[i, at + j, v] = begin[q, lane] + own.length[lane] * value
+            # Between the ends of the step the polynomial is off by its last term, as one of a lower degree would be.
+            recorded[i, at + shown, v] = carried_errors[q, lane] + own.length[lane] * last
