@@ -399,7 +399,9 @@ class RegimeMotion:
 
         if off is not None and longer == 1.0:
             missed |= spread_errors(steady, off, results_of, self.asks)
-        both = [steady] if off is None or longer == 1.0 else [steady.shifted(off), steady.shifted(off.negative)]
+        both, before = [steady], kept.get(("fields", self.name))
+        if off is not None and longer > 1.0:
+            both = [steady.shifted(off), *([] if before is None else [steady.shifted(off.negative)])]
         steady = both[0]
         found |= results_of(steady)
         if self.two:
@@ -412,8 +414,8 @@ class RegimeMotion:
             answers, *others = (answers_of(cycle, asked, self.dynamics.cycle) for cycle in cycles)
             # One change may cancel that of the positions; of two opposite ones, the other adds to it.
             for other in others:
-                answers = answers.farther(other, kept["fields", self.name])
-            kept.setdefault(("fields", self.name), answers)
+                answers = answers.farther(other, before)
+            kept["fields", self.name] = answers
         answers.values.update(found)
         answers.missed.update(missed)
         # δ is a difference of speeds, and rounds as they do.

@@ -42,7 +42,7 @@ def over_all(record: Record, who: np.ndarray, count: int) -> Record:
         whole[..., who] = row
         return whole
 
-    return on_arrays(spread, record)
+    return record if who.size == count else on_arrays(spread, record)
 
 
 def put(record: Record, who: np.ndarray, others: Record) -> None:
