@@ -15,6 +15,7 @@ import click
 
 from sweeps.cli.waiting import clear_the_line, doing, waiting_told
 from sweeps.text.input_files import InputError, files_read, read_text
+from sweeps.text.versions import own_version
 from sweeps.text.visible import visible
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ class Commands(click.Group):
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(package_name="machine-sweeps", prog_name="sweeps", help="Version.")
+@click.version_option(own_version(), message="sweeps %(version)s", help="Version.")
 def main() -> None:
     """Evaluate planar machines over many design variants: kinematics, reduced inertia and torque, flywheels.
 

@@ -79,8 +79,9 @@ def show(asked: shared.Options) -> None:
     shared.tell(counts_text(result))
     # The answer lists a single machine.
     if d.variants > 1 or asked.where or names:
-        shared.tell(f"{meeting_text(result, condition)}; the first {chosen.size}:")
-        shared.tell(variants_text(result, chosen, names, asked.every))
+        shared.tell(meeting_text(result, condition) + (f"; the first {chosen.size}:" if chosen.size else ""))
+        if chosen.size:
+            shared.tell(variants_text(result, chosen, names, asked.every))
     if not asked.where:
         shared.tell((optimum_text if is_search(result) else answer_text)(result, asked.every))
         shared.tell_warnings(result)

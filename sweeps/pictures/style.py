@@ -194,7 +194,7 @@ def save(figure: Figure, path: Path | str) -> None:
 
 
 def save_beside(path: Path, figures: Iterable[tuple[str, Figure]]) -> list[Path]:
-    """Save figures to files whose names are that of `path` with some words appended; errors as for `save`.
+    """Save figures to files whose names are that of `path` with other words appended; errors as for `save`.
 
     Parameters
     ----------
@@ -204,7 +204,7 @@ def save_beside(path: Path, figures: Iterable[tuple[str, Figure]]) -> list[Path]
     """
     made = []
     for words, figure in figures:
-        made.append(path.with_name(f"{path.stem}_{words}{path.suffix}"))
+        made.append(path.with_name(f"{path.stem}_{words.removeprefix(f'{path.stem}_')}{path.suffix}"))
         save(figure, made[-1])
     return made
 

@@ -35,7 +35,7 @@ assembles over the whole cycle
 Computed at adaptive positions
 Skipped (not needed for the outputs)
 acceleration
-MB plus the program itself
+plus the program itself
 free"""
     for words in told.splitlines():
         assert words in answer.stdout
