@@ -9,14 +9,12 @@ from matplotlib.figure import Figure
 
 from engine import Panel, PanelAxis, display_unit
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import GREY, PALETTE, VERMILION, degree_ticks, sheet, typeset
+from sweeps.pictures.style import GREY, PALETTE, VERMILION, degree_ticks, scaled_as_constant, sheet, typeset
 
 # Height with one, two, three stacked diagrams [mm]; maximum number of columns.
 HEIGHTS, MOST_COLUMNS = (80, 100, 150), 3
 # Longer tick names are slanted.
 _LONG = 14
-# Curves whose range is a smaller share of their size are constant.
-_CONSTANT = 1e-9
 
 
 def panel_sheet(panels: Sequence[Panel], title: str = "", layout: Callable[[Axes], None] | None = None) -> Figure:
@@ -116,10 +114,8 @@ def draw_panel(
             degree_ticks(ax.xaxis, abs(along) * np.ptp(every))
     if panel.limits is not None:
         ax.set(ylim=[factor * x for x in panel.limits], yscale="log" if panel.limits[0] > 0.0 else "linear")
-    elif panel.kind == "curves" and np.ptp(values) <= _CONSTANT * np.abs(values).max():
-        # A scale of its own would magnify rounding.
-        size = abs(factor * values[0])
-        ax.set_ylim(factor * values[0] + 0.1 * (size or 10.0) * np.array([-1.0, 1.0]))
+    elif panel.kind == "curves":
+        scaled_as_constant(ax, factor * values)
     if panel.names:
         slanted = {"rotation": 30, "ha": "right"} if max(map(len, "\n".join(panel.names).split("\n"))) > _LONG else {}
         ax.set_xticks(along * panel.places, panel.names, **slanted)
