@@ -5,10 +5,6 @@ import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-import numpy as np
-
-from engine import display_unit
-
 # Columns of text at least, in a narrow terminal too.
 NARROWEST = 20
 
@@ -30,6 +26,11 @@ def column(words: str, units: str, values: Iterable[float]) -> list[str]:
         CF unit ("kg m2") of the values, "1" for plain numbers.
     values : iterable of float
     """
+    # Slow to import, and `sweeps list` needs tables too.
+    import numpy as np
+
+    from engine import display_unit
+
     values = np.array([*values])
     factor, label = display_unit(units, values)
     head = words if label == "1" else f"{words}, {label}"

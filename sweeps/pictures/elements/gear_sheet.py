@@ -41,10 +41,9 @@ def gear_sheet(train: GearTrain, title: str = "") -> Figure:
             ax.set_ylim(factor * (low - 0.25 * (top - low)), factor * (top + 0.32 * (top - low)))
         scheme.set_ylabel(f"line of centres, {unit}")
         _angular(angular, linear, picture, colours, factor / pace[0])
-        words = [title] if title else []
-        if not picture.fits:
-            words.append(Verdict.DOES_NOT_FIT.sentence)
-        figure.suptitle("\n".join(words), fontweight="bold" if picture.fits else None, wrap=True)
+        fits = picture.verdict == Verdict.OK
+        words = [title, "" if fits else picture.verdict.sentence]
+        figure.suptitle("\n".join(filter(None, words)), fontweight="bold" if fits else None, wrap=True)
     return figure
 
 
