@@ -124,8 +124,11 @@ def _in_its_file(error: Exception, files: Iterable[Path]) -> Exception:
     texts = {path: read_text(path) for path in [*files] if path.suffix == ".toml"}
     if not texts:
         return error
-    scene = next((path for path, text in texts.items() if is_scene(parse_toml(text, path.name))), None)
-    path, prefix = (scene, ()) if scene is not None else (next(iter(texts)), ("scene",))
+    scenes = [path for path, text in texts.items() if is_scene(parse_toml(text, path.name))]
+    if len(scenes) > 1:
+        # It may be any of them.
+        return error
+    path, prefix = (scenes[0], ()) if scenes else (next(iter(texts)), ("scene",))
     return InputError(path.name, problems_in(texts[path], error.problems, prefix))
 
 

@@ -104,5 +104,5 @@ def _holzer_text(train: engine.TorsionalTrain, reduced: engine.ReducedTrain, fou
         column("k", "N m rad-1", stiffnesses),
         column("twist", "1", twists),
     )
-    left, size = (engine.quantity_text(x, "N m") for x in (found.remainder, np.abs(found.inertial).max()))
-    return f"{table([*zip(*columns, strict=True)], '  ')}\n  remainder {left}, of {size}"
+    left = found.remainder / np.abs(found.inertial).max()
+    return f"{table([*zip(*columns, strict=True)], '  ')}\n  remainder {left:.1e} of the largest J ω² θ"
