@@ -118,6 +118,16 @@ def test_show__lists_what_meets_the_study_s_condition_the_best_first(press_resul
     assert "Answer: minimum excess_work" in answer.stdout
 
 
+def test_show_variant__lists_its_numbers(press_result):
+    lines = done("show", press_result, "--variant", "3").splitlines()
+    assert lines[0] == "variant 3: computed"
+    rows = {line.split()[0]: line.split()[1:4] for line in lines[1:]}
+    assert rows["input.length"] == ["=", "60", "mm"]
+    # In line, the stroke is twice the crank.
+    assert rows["ram.stroke"] == ["→", "120", "mm"]
+    assert "variant: 8 is not one of 0 … 7" in refused("show", press_result, "--variant", "8")
+
+
 def test_show_where_sort_limit_and_columns__choose(press_result):
     answer = said("show", press_result, "--where", "bodies.ram.mass > '60 kg'", "--sort", "ram.stroke", "--descending")
     assert [row[0] for row in table_of(answer.stdout)] == ["3", "7", "1"]
