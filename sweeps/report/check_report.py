@@ -113,6 +113,9 @@ def nominal_text(study: Study, machine: engine.Machine | engine.ElementsAlone) -
     # The mode depends on the path to a position, so ranges would be meaningless.
     if not alone and verdict != engine.Verdict.OTHER_MODE:
         lines.append(assembly_text(machine))
+    if verdict == engine.Verdict.CANNOT_ASSEMBLE and outcome.status_group[0] >= 0:
+        place = engine.quantity_text(float(outcome.status_at[0]), engine.InputUnits.of(study.scene).q)
+        lines.append(f"group {[*machine.groups][outcome.status_group[0]]} fails first, at {place}")
     if verdict not in (engine.Verdict.OK, engine.Verdict.CANNOT_ASSEMBLE):
         lines.append(verdict.sentence)
     return "\n".join([*lines, table(rows)] if rows else lines)

@@ -88,6 +88,7 @@ def test_check_of_a_machine_that_nowhere_assembles__says_so(press_folder):
     Path("press.toml").write_text(text)
     answer = done("check", "press.toml")
     assert "can't be assembled at any input position" in answer
+    assert "group slide fails first, at 0 °" in answer
 
 
 def test_check_source__is_python_to_read(press_folder):
