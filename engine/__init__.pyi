@@ -81,6 +81,7 @@ from engine.mechanism.link_loads import LinkForce
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import regime_text
 from engine.motion.quantities import of_sliding as sliding_quantity
+from engine.motion.quantities import sized_regimes
 from engine.parts.actions import Brake, DCMotor, InductionMotor, TorsionSpring
 from engine.parts.driving_cams import DrivingCam
 from engine.parts.driving_gears import NoncircularWheel, Pinion, Rack
@@ -377,6 +378,7 @@ __all__ = [
     "show_system",
     "show_units",
     "show_units_of",
+    "sized_regimes",
     "slider_tilts",
     "sliders_of",
     "sliding_quantity",

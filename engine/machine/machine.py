@@ -141,7 +141,7 @@ class Machine:
         self.scene, self.positions, self.dtype = scene, positions, np.dtype(dtype)
         self.accuracy, self.varied = allowed_share(accuracy), names_of(varied)
         self._limits = scene_numbers(scene)
-        check_names(self.varied, self._limits, "number of the scene")
+        check_names(self.varied, self._limits, "number")
         if isinstance(scene.input, CrankInput) and {"input.start", "input.stop"} & set(self.varied):
             raise AskError("input.start and input.stop of a crank are the same for all variants; vary another number")
         fixed = [path for path in self.varied if path.startswith("near.")]

@@ -236,11 +236,20 @@ def motion_summaries(scene: Scene) -> list[Quantity]:
             sized = scene.flywheel is not None and scene.flywheel.speed_fluctuation is not None
             if sized and not _at_two_speeds(scene, regime):
                 words = (
-                    f"flywheel inertia that gives the asked speed fluctuation in the true motion of {name}; where it "
-                    f"is asked, the other answers of {name} are those with it"
+                    f"flywheel inertia for the required speed fluctuation in the true motion of {name}, whose other "
+                    "results are then those with it"
                 )
                 found.append(Quantity(f"{name}.flywheel", words, "kg m2"))
     return found
+
+
+def sized_regimes(scene: Scene) -> list[str]:
+    """Steady regimes with the flywheel for the required speed fluctuation, as the scene gives none."""
+    flywheel = scene.flywheel
+    if flywheel is None or flywheel.inertia is not None or flywheel.speed_fluctuation is None:
+        return []
+    steady = {name: regime for name, regime in scene.regimes.items() if regime.type == "steady"}
+    return [name for name, regime in steady.items() if not _at_two_speeds(scene, regime)]
 
 
 def _at_two_speeds(scene: Scene, regime: Regime) -> bool:

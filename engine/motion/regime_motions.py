@@ -373,14 +373,22 @@ class RegimeMotion:
             found[f"{places[side]}_{rest}" if side in places else key] = value
         return found
 
+    def with_sized_flywheel(self, variants: Variants, longer: float = 1.0) -> tuple[Variants, np.ndarray]:
+        """Variants with the flywheel for the required speed fluctuation, where that is requested, and verdicts on it.
+
+        Where there is none, the flywheel stays as it is.
+        """
+        if not self.asks("flywheel"):
+            return variants, np.full(variants.count, Verdict.OK, np.uint8)
+        delta = np.broadcast_to(variants.numbers["flywheel.speed_fluctuation"], (variants.count,))
+        wheel, verdict = flywheel_for(self.dynamics, variants, self._asked.tolerance, delta, longer)
+        wheel = np.where(verdict == Verdict.OK, wheel, variants.flywheel)
+        return variants._replace(flywheel=wheel, kept={}), verdict
+
     def _steady(self, variants: Variants, standing: Standing, longer: float) -> OneRegime:
         zero, asked, kept = np.zeros(variants.count), self.fields, variants.kept
-        found, missed, verdict = {}, {}, np.full(variants.count, Verdict.OK, np.uint8)
-        if self.asks("flywheel"):
-            delta = np.broadcast_to(variants.numbers["flywheel.speed_fluctuation"], (variants.count,))
-            found["flywheel"], verdict = flywheel_for(self.dynamics, variants, self._asked.tolerance, delta, longer)
-            wheel = np.where(verdict == Verdict.OK, found["flywheel"], variants.flywheel)
-            variants = variants._replace(flywheel=wheel, kept={})
+        missed, (variants, verdict) = {}, self.with_sized_flywheel(variants, longer)
+        found = {"flywheel": variants.flywheel} if self.asks("flywheel") else {}
         grid = self.dynamics.grid(variants, zero, self._steps(longer)) if asked or self.two else None
         nodes = None if grid is None else variants.direction * grid.angles
         off: Steady | None = None

@@ -87,9 +87,8 @@ class Verdict(IntEnum):
     )
     DOES_NOT_FIT = (
         *(15, "wheels don't fit"),
-        "wheels don't fit: numbers of teeth aren't whole, axes that should coincide lie apart, wheels overlap or are "
-        "larger than the ring they run in, planets can't be spaced equally or touch each other, or a bore cuts the "
-        "teeth; change numbers of teeth or of planets, modules, bores, diameters or the centre distance",
+        "wheels don't fit: they overlap, or a wheel is as large as the ring it runs in; change numbers of teeth, "
+        "profile shifts, diameters or the centre distance",
     )
     SELF_LOCKS = (
         *(16, "gears lock by themselves"),
@@ -168,5 +167,31 @@ class Verdict(IntEnum):
         "an elastic shaft is rigid at this scale: its vibration (natural_frequency, which is computed all the same) "
         "turns too many times within the time asked for; shorten the time, use a softer shaft, or leave the shaft out "
         "and treat both sides as one inertia",
+    )
+    FRACTION_OF_A_TOOTH = (
+        *(31, "teeth not whole"),
+        "a number of teeth or of planets isn't whole; vary it in steps of 1",
+    )
+    MODULES_DIFFER = (
+        *(32, "modules differ"),
+        "a wheel has two modules or helix angles in its meshes; give them the same, or put two wheels on one shaft",
+    )
+    AXES_APART = (
+        *(33, "axes apart"),
+        "meshes between the same axes have different centre distances (distance_error); change numbers of teeth, "
+        "modules or profile shifts",
+    )
+    UNEVEN_PLANETS = (
+        *(34, "planets can't be spaced"),
+        "planets can't be spaced equally (spacing_remainder): some would stand between teeth; change numbers of teeth "
+        "or of planets",
+    )
+    PLANETS_TOUCH = (
+        *(35, "planets touch"),
+        "neighbouring planets touch (neighbour_clearance); choose fewer planets, or a sun with more teeth",
+    )
+    BORE_TOO_LARGE = (
+        *(36, "bore cuts the teeth"),
+        "a bore reaches the root circle of its wheel's teeth; choose a smaller bore or more teeth",
     )
     NOT_COMPUTED = 255, "not computed yet"

@@ -11,7 +11,6 @@ import click
 from engine import counted
 from sweeps.cli import shared
 from sweeps.cli.shared import main
-from sweeps.text.input_files import InputError
 from sweeps.text.interruption import keeping
 
 if TYPE_CHECKING:
@@ -50,10 +49,6 @@ def _made(asked: shared.Options, result: "SweepResult", study: Path) -> list[Pat
 
 def _compute(asked: shared.Options, bar: "ProgressBar", compute: Callable[..., Path]) -> None:
     """Compute a result file with progress, on the command's threads or cluster."""
-    try:
-        asked.out.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError.of(str(asked.out.parent), f"can't be made: {error.strerror}") from None
     shared.use_threads(asked.jobs)
     with shared.cluster_client(asked.cluster, asked.jobs) as client:
 

@@ -15,6 +15,7 @@ import click
 
 from sweeps.cli.waiting import clear_the_line, doing, waiting_told
 from sweeps.text.input_files import InputError, files_read, read_text
+from sweeps.text.versions import own_version
 from sweeps.text.visible import visible
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ class Commands(click.Group):
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(package_name="machine-sweeps", prog_name="sweeps", help="Version.")
+@click.version_option(own_version(), message="sweeps %(version)s", help="Version.")
 def main() -> None:
     """Evaluate planar machines over many design variants: kinematics, reduced inertia and torque, flywheels.
 
@@ -123,8 +124,11 @@ def _in_its_file(error: Exception, files: Iterable[Path]) -> Exception:
     texts = {path: read_text(path) for path in [*files] if path.suffix == ".toml"}
     if not texts:
         return error
-    scene = next((path for path, text in texts.items() if is_scene(parse_toml(text, path.name))), None)
-    path, prefix = (scene, ()) if scene is not None else (next(iter(texts)), ("scene",))
+    scenes = [path for path, text in texts.items() if is_scene(parse_toml(text, path.name))]
+    if len(scenes) > 1:
+        # It may be any of them.
+        return error
+    path, prefix = (scenes[0], ()) if scenes else (next(iter(texts)), ("scene",))
     return InputError(path.name, problems_in(texts[path], error.problems, prefix))
 
 

@@ -21,7 +21,7 @@ from sweeps.text.input_files import InputError
 @click.option(
     "--at", help="Fields of one machine at crank angles ('37 deg') or displacements, or its motion at '0.2 s'."
 )
-@click.option("--variant", type=shared.WholeNumber(0), help="With --at: one variant of a result file.")
+@click.option("--variant", type=shared.WholeNumber(0), help="One variant of a result file.")
 @shared.SET
 @shared.ALL
 @shared.JSON
@@ -29,7 +29,7 @@ from sweeps.text.input_files import InputError
 @shared.joints_by_letter
 @shared.in_options
 def show(asked: shared.Options) -> None:
-    """Show a result file: contents, verdicts, best variants. With --at, show one machine at given positions.
+    """Show a result file: contents, verdicts, best variants; or one variant; or, with --at, a machine at positions.
 
     With --at, FILE can also be a scene or study. The exit code is 1 if the question of the study has no answer.
     """
@@ -44,14 +44,15 @@ def show(asked: shared.Options) -> None:
         counts_text,
         fields_text,
         meeting_text,
+        variant_text,
         variants_done_text,
         variants_text,
         varied_text,
     )
     from sweeps.report.sweep_result import SweepResult
 
-    if asked.settings or asked.variant is not None:
-        raise InputError.of(str(asked.file), "--set and --variant require --at, which shows one machine")
+    if asked.settings:
+        raise InputError.of(str(asked.file), "--set requires --at, which shows one machine")
     result = SweepResult(asked.file)
     result.show_own_units()
     shared.tell_altered(asked.file)
@@ -60,6 +61,11 @@ def show(asked: shared.Options) -> None:
     if unknown:
         message = f"{unknown[0]!r} is not in the result; {did_you_mean(unknown[0], result.columns)}"
         raise InputError.of(str(asked.file), message, key="columns")
+    if asked.variant is not None:
+        # Refuses one that isn't there.
+        result.variant_values(asked.variant)
+        shared.tell(variant_text(result, asked.variant, asked.every))
+        return
     goal, usual = result.goal, "front > 0" if is_front(result) else None
     sort, descending = asked.sort or (usual and "front"), asked.descending
     if asked.sort is None and goal is not None:
@@ -79,8 +85,9 @@ def show(asked: shared.Options) -> None:
     shared.tell(counts_text(result))
     # The answer lists a single machine.
     if d.variants > 1 or asked.where or names:
-        shared.tell(f"{meeting_text(result, condition)}; the first {chosen.size}:")
-        shared.tell(variants_text(result, chosen, names, asked.every))
+        shared.tell(meeting_text(result, condition) + (f"; the first {chosen.size}:" if chosen.size else ""))
+        if chosen.size:
+            shared.tell(variants_text(result, chosen, names, asked.every))
     if not asked.where:
         shared.tell((optimum_text if is_search(result) else answer_text)(result, asked.every))
         shared.tell_warnings(result)

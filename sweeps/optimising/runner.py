@@ -29,6 +29,7 @@ from sweeps.store import (
     StoreError,
     columns_of_number,
     describe_result,
+    make_folder_of,
     part_path,
     read_columns,
     reword,
@@ -110,7 +111,7 @@ def _search(
     if path.exists() and not restart and _is_finished(path, trials, tell):
         remove_unlocked(part_path(work))
         return path
-    path.parent.mkdir(parents=True, exist_ok=True)
+    make_folder_of(path)
     keep = not restart and not replace_former
     if task.method == LOCAL:
         _finish(trials, path, _downhill(trials), "local search", keep, tell)

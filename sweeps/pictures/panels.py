@@ -9,14 +9,12 @@ from matplotlib.figure import Figure
 
 from engine import Panel, PanelAxis, display_unit
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import GREY, PALETTE, VERMILION, degree_ticks, sheet, typeset
+from sweeps.pictures.style import GREY, PALETTE, VERMILION, degree_ticks, scaled_as_constant, sheet, typeset
 
 # Height with one, two, three stacked diagrams [mm]; maximum number of columns.
 HEIGHTS, MOST_COLUMNS = (80, 100, 150), 3
-# Longer tick names are slanted.
-_LONG = 14
-# Curves whose range is a smaller share of their size are constant.
-_CONSTANT = 1e-9
+# Letters of tick names that have room along an axis; more are slanted.
+_LETTERS = 25
 
 
 def panel_sheet(panels: Sequence[Panel], title: str = "", layout: Callable[[Axes], None] | None = None) -> Figure:
@@ -107,7 +105,7 @@ def draw_panel(
             ax.plot(along * place, factor * height, "o", color=VERMILION, markersize=4, label=words or "_")
     legend = {"loc": "best"}
     if panel.kind == "plan":
-        legend = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.16), "ncols": 2}
+        legend = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.16)}
         ax.set(aspect="equal", adjustable="datalim")
     elif panel.kind == "curves" and not panel.names:
         every = np.concatenate([panel.places, *(curve.places for curve in panel.curves if curve.places is not None)])
@@ -115,14 +113,13 @@ def draw_panel(
         if along_unit == "°":
             degree_ticks(ax.xaxis, abs(along) * np.ptp(every))
     if panel.limits is not None:
+        # Curves beyond the limits are everywhere.
+        legend = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.25), "ncols": 3} if with_x else legend
         ax.set(ylim=[factor * x for x in panel.limits], yscale="log" if panel.limits[0] > 0.0 else "linear")
-    elif panel.kind == "curves" and np.ptp(values) <= _CONSTANT * np.abs(values).max():
-        # A scale of its own would magnify rounding.
-        size = abs(factor * values[0])
-        ax.set_ylim(factor * values[0] + 0.1 * (size or 10.0) * np.array([-1.0, 1.0]))
+    elif panel.kind == "curves":
+        scaled_as_constant(ax, factor * values)
     if panel.names:
-        slanted = {"rotation": 30, "ha": "right"} if max(map(len, "\n".join(panel.names).split("\n"))) > _LONG else {}
-        ax.set_xticks(along * panel.places, panel.names, **slanted)
+        ax.set_xticks(along * panel.places, panel.names, **({"rotation": 30, "ha": "right"} if _crowded(panel) else {}))
     words = panel.y.words
     if panel.y.symbol and not panel.title:
         ax.set(title=words[0].upper() + words[1:], ylabel=axis_label(PanelAxis("", *panel.y[1:]), unit))
@@ -132,6 +129,14 @@ def draw_panel(
         ax.set_xlabel(axis_label(panel.x, along_unit))
     if with_legend and any(not label.startswith("_") for label in ax.get_legend_handles_labels()[1]):
         ax.legend(**legend)
+
+
+def _crowded(panel: Panel) -> bool:
+    """Whether names of places next to each other would meet."""
+    order = np.argsort(panel.places)
+    lengths = np.array([max(map(len, name.split("\n"))) for name in panel.names])[order]
+    gaps = np.diff(panel.places[order]) / (np.ptp(panel.places) or 1.0)
+    return bool((0.5 * (lengths[1:] + lengths[:-1]) > _LETTERS * gaps).any())
 
 
 def _has_numbers(panel: Panel) -> bool:

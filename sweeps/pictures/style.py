@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
 
+import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
@@ -24,6 +25,8 @@ from sweeps.text.visible import visible
 from sweeps.text.whole_files import new_file
 
 MM_PER_INCH = 25.4
+# Values whose range is a smaller share of their size are constant.
+_CONSTANT = 1e-9
 # Screen resolution.
 _PIXELS = 96
 # Colours for the colour-blind (Okabe and Ito).
@@ -158,6 +161,15 @@ def degree_ticks(axis: Axis, span: float) -> None:
     axis.set_major_locator(MultipleLocator(next(s for s in (10, 30, 60, 90, 180) if span <= 6 * s or s == 180)))
 
 
+def scaled_as_constant(ax: Axes, values: np.ndarray) -> bool:
+    """Whether some values are constant but for rounding, which a scale of their own would magnify: set theirs then."""
+    values = values[np.isfinite(values)]
+    if not values.size or np.ptp(values) > _CONSTANT * np.abs(values).max():
+        return False
+    ax.set_ylim(values[0] + 0.1 * (abs(values[0]) or 10.0) * np.array([-1.0, 1.0]))
+    return True
+
+
 def format_of(path: Path | str) -> str:
     """Extension of a picture file.
 
@@ -194,7 +206,7 @@ def save(figure: Figure, path: Path | str) -> None:
 
 
 def save_beside(path: Path, figures: Iterable[tuple[str, Figure]]) -> list[Path]:
-    """Save figures to files whose names are that of `path` with some words appended; errors as for `save`.
+    """Save figures to files whose names are that of `path` with other words appended; errors as for `save`.
 
     Parameters
     ----------
@@ -204,7 +216,7 @@ def save_beside(path: Path, figures: Iterable[tuple[str, Figure]]) -> list[Path]
     """
     made = []
     for words, figure in figures:
-        made.append(path.with_name(f"{path.stem}_{words}{path.suffix}"))
+        made.append(path.with_name(f"{path.stem}_{words.removeprefix(f'{path.stem}_')}{path.suffix}"))
         save(figure, made[-1])
     return made
 

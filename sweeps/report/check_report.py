@@ -16,6 +16,7 @@ from sweeps.report.variant_warnings import known_summaries, machine_warnings
 from sweeps.run.blocks import LARGEST_BLOCK, block_size, bytes_of_fields
 from sweeps.run.cost import on_shafts_text, probe
 from sweeps.run.runner import crew_of, layout_of
+from sweeps.store import bytes_text
 from sweeps.study.default_summaries import answers
 from sweeps.study.study import Study
 from sweeps.text.tables import table
@@ -112,6 +113,9 @@ def nominal_text(study: Study, machine: engine.Machine | engine.ElementsAlone) -
     # The mode depends on the path to a position, so ranges would be meaningless.
     if not alone and verdict != engine.Verdict.OTHER_MODE:
         lines.append(assembly_text(machine))
+    if verdict == engine.Verdict.CANNOT_ASSEMBLE and outcome.status_group[0] >= 0:
+        place = engine.quantity_text(float(outcome.status_at[0]), engine.InputUnits.of(study.scene).q)
+        lines.append(f"group {[*machine.groups][outcome.status_group[0]]} fails first, at {place}")
     if verdict not in (engine.Verdict.OK, engine.Verdict.CANNOT_ASSEMBLE):
         lines.append(verdict.sentence)
     return "\n".join([*lines, table(rows)] if rows else lines)
@@ -200,14 +204,15 @@ def check_text(
         outcome = moving.evaluate({})
         regimes, known = regimes_text(moving, outcome), known_summaries(outcome)
     warned = "\n".join([*machine_warnings(machine, known), *filter(None, [between])])
+    nominal = uncompiled or nominal_text(study, machine)
     sections = [
         ("Study", "\n".join(t for t in (study.title or study.name, study.question) if t)),
         ("Mechanism", structure_text(study.scene)),
-        ("Unmodified machine", uncompiled or nominal_text(study, machine)),
+        ("Unmodified machine", nominal),
         *([("Regimes", regimes)] if regimes else []),
         *([("Warnings", warned)] if warned else []),
         ("Variants", f"{study.design.size} = {_design_text(study)}"),
-        ("Asked", _asked_text(study, machine, every)),
+        ("Asked", _asked_text(study, machine, every, f"{nominal}\n{regimes}")),
         *_plan_sections(machine),
         *(_file_sections(study, machine, out) if uncompiled else _cost_sections(study, machine, out, on_shafts)),
         *([] if client is None else [("Cluster", _cluster_text(study, client, out, tell))]),
@@ -215,13 +220,16 @@ def check_text(
     return "\n".join(f"{title}\n" + "\n".join(f"  {line}" for line in text.splitlines()) for title, text in sections)
 
 
-def _asked_text(study: Study, machine: engine.Machine | engine.ElementsAlone, every: bool) -> str:
-    """Names of the results asked, the answers first, and the number of those not shown."""
+def _asked_text(study: Study, machine: engine.Machine | engine.ElementsAlone, every: bool, above: str) -> str:
+    """Names of the results asked that have no line above, the answers first, and the number of the others."""
     used = names_in_conditions([condition.text for condition in study.require], study.best)
     first = study.summaries if every else answers_among(machine, study.summaries, used)
-    hidden = len(study.summaries) - len(first)
-    more = [f"{hidden} more with --all"] if hidden else []
-    return "\n".join((*first, *study.fields, *(q.name for q in study.sensitivity.quantities), *more))
+    known = {line.split()[0] for line in above.splitlines() if line.strip()}
+    shown, hidden = len(known.intersection(first)), len(study.summaries) - len(first)
+    lines = [f"{engine.counted(shown, 'number')} above"] if shown else []
+    lines += [name for name in first if name not in known]
+    lines += [*study.fields, *(quantity.name for quantity in study.sensitivity.quantities)]
+    return "\n".join([*lines, *([f"{hidden} more with --all"] if hidden else [])])
 
 
 def _plan_sections(machine: engine.Machine | engine.ElementsAlone) -> list[tuple[str, str]]:
@@ -260,7 +268,7 @@ def _cost_sections(
         *reached,
         ("Evaluation", f"no sharing between variants; fields in {study.field_precision}; {saved}"),
         ("Time", seconds),
-        ("Memory", f"about {(memory + cost.motion_bytes) / 1e6:.3g} MB plus the program itself"),
+        ("Memory", f"about {bytes_text(memory + cost.motion_bytes)} plus the program itself"),
         *_file_sections(study, machine, out),
     ]
 
@@ -285,7 +293,7 @@ def _uncompiled_text(machine: engine.Machine | engine.ElementsAlone) -> str:
 def _file_sections(study: Study, machine: engine.Machine | engine.ElementsAlone, out: Path) -> list[tuple[str, str]]:
     """Cost of a study that is known without evaluation."""
     free = shutil.disk_usage(_existing_folder(out)).free
-    return [("File", f"{layout_of(study, machine).bytes() / 1e6:.3g} MB; {free / 1e9:.3g} GB free")]
+    return [("File", f"{bytes_text(layout_of(study, machine).bytes())}; {bytes_text(free)} free")]
 
 
 def _existing_folder(out: Path) -> Path:

@@ -123,7 +123,7 @@ def answer_text(result: SweepResult, every: bool = False) -> str:
     """
     goal, lines = result.goal, [result.question] if result.question else []
     if result.description.variants == 1:
-        return "\n".join([*lines, _only_text(result, every)])
+        return "\n".join([*lines, _summaries_text(result, 0, every)])
     if goal is None:
         return "The study has no [best]; see `sweeps show`."
     best = result.best()
@@ -139,24 +139,40 @@ def answer_text(result: SweepResult, every: bool = False) -> str:
     return "\n".join(lines)
 
 
-def _only_text(result: SweepResult, every: bool) -> str:
-    """Summaries of a single machine, grouped by regime, or why its motion fails."""
-    scene, verdict = result.scene, engine.Verdict(int(result.columns["status"][0]))
+def variant_text(result: SweepResult, variant: int, every: bool = False) -> str:
+    """A variant's verdict, parameters and summaries.
+
+    Parameters
+    ----------
+    result : SweepResult
+    variant : int
+    every : bool
+        As for `answer_text`.
+    """
+    verdict = engine.Verdict(int(result.columns["status"][variant]))
+    given = [(name, "=", value_text(result, name, variant)) for name in shown_parameters(result, every)]
+    parts = f"variant {variant}: {verdict.sentence}", table(given, "  "), _summaries_text(result, variant, every)
+    return "\n".join(filter(None, parts))
+
+
+def _summaries_text(result: SweepResult, variant: int, every: bool) -> str:
+    """Summaries of a variant, grouped by regime, or why its motion fails."""
+    scene, verdict = result.scene, engine.Verdict(int(result.columns["status"][variant]))
     if not result.summaries:
         return f"Kept: {', '.join(result.fields)}; `sweeps plot {result.path}` draws the machine with its diagrams."
     shown, hidden = shown_summaries(result, every), hidden_text(result, every)
     if verdict != engine.Verdict.OK:
-        shown = [name for name in shown if not np.isnan(result.columns[name][0])]
+        shown = [name for name in shown if not np.isnan(result.columns[name][variant])]
     if not scene.regimes:
-        return "\n".join([table(summary_rows(result, 0, shown), "  "), *hidden])
+        return "\n".join([table(summary_rows(result, variant, shown), "  "), *hidden])
     parts, failed = [], verdict in MOTION_VERDICTS
     for regime, names in by_regime(scene, shown).items():
         if regime and failed:
             continue
         head = f"{regime}: {regime_words(scene, regime)}" if regime else _cycle_words(scene)
-        parts.append(f"{head}\n{table(summary_rows(result, 0, names), '  ')}")
+        parts.append(f"{head}\n{table(summary_rows(result, variant, names), '  ')}")
     if failed:
-        parts.append(failure_text(with_values(scene, result.variant_values(0)), verdict))
+        parts.append(failure_text(with_values(scene, result.variant_values(variant)), verdict))
     return "\n".join([*parts, *hidden])
 
 

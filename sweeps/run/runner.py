@@ -21,7 +21,17 @@ from sweeps.run.carrying import Blocks, Earlier, Excerpt, excerpts_of, filled_in
 from sweeps.run.cluster.cluster_errors import UnfinishedError
 from sweeps.run.columns import field_columns, number_columns, position_axis
 from sweeps.run.cost import on_shafts_text, seconds_of_variant
-from sweeps.store import Column, FileLayout, MappedResult, Store, StoreError, describe_result, part_path, reword
+from sweeps.store import (
+    Column,
+    FileLayout,
+    MappedResult,
+    Store,
+    StoreError,
+    describe_result,
+    make_folder_of,
+    part_path,
+    reword,
+)
 from sweeps.study.study import Study
 from sweeps.study.study_record import numbers_record, study_record
 from sweeps.text.scene_text import write_scene
@@ -119,7 +129,7 @@ def run_study(
         Some blocks failed to compute, or the scheduler is lost; the others are kept.
     """
     path, tell = Path(path), tell or (lambda sentence: None)
-    path.parent.mkdir(parents=True, exist_ok=True)
+    make_folder_of(path)
     machine = study.machine()
     layout = layout_of(study, machine)
     if not restart and _stands(path, layout, tell):

@@ -74,7 +74,7 @@ def check_space(path: Path, layout: FileLayout, freed: int = 0) -> None:
         free = shutil.disk_usage(path.absolute().parent).free + freed
     if layout.bytes() > free:
         raise StoreError(
-            f"{path} needs {_size(layout.bytes())}, {_size(free)} are free on its disk. Request fewer "
+            f"{path} needs {bytes_text(layout.bytes())}, {bytes_text(free)} are free on its disk. Request fewer "
             f"variants or fields, store fields as float32, or give another --out."
         )
 
@@ -308,7 +308,8 @@ def _describe_codes(dataset: h5py.Dataset, codes: dict[int, str]) -> None:
     dataset.attrs["flag_meanings"] = " ".join("_".join(meanings[code].split()) for code in sorted(meanings))
 
 
-def _size(count: int) -> str:
+def bytes_text(count: float) -> str:
+    """A number of bytes, as a text."""
     for unit, scale in (("GB", 1e9), ("MB", 1e6)):
         if count >= scale:
             return f"{count / scale:.1f} {unit}"

@@ -1,6 +1,7 @@
 """Errors of the store when a file cannot be made, written or read."""
 
 import errno
+import os
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -37,6 +38,20 @@ class DamagedError(StoreError):
     """A result file is truncated or modified."""
 
 
+def make_folder_of(path: Path) -> None:
+    """Make the folder of a result file.
+
+    Raises
+    ------
+    StoreError
+        It can't be made.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise StoreError(f"{path.parent}: can't be made: {error.strerror}") from None
+
+
 @contextmanager
 def explained(
     path: Path, action: str, remedy: str = "System error.", otherwise: type[StoreError] = StoreError
@@ -63,8 +78,9 @@ def explained(
         yield
     except (OSError, RuntimeError, ValueError, KeyError, TypeError, AttributeError) as error:
         number = _number(error)
-        kind = StoreError if number in _REMEDIES else otherwise
-        raise kind(f"cannot {action} {path}: {_REMEDIES.get(number, remedy)} ({error})") from error
+        if number in _REMEDIES:
+            raise StoreError(f"cannot {action} {path}: {os.strerror(number)}. {_REMEDIES[number]}") from error
+        raise otherwise(f"cannot {action} {path}: {remedy} ({error})") from error
 
 
 def is_busy(error: Exception) -> bool:

@@ -37,5 +37,5 @@ def find_study(name: str) -> Path:
     known = bundled_studies()
     if name in known:
         return known[name]
-    message = unknown_name_message(name, known)
-    raise InputError.of(name, f"there is no such file, and no bundled study of that name. {message}")
+    others = "" if path.suffix else f", and no bundled study of that name. {unknown_name_message(name, known)}"
+    raise InputError.of(name, f"there is no such file{others}")

@@ -42,10 +42,7 @@ def telling_summaries(machine: engine.Machine | engine.ElementsAlone) -> tuple[s
         if not isinstance(regime, engine.RunRegime):
             keys += [f"{m}_slip" for m in motors if scene.moments[m].type == "induction_motor"]
             keys.append("multiplier")
-            fluid = any(coupling.type == "fluid_coupling" for coupling in scene.couplings.values())
-            asked = scene.flywheel is not None and scene.flywheel.inertia is None and scene.flywheel.speed_fluctuation
-            if asked and not fluid:
-                keys.append("flywheel")
+            keys += ["flywheel"] if name in engine.sized_regimes(scene) else []
         found += [f"{name}.{key}" for key in (*keys, *_coupling_keys(scene, regime))]
     return tuple(found)
 

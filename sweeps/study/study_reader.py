@@ -175,7 +175,7 @@ class StudyReader:
             return refusal and f"can't vary in this scene: {refusal}"
         if path.isidentifier() and path in self._names_used:
             return ""
-        return f"is not a number of the scene. {engine.unknown_name_message(path, self.numbers)}"
+        return f"is not a number that the scene gives. {engine.unknown_name_message(path, self.numbers)}"
 
     def _refusal(self, path: str, others: Iterable[str]) -> str:
         """Why a number of the scene can't vary (it has no effect), or "".

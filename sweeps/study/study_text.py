@@ -41,7 +41,7 @@ class Between(ScenePart):
 
 
 class SizeSeries(ScenePart):
-    """Standard sizes from `low` to `high`; sampled as `Between` where the study samples, else a grid axis."""
+    """Standard sizes from `low` to `high`; sampled like a range where the study samples, else a grid axis."""
 
     choose: Literal["R5", "R10", "R20", "R40", "IEC"]
     low: float | str
@@ -49,7 +49,7 @@ class SizeSeries(ScenePart):
 
 
 class SizeList(ScenePart):
-    """Sizes of parts on the market; sampled as `Between` where the study samples, else a grid axis."""
+    """Sizes of parts on the market; sampled like a range where the study samples, else a grid axis."""
 
     choose: Annotated[list[float | str], Field(min_length=1)]
 

@@ -6,7 +6,7 @@ met or both missed. If other values within the estimates would change the outcom
 """
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -144,6 +144,13 @@ class Condition:
                 raise UnknownNameError(engine.unknown_name_message(name, dimensions))
         if all(dimensions[name] is not None for name in self.names):
             engine.dimension_of(self.expression, dimensions)
+        angles = {name for name in self.names if dimensions[name] == engine.dimension_of_unit("rad")}
+        for sides in _compared(self.expression.tree):
+            # In formulas a bare number is in radians; here it would be taken for degrees, as angles are shown.
+            bare = next((side for side in sides if isinstance(side, float) and side), None)
+            if bare is not None and not angles.isdisjoint(filter(lambda side: isinstance(side, str), sides)):
+                hint = f"{bare:g} has no unit: write '{bare:g} deg' or '{bare:g} rad'"
+                raise engine.ExpressionError(f"{self.text!r} compares an angle with a plain number; {hint}")
 
     @property
     def is_equality(self) -> bool:
@@ -243,6 +250,15 @@ def value_with_error(tree: engine.ExpressionTree, values: Values, errors: Values
     # Infinite values need no estimate; unknown estimates are infinite.
     error = np.where(np.isfinite(value), np.where(np.isnan(error), np.inf, error), 0.0)
     return value, error
+
+
+def _compared(tree: engine.TextOperation) -> Iterator[tuple[engine.ExpressionTree, ...]]:
+    """Both sides of each comparison of a condition."""
+    if tree.name in ("and", "or", "not"):
+        for part in tree.operands:
+            yield from _compared(part)
+    else:
+        yield tree.operands
 
 
 class _Comparison(NamedTuple):

@@ -33,7 +33,7 @@ def given_values(scene: Scene, settings: Sequence[str]) -> dict[str, float]:
         if path not in known:
             near = nearest_names(path, known, 3)
             hint = f"did you mean {' or '.join(map(repr, near))}?" if near else f"numbers are {', '.join(known)}"
-            raise InputError.of("--set", f"is not a number of the scene; {hint}", key=path)
+            raise InputError.of("--set", f"is not a number that the scene gives; {hint}", key=path)
         try:
             found[path] = in_text(value.strip("\"'"), known[path].dimension)
         except UnitError as error:

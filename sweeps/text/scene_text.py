@@ -30,7 +30,10 @@ def read_scene(path: Path | str) -> engine.Scene:
     """
     path = Path(path)
     text = read_text(path)
-    return scene_from(parse_toml(text, path.name), text, path.name, path.parent)
+    data = parse_toml(text, path.name)
+    if "scene" in data:
+        raise InputError.of(path.name, "is a study, not a scene; `read_study` reads it")
+    return scene_from(data, text, path.name, path.parent)
 
 
 def scene_from(

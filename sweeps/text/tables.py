@@ -2,7 +2,7 @@
 
 import shutil
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 # Columns of text at least, in a narrow terminal too.
@@ -14,6 +14,27 @@ def table(rows: Sequence[Sequence[str]], indent: str = "") -> str:
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = ("  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows)
     return "\n".join(indent + line for line in lines)
+
+
+def column(words: str, units: str, values: Iterable[float]) -> list[str]:
+    """Cells of a column: its head with the unit shown, then numbers in it, a dash for those that don't exist.
+
+    Parameters
+    ----------
+    words : str
+    units : str
+        CF unit ("kg m2") of the values, "1" for plain numbers.
+    values : iterable of float
+    """
+    # Slow to import, and `sweeps list` needs tables too.
+    import numpy as np
+
+    from engine import display_unit
+
+    values = np.array([*values])
+    factor, label = display_unit(units, values)
+    head = words if label == "1" else f"{words}, {label}"
+    return [head, *("–" if np.isnan(value) else f"{factor * value:.5g}" for value in values)]
 
 
 def table_by_subject(texts: Mapping[str, str], files: Mapping[str, Path]) -> str:

@@ -181,7 +181,9 @@ class EngineElement(Element):
         """
         found = self.firing_order or even_firing_order(self.nominal_layout)
         if found is None:
-            raise ValueError("firing_order is missing: these throws allow no even one")
+            raise ValueError(
+                "firing_order is missing, and these throws allow no even one: give the cylinders in the order they fire"
+            )
         return found
 
     @property

@@ -13,6 +13,7 @@ from engine.elements.engines.shafts import crankshaft_counterweights, remaining_
 from engine.elements.engines.shaking import engine_shaking
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, path, plan
 from engine.laws.rounding import EPS
+from engine.units.display import quantity_text
 
 SHOWN_ORDERS = (1, 2, 3, 4, 5, 6)
 BEFORE, AFTER = "without counterweights", "with counterweights"
@@ -98,7 +99,7 @@ def _torque(engine: Element) -> tuple[Panel, Panel]:
     torque = mean + (parts @ np.exp(1j * np.multiply.outer(steps, phi))).real
     fires = firing_angles(engine.nominal_layout, engine.order_of_firing) % FOUR_STROKE
     marks = Mark("", None, mean), *(Mark("", angle, None) for angle in fires)
-    title = f"Mean {mean:.4g} N·m, firing order {'-'.join(map(str, engine.order_of_firing))}"
+    title = f"Mean {quantity_text(mean, 'N m')}\nfiring order {'-'.join(map(str, engine.order_of_firing))}"
     y = PanelAxis("torque", "N m", "M")
     axes = PanelAxis("crank angle", "rad", "φ"), y._replace(words="torque of gas and inertia")
     curve = Panel(*axes, phi, (Curve("", torque),), marks, title)

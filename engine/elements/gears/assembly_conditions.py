@@ -41,9 +41,9 @@ class MeshSizes(NamedTuple):
 
 
 class AssemblyConditions(NamedTuple):
-    """Assembly conditions of a train: whether it fits (variants,), and the results that show it."""
+    """Assembly conditions of a train: verdicts (variants,), OK where it fits, and the results that show why."""
 
-    fits: np.ndarray
+    verdicts: np.ndarray
     results: list[tuple[ElementResult, Measured]]
 
 
@@ -93,20 +93,26 @@ def tooth_contact(train: Element, n: Numbers, sizes: dict[str, MeshSizes]) -> np
 
 def assembly_conditions(train: Element, n: Numbers, sizes: dict[str, MeshSizes]) -> AssemblyConditions:
     """Check whether a train can be assembled."""
-    structure = train.structure
-    fits = np.ones(next(iter(n.values())).size, bool)
-    for wheel in train.wheels:
-        fits &= n[f"wheels.{wheel}.teeth"] == np.round(n[f"wheels.{wheel}.teeth"])
+    structure, results = train.structure, []
+    verdicts = np.full(next(iter(n.values())).size, Verdict.OK, np.uint8)
+
+    def require(met: np.ndarray, otherwise: Verdict) -> None:
+        verdicts[~met & (verdicts == Verdict.OK)] = otherwise
+
+    counts = [f"wheels.{wheel}.teeth" for wheel in train.wheels]
+    counts += [f"shafts.{name}.planets" for name, shaft in train.shafts.items() if shaft.planets is not None]
+    for key in counts:
+        require(n[key] == np.round(n[key]), Verdict.FRACTION_OF_A_TOOTH)
     for size in sizes.values():
         # NaN if profile shifts rule out any centre distance.
-        fits &= size.distance > 0
-    fits &= _equal_modules(train, sizes) & _bores_leave_a_rim(train, n, sizes)
-    results = []
+        require(size.distance > 0, Verdict.DOES_NOT_FIT)
+    require(_equal_modules(train, sizes), Verdict.MODULES_DIFFER)
+    require(_bores_leave_a_rim(train, n, sizes), Verdict.BORE_TOO_LARGE)
     for one, other in structure.same_distance:
         at, name = (sizes[structure.meshes[j].name].distance for j in (one, other)), structure.meshes[other].name
         first, second = at
         off = (second - first) / first
-        fits &= np.abs(off) <= _SAME
+        require(np.abs(off) <= _SAME, Verdict.AXES_APART)
         words = f"difference of the centre distance of {name} from that of its axes, over it"
         results.append((ElementResult(f"{name}.distance_error", words, "1", rank=Rank.CHECK), Measured(off, 8.0 * EPS)))
     remainders: dict[str, np.ndarray] = {}
@@ -115,16 +121,16 @@ def assembly_conditions(train: Element, n: Numbers, sizes: dict[str, MeshSizes])
             left = _spacing_remainder(path, n, n[f"shafts.{path.carrier}.planets"])
             remainders[path.carrier] = np.maximum(remainders.get(path.carrier, 0.0), left)
     for name, left in remainders.items():
-        fits &= (left == 0) & (n[f"shafts.{name}.planets"] == np.round(n[f"shafts.{name}.planets"]))
+        require(left == 0, Verdict.UNEVEN_PLANETS)
         words = f"what is left over where planets spaced equally on {name} need a whole multiple (0 fits)"
         spacing = ElementResult(f"{name}.spacing_remainder", words, "1", exact=True, rank=Rank.CHECK)
         results.append((spacing, Measured(left)))
     for planet, gap in _clearances(train, n, sizes):
-        fits &= gap > 0
+        require(gap > 0, Verdict.PLANETS_TOUCH)
         words = f"gap between the tips of neighbouring {planet} planets, over the diameter of the tips"
         clearance = ElementResult(f"{planet}.neighbour_clearance", words, "1", None, True)
         results.append((clearance, Measured(gap, 16.0 * EPS * (1.0 + np.abs(gap)))))
-    return AssemblyConditions(fits, results)
+    return AssemblyConditions(verdicts, results)
 
 
 def _equal_modules(train: Element, sizes: dict[str, MeshSizes]) -> np.ndarray:

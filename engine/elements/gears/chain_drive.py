@@ -87,13 +87,15 @@ class ChainDrive(Element):
         """Results, and verdicts: fractional teeth do not fit, nor does a centre distance below the sum of the radii."""
         # The number of links is an integer: keep it while the numbers are nudged.
         found, errors = nudged(partial(self.values, even=_even_links(n) if "distance" in n else None), n)
-        fits = (n["driving_teeth"] == np.rint(n["driving_teeth"])) & (n["driven_teeth"] == np.rint(n["driven_teeth"]))
+        whole = (n["driving_teeth"] == np.rint(n["driving_teeth"])) & (n["driven_teeth"] == np.rint(n["driven_teeth"]))
+        verdicts = np.where(whole, Verdict.OK, Verdict.FRACTION_OF_A_TOOTH).astype(np.uint8)
         if "distance" in n:
             radii = 0.5 * (found["driving_diameter"] + found["driven_diameter"])
             # With one link fewer the sprockets may touch.
-            fits &= (n["distance"] > radii) & (found["fitted_distance"] > radii)
-        verdicts = np.where(fits, Verdict.OK, Verdict.DOES_NOT_FIT).astype(np.uint8)
-        return Answers({name: np.where(fits, row, np.nan) for name, row in found.items()}, errors, verdicts)
+            apart = (n["distance"] > radii) & (found["fitted_distance"] > radii)
+            verdicts[whole & ~apart] = Verdict.DOES_NOT_FIT
+        values = {name: np.where(verdicts == Verdict.OK, row, np.nan) for name, row in found.items()}
+        return Answers(values, errors, verdicts)
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """The chain on its sprockets, to scale, and its speed while links engage.

@@ -124,15 +124,15 @@ def train_answers(train: Element, n: Numbers) -> Answers:
     sizes = mesh_sizes(train, n)
     fit = assembly_conditions(train, n, sizes)
     contact = tooth_contact(train, n, sizes)
-    here = np.flatnonzero(fit.fits & (contact == Verdict.OK))
+    verdict = np.where(fit.verdicts == Verdict.OK, contact, fit.verdicts).astype(np.uint8)
+    here = np.flatnonzero(verdict == Verdict.OK)
     found, verdicts = train_results(train, {key: row[here] for key, row in n.items()})
     # The assembly conditions are also reported for variants that do not fit, to show why.
     values, errors = {}, {}
     everywhere = (*fit.results, *_of_teeth(train, sizes))
     for results, where in ((everywhere, slice(None)), (found, here)):
         for result, known in results:
-            values[result.name], errors[result.name] = pair = np.full((2, fit.fits.size), np.nan)
+            values[result.name], errors[result.name] = pair = np.full((2, verdict.size), np.nan)
             pair[0, where], pair[1, where] = known.value, known.error
-    verdict = np.where(fit.fits, contact, Verdict.DOES_NOT_FIT).astype(np.uint8)
     verdict[here] = verdicts
     return Answers(values, errors, verdict)

@@ -14,6 +14,7 @@ from engine.elements.gears.assembly_conditions import MeshSizes, assembly_condit
 from engine.elements.gears.gear_structure import STANDS_STILL, MeshPlace
 from engine.elements.gears.train_speeds import train_speeds
 from engine.parts.skeleton import FRAME
+from engine.words.verdicts import Verdict
 
 
 class DrawnWheel(NamedTuple):
@@ -45,15 +46,15 @@ class VelocityPicture(NamedTuple):
         Height and velocity of the pitch point, by meshes on the line of centres.
     axes : dict of str to float
         Height of the axis of every shaft on the line of centres.
-    fits : bool
-        Whether the train can be assembled.
+    verdict : Verdict
+        On its assembly.
     """
 
     wheels: dict[str, DrawnWheel]
     lines: dict[str, VelocityLine]
     contacts: dict[str, tuple[float, float]]
     axes: dict[str, float]
-    fits: bool
+    verdict: Verdict
 
 
 def velocity_picture(train: Element) -> VelocityPicture:
@@ -99,7 +100,7 @@ def velocity_picture(train: Element) -> VelocityPicture:
     for shaft, span in spans.items():
         ends = min(span), max(span)
         lines[shaft] = VelocityLine(ends, (velocity(shaft, ends[0]), velocity(shaft, ends[1])), speeds[shaft])
-    return VelocityPicture(wheels, lines, contacts, axes, bool(assembly_conditions(train, n, sizes).fits[0]))
+    return VelocityPicture(wheels, lines, contacts, axes, Verdict(assembly_conditions(train, n, sizes).verdicts[0]))
 
 
 def _heights(train: Element, sizes: dict[str, MeshSizes]) -> dict[str, float]:

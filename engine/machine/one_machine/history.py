@@ -11,7 +11,7 @@ from engine.mechanism.mechanics import Mechanics
 from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.one_speed import CHANNELS
-from engine.motion.quantities import load_fields
+from engine.motion.quantities import load_fields, sized_regimes
 from engine.motion.regimes_in_order import Schedule
 from engine.motion.runs.run_progress import CoupledStanding, Standing
 from engine.motion.runs.watching import Piece, RunFields
@@ -78,7 +78,7 @@ class History(NamedTuple):
 
 
 def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> History:
-    """Compute the regimes of a scene over time.
+    """Compute the regimes of a scene over time, steady ones with the flywheel that is sized for them.
 
     Parameters
     ----------
@@ -103,6 +103,7 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
         raise ValueError(f"{unknown[0]!r} isn't a load that a history keeps; there are: {', '.join(known)}")
     asked = {f"{name}.useful_work" for name in scene.regimes}
     asked |= {f"{name}.{field}.max" for name in scene.regimes for field in fields}
+    asked |= {f"{name}.flywheel" for name in sized_regimes(scene)}
     schedule, numbers = Schedule(mechanics, asked, steps), Numbers(scene_numbers(scene), {})
     every = schedule.variants(numbers, 1)
     zero, standing = np.zeros(1), schedule.at_begin(every)
@@ -137,7 +138,9 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
             parts.append(_Part(name, begun, records[0].along, pieces))
             begun += pieces[-1].time[-1, 0]
         else:
+            variants, verdict = motion.with_sized_flywheel(variants)
             piece, standing = _one_cycle(dynamics, variants, steps, schedule.tolerance)
+            standing = standing._replace(verdict=np.maximum(standing.verdict, verdict))
             along = RunFields(dynamics, variants, zero, zero, motion.loads, dynamics.off)
             sides = None if motion.two is None else motion.two.of(variants, zero)
             if sides is not None:

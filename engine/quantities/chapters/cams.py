@@ -36,6 +36,7 @@ def declare(mechanics: Mechanics) -> Declared:
                 "rad",
                 lambda c=motion: m.graph.apply(angle_of, c.along, c.across),
                 "α",
+                ("peak",),
             )
         words = f"transmission index of cam {name}: for a roller or knife edge, the cosine of the pressure angle"
         yield Field(f"{name}.transmission", words, "1", known(m.kinematics.sines[name]))
@@ -54,7 +55,6 @@ def declare(mechanics: Mechanics) -> Declared:
         if motion.face is not None:
             words = f"distance of the contact with cam {name} from the origin of {cam.follower.link}, along its face"
             yield Field(f"{name}.face_contact", words, "m", known(motion.face))
-    for field in cam_force_fields(scene):
-        yield Field(
-            field.name, field.long_name, field.units, lambda n=field.name: m.reactions.variables[n], field.symbol
-        )
+    for name, words, unit, symbol, *_ in cam_force_fields(scene):
+        answers = ("max", "min") if name.endswith(".contact_force") else ()
+        yield Field(name, words, unit, lambda n=name: m.reactions.variables[n], symbol, answers)

@@ -6,8 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from engine import FRAME, GearTrain, VelocityPicture, Verdict, display_unit, table_unit, train_results, velocity_picture
+from engine import FRAME, GearTrain, VelocityPicture, Verdict, display_unit, train_results, velocity_picture
 from sweeps.pictures.style import GREY, PALE, PALETTE, sheet
+from sweeps.text.tables import column, table
 
 RPM = 30 / math.pi
 # Speeds closer than this share of the maximum share a ray.
@@ -40,10 +41,9 @@ def gear_sheet(train: GearTrain, title: str = "") -> Figure:
             ax.set_ylim(factor * (low - 0.25 * (top - low)), factor * (top + 0.32 * (top - low)))
         scheme.set_ylabel(f"line of centres, {unit}")
         _angular(angular, linear, picture, colours, factor / pace[0])
-        words = [title] if title else []
-        if not picture.fits:
-            words.append(Verdict.DOES_NOT_FIT.sentence)
-        figure.suptitle("\n".join(words), fontweight="bold" if picture.fits else None, wrap=True)
+        fits = picture.verdict == Verdict.OK
+        words = [title, "" if fits else picture.verdict.sentence]
+        figure.suptitle("\n".join(filter(None, words)), fontweight="bold" if fits else None, wrap=True)
     return figure
 
 
@@ -178,14 +178,9 @@ def _angular(ax: Axes, linear: Axes, picture: VelocityPicture, colours: dict[str
 def gear_table(train: GearTrain) -> str:
     """Mobility of a train, and speed, torque and power by shaft, as text."""
     found = {result.name: float(known.value[0]) for result, known in train_results(train, train.own_numbers())[0]}
-    (turn, rpm), (torque, moment), (work, power) = map(table_unit, ("rad s-1", "N m", "W"))
-    heads = f"{'shaft':<16}{f'speed, {rpm}':>14}{f'torque, {moment}':>16}{f'power, {power}':>14}"
-    rows = [train.structure.words, heads]
-    for name in train.shafts:
-        cells = [found[f"{name}.speed"] / turn]
-        if train.has_loads:
-            cells += [
-                0.0 + found.get(f"{name}.{key}", 0.0) / size for key, size in (("moment", torque), ("power", work))
-            ]
-        rows.append(f"{name:<16}" + "".join(f"{v:>{w}.6g}" for v, w in zip(cells, (14, 16, 14), strict=False)))
-    return "\n".join(rows)
+    shown = [("speed", "speed", "rad s-1")]
+    if train.has_loads:
+        shown += [("torque", "moment", "N m"), ("power", "power", "W")]
+    columns = [["shaft", *train.shafts]]
+    columns += [column(words, unit, [found.get(f"{n}.{key}", 0.0) for n in train.shafts]) for words, key, unit in shown]
+    return f"{train.structure.words}\n{table([*zip(*columns, strict=True)])}"

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 import engine
 from sweeps.pictures.panels import panel_sheet
 from sweeps.pictures.style import PALETTE
-from sweeps.text.tables import table
+from sweeps.text.tables import column, table
 
 # Number of speeds for shaft torques, and the range in multiples of the train's speed.
 SPEEDS, FASTEST = 1201, 1.5
@@ -88,14 +88,21 @@ def train_table(train: engine.TorsionalTrain, machine: Numbers) -> str:
 
 def _holzer_text(train: engine.TorsionalTrain, reduced: engine.ReducedTrain, found: engine.HolzerTable) -> str:
     layout = train.layout
-    rows = [("mass", "J, kg·m²", "θ", "J ω² θ, N·m", "shaft", "torque, N·m", "k, N·m/rad", "twist")]
-    for node in reversed(range(len(layout.parents))):
-        masses = " + ".join(m for m, at in layout.node_of.items() if at == node)
-        own = (f"{reduced.inertias[node, 0]:.5g}", f"{found.amplitudes[node]:.5f}", f"{found.inertial[node]:.5g}")
-        shaft = ("", "", "", "")
-        if node:
-            numbers = found.carried[node], reduced.stiffnesses[node, 0], found.twists[node]
-            shaft = (layout.shaft_to[node], *(f"{number:.5g}" for number in numbers))
-        rows.append((masses, *own, *shaft))
-    size = np.abs(found.inertial).max()
-    return f"{table(rows, '  ')}\n  remainder {found.remainder:.1e} N·m, of {size:.3g}"
+    nodes = np.arange(len(layout.parents))[::-1]
+    masses = [" + ".join(m for m, at in layout.node_of.items() if at == node) for node in nodes]
+    # No shaft leads to the root.
+    carried, stiffnesses, twists = (
+        np.where(nodes > 0, row[nodes], np.nan) for row in (found.carried, reduced.stiffnesses[:, 0], found.twists)
+    )
+    columns = (
+        ["mass", *masses],
+        column("J", "kg m2", reduced.inertias[nodes, 0]),
+        column("θ", "1", found.amplitudes[nodes]),
+        column("J ω² θ", "N m", found.inertial[nodes]),
+        ["shaft", *(layout.shaft_to[node] for node in nodes[:-1]), "–"],
+        column("torque", "N m", carried),
+        column("k", "N m rad-1", stiffnesses),
+        column("twist", "1", twists),
+    )
+    left = found.remainder / np.abs(found.inertial).max()
+    return f"{table([*zip(*columns, strict=True)], '  ')}\n  remainder {left:.1e} of the largest J ω² θ"

@@ -174,10 +174,14 @@ def _mark_quarters(ax: Axes, cycle: _Cycle, x: np.ndarray, y: np.ndarray) -> Non
     """Mark the start and quarters of the cycle on a loop with the input position."""
     quarters = np.arange(4) * x.size // 4
     ax.plot(x[quarters], y[quarters], "o", color=BLUE, markersize=3)
+    at: dict[tuple[float, ...], list[int]] = {}
+    for k in quarters:
+        place = tuple(round(row[k] / (np.ptp(row) or 1.0), 2) for row in (x, y))
+        at.setdefault(place, []).append(k)
     # The second half's labels lie on the other side: a closed loop's start and middle may lie close together.
-    for n, k in enumerate(quarters):
-        side = {"xytext": (3, 3)} if n < 2 else {"xytext": (-3, -3), "ha": "right", "va": "top"}
-        text = f"φ {math.degrees(cycle.moving.q[k]):.0f}°"
+    for k, *others in at.values():
+        side = {"xytext": (3, 3)} if k < quarters[2] else {"xytext": (-3, -3), "ha": "right", "va": "top"}
+        text = f"φ {', '.join(f'{math.degrees(cycle.moving.q[i]):.0f}°' for i in (k, *others))}"
         ax.annotate(text, (x[k], y[k]), textcoords="offset points", fontsize=6, **side)
 
 

@@ -28,7 +28,7 @@ def hodographs(scenes: Mapping[str, Scene]) -> Figure:
     PictureError
         A machine can't be computed or its crank doesn't turn fully.
     """
-    forces = {name: closed(scene, shaking_force(scene)) for name, scene in scenes.items()}
+    forces = {name: closed(scene, shaking_force(scene, name)) for name, scene in scenes.items()}
     loops = [Curve(name, force.imag, places=force.real) for name, force in forces.items()]
     starts = [Mark("", force[0].real, force[0].imag) for force in forces.values()]
     origin, words = [Mark("", 0.0, None), Mark("", None, 0.0)], "Hodograph (dots: crank angle 0)"
@@ -46,8 +46,8 @@ def hodographs(scenes: Mapping[str, Scene]) -> Figure:
     return figure
 
 
-def shaking_force(scene: Scene) -> np.ndarray:
-    """Shaking force over the cycle as F_x + i F_y (positions,) [N].
+def shaking_force(scene: Scene, name: str) -> np.ndarray:
+    """Shaking force over the cycle as F_x + i F_y (positions,) [N]; `name` is that of the machine in messages.
 
     Raises
     ------
@@ -55,11 +55,11 @@ def shaking_force(scene: Scene) -> np.ndarray:
         The machine can't be computed, or its crank doesn't turn fully.
     """
     if scene.input is None or not has_cycle(scene):
-        raise PictureError("no hodograph: the scene needs a crank that turns fully")
+        raise PictureError(f"no hodograph of {name}: it needs a crank that turns fully")
     machine, names = MovingMachine(scene, positions=POSITIONS), ("shaking_force_x", "shaking_force_y")
     verdict = machine.verdict(names)
     if verdict != Verdict.OK:
-        raise PictureError(f"no hodograph of this machine: {verdict.sentence}")
+        raise PictureError(f"no hodograph of {name}: {verdict.sentence}")
     x, y = machine.fields(names).values()
     return x + 1j * y
 

@@ -244,7 +244,8 @@ def cycle_diagrams(scene: Scene, seen: "engine.History", regime: str) -> Figure:
 def _speed_words(scene: Scene, part: _Course) -> tuple[str, list[engine.Mark]]:
     """Fluctuation and mean of the speed, and marks at its mean and extremes."""
     names = [f"{part.name}.{key}" for key in ("mean_speed", "speed_min", "speed_max", "speed_fluctuation")]
-    found = engine.Machine(scene, names).evaluate({}).summaries
+    sized = [f"{name}.flywheel" for name in engine.sized_regimes(scene)]
+    found = engine.Machine(scene, [*names, *sized]).evaluate({}).summaries
     *marked, delta = (float(found[name][0]) for name in names)
     title = f"δ = {engine.quantity_text(delta, '1')}, mean speed {engine.quantity_text(marked[0], 'rad s-1')}"
     return title, [engine.Mark("", None, math.copysign(height, part.speed[0])) for height in marked]

@@ -11,7 +11,18 @@ from matplotlib.ticker import MultipleLocator
 
 from engine import Verdict, display_unit
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, COLOURS, GREY, PALE, PALETTE, VERMILION, legend_below, sheet, wrapped
+from sweeps.pictures.style import (
+    BLUE,
+    COLOURS,
+    GREY,
+    PALE,
+    PALETTE,
+    VERMILION,
+    legend_below,
+    scaled_as_constant,
+    sheet,
+    wrapped,
+)
 from sweeps.pictures.sweep.parallel_coordinates import chosen_columns, parallel
 from sweeps.pictures.sweep.sweep_data import SweepData
 from sweeps.study.sensitivity import RSS, WORST_CASE
@@ -53,7 +64,8 @@ def curves(figure: Figure, data: SweepData, x: str, ys: Sequence[str], best: int
         few = np.count_nonzero(data.ok) <= 60
         ax.plot(along[order], values[order], color=BLUE, marker="o" if few else None, markersize=2.5)
         error = factor * np.asarray(data.arrays.get(f"{y}_error", np.zeros_like(values)), dtype=float)
-        if data.ok.any() and np.nanmax(np.nan_to_num(error[data.ok])) > SEEN * np.ptp(values[data.ok]):
+        constant = scaled_as_constant(ax, values)
+        if not constant and data.ok.any() and np.nanmax(np.nan_to_num(error[data.ok])) > SEEN * np.ptp(values[data.ok]):
             low, high = (values - error)[order], (values + error)[order]
             ax.fill_between(along[order], low, high, color=BLUE, alpha=0.2, linewidth=0, label="error estimate")
         _tolerance_bands(ax, data, along[order], y, order)

@@ -117,7 +117,8 @@ def _about(words: Sequence[str]) -> str:
             rows.setdefault(name, f"a type of {key.path[0]}" if kind else _first_sentence(key))
     nearest = sorted(rows.items(), key=lambda row: words[0].lower() not in row[0])
     times = {name: _mentions(text, words) for name, text in chapters().items() if name not in NO_SUBJECTS}
-    guide = [name for name in sorted(times, key=times.__getitem__, reverse=True) if any(times[name])][:MOST_CHAPTERS]
+    ranked = sorted(times, key=lambda name: (name in words, times[name]), reverse=True)
+    guide = [name for name in ranked if any(times[name])][:MOST_CHAPTERS]
     parts = [f"About {' '.join(words)!r}:"]
     if rows:
         parts += ["Keys (`sweeps help KEY`):", table(nearest[:MOST_KEYS], "  ")]

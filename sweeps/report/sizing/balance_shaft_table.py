@@ -60,7 +60,7 @@ def _engine_text(name: str, element: engine.EngineElement, given: tuple[float, f
             f"{engine.quantity_text(abs(u), 'kg m')} at {degrees_text(u)}" for u in shaft.unbalances.reshape(-1)
         )
         rows.append((words, f"{shaft.order} × crank", turns, *unbalances))
-    kinds = "force and no couple" if len(used) > 1 else "force"
+    kinds = "force and couple" if len(used) > 1 else "force"
     lines.append(f"Unbalances that cancel the primary and secondary {kinds}:")
     lines.append(table(rows, "  "))
     lines.append(

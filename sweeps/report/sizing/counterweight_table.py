@@ -16,6 +16,8 @@ COMPARED = {
     "input.reaction.max": "peak force on the crank bearing",
     "input_moment.peak": "peak drive torque",
 }
+# A counterweight that pulls with less than this share of the shaking force is rounding.
+NOTHING = 1e-9
 SOUGHT = {"full": "zero shaking force", "rms": "minimum rms shaking force", "peak": "minimum peak shaking force"}
 
 
@@ -92,14 +94,16 @@ def counterweight_text(scene: Scene, found: BalancedMachine, criterion: str) -> 
     criterion : {"full", "rms", "peak"}
     """
     rows = [("link", "m·r", "at", "mass", "radius")]
-    for weight in found.counterweights:
+    pulls = [weight.unbalance * scene.input.speed**2 for weight in found.counterweights]
+    for weight in (w for w, pull in zip(found.counterweights, pulls, strict=True) if pull > NOTHING * found.before):
         angle = math.degrees(math.atan2(weight.y, weight.x)) % 360.0
         sizes = (quantity_text(weight.mass, "kg"), quantity_text(math.hypot(weight.x, weight.y), "m"))
         rows.append((weight.link, quantity_text(weight.unbalance, "kg m"), f"{angle:.1f}°", *sizes))
     speed = quantity_text(abs(scene.input.speed), "rad s-1" if scene.input.type == "crank" else "m s-1")
     head = f"Counterweights for {SOUGHT[criterion]}, at {speed}:"
     note = "Angles and radii in link axes: a crank's origin is its pivot, its x axis points to its pin."
-    lines = [head, table(rows, "  "), note, _compared(scene, found.scene)]
+    shown = [table(rows, "  "), note] if len(rows) > 1 else ["  none: at these places every counterweight raises it"]
+    lines = [head, *shown, _compared(scene, found.scene)]
     if criterion != "full":
         left, bound = quantity_text(found.after, "N"), quantity_text(found.bound, "N")
         lines.append(f"Residual shaking force {left}; proven minimum for counterweights at these places: {bound}.")

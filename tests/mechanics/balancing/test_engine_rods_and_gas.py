@@ -260,7 +260,7 @@ def test_bank_angle_at_which_the_order_cannot_fire__has_no_torque_but_forces():
         ({**STAR, "master_cylinder": 6}, "master_cylinder = 6: there are 5 cylinders"),
         ({"firing_order": (1, 3, 4, 2)}, "which needs gas"),
         ({"gas": GAS, "firing_order": (1, 4, 2, 3)}, "1-3-4-2 fires evenly"),
-        ({"gas": GAS, "throws": (0.0, 1.0, 2.0, 3.0)}, "firing_order is missing: these throws allow no even one"),
+        ({"gas": GAS, "throws": (0.0, 1.0, 2.0, 3.0)}, "firing_order is missing, and these throws allow no even one"),
     ],
 )
 def test_engine_that_cannot_be__is_refused_with_the_mend(changes, message):

@@ -166,4 +166,4 @@ def test_cams_of_a_scene_with_several__are_named(tmp_path, monkeypatch):
 
 
 def test_plot_of_a_scene_with_a_cam__is_its_sheet(template):
-    assert "cam_cam_cam.png" in said("plot", template).output
+    assert "cam_cam.png" in said("plot", template).output

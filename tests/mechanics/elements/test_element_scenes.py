@@ -193,7 +193,7 @@ def test_commands__on_elements_alone_work_or_say_why_not(tmp_path, monkeypatch):
     assert run("export", "results/jack.h5", "--variant", "0", "--to", "again.toml")[0] == 0
     assert read_scene("again.toml").elements == read(TEXT).elements
     code, out = run("plot", "jack.toml")
-    assert (code, out) == (0, "Wrote jack_jack_friction.png\n")
+    assert (code, out) == (0, "Wrote jack_friction.png\n")
     for words in (("animate", "jack.toml"), ("export", "jack.toml", "--to", "a.svg")):
         code, out = run(*words)
         assert code == 2

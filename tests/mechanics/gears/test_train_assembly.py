@@ -58,7 +58,11 @@ def test_all_conditions__over_all_small_integers():
     fits = (ring == sun + 2 * planet) & ((sun + ring) % k == 0) & neighbours
     clear = tips_keep_clear(sun, planet) & tips_keep_clear(planet, ring, -1)
     assert (fits & clear).any()
-    assert (status[~fits] == Verdict.DOES_NOT_FIT).all()
+    why = np.where(neighbours, Verdict.OK, Verdict.PLANETS_TOUCH)
+    why = np.where((sun + ring) % k == 0, why, Verdict.UNEVEN_PLANETS)
+    why = np.where(ring == sun + 2 * planet, why, Verdict.AXES_APART)
+    why = np.where(ring > planet, why, Verdict.DOES_NOT_FIT)
+    assert (status[~fits] == why[~fits]).all()
     assert (status[fits] == np.where(clear, Verdict.OK, Verdict.INTERFERES)[fits]).all()
     fits &= clear
     assert np.isnan(found["arm.ratio"][0][~fits]).all()
@@ -70,7 +74,7 @@ def test_numbers_of_teeth_that_are_not_whole__do_not_fit():
     varied = {"wheels.sun.teeth": np.array([18, 18.5, 19, 20])}
     train = simple_planetary(18, 24, 66, ROLES)
     # 20 + 2·24 is no longer 66; nor is 19 + 2·24.
-    assert list(found_of(train, varied)[1]) == [Verdict.OK, *[Verdict.DOES_NOT_FIT] * 3]
+    assert list(found_of(train, varied)[1]) == [Verdict.OK, Verdict.FRACTION_OF_A_TOOTH, *[Verdict.AXES_APART] * 2]
 
 
 def test_two_stages_on_one_axis__need_equal_distances():
@@ -84,7 +88,7 @@ def test_two_stages_on_one_axis__need_equal_distances():
     }  # fmt: skip
     varied = {"wheels.d.teeth": np.array([50.0, 51.0])}
     found, status = found_of(train, varied)
-    assert list(status) == [Verdict.OK, Verdict.DOES_NOT_FIT]
+    assert list(status) == [Verdict.OK, Verdict.AXES_APART]
     np.testing.assert_allclose(found["two.distance_error"][0], [0, 1 / 80], atol=1e-15)
 
 
@@ -97,7 +101,7 @@ def test_bore_up_to_the_teeth__does_not_fit():
     train = simple_planetary(24, 30, 84, ROLES, module=0.002)
     train["wheels"]["sun"] |= {"width": 0.02, "bore": 0.01}
     # The root circle has 2 mm · (24 - 2.5) = 43 mm.
-    assert list(found_of(train, {"wheels.sun.bore": [0.042, 0.0431]})[1]) == [Verdict.OK, Verdict.DOES_NOT_FIT]
+    assert list(found_of(train, {"wheels.sun.bore": [0.042, 0.0431]})[1]) == [Verdict.OK, Verdict.BORE_TOO_LARGE]
 
 
 # Inertia

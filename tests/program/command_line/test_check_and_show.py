@@ -35,7 +35,7 @@ assembles over the whole cycle
 Computed at adaptive positions
 Skipped (not needed for the outputs)
 acceleration
-MB plus the program itself
+plus the program itself
 free"""
     for words in told.splitlines():
         assert words in answer.stdout
@@ -88,6 +88,7 @@ def test_check_of_a_machine_that_nowhere_assembles__says_so(press_folder):
     Path("press.toml").write_text(text)
     answer = done("check", "press.toml")
     assert "can't be assembled at any input position" in answer
+    assert "group slide fails first, at 0 °" in answer
 
 
 def test_check_source__is_python_to_read(press_folder):
@@ -116,6 +117,16 @@ def test_show__lists_what_meets_the_study_s_condition_the_best_first(press_resul
     assert [row[0] for row in table_of(answer.stdout)] == ["6", "7", "2", "3"]
     assert [row[1] for row in table_of(answer.stdout)] == ["50", "50", "60", "60"]
     assert "Answer: minimum excess_work" in answer.stdout
+
+
+def test_show_variant__lists_its_numbers(press_result):
+    lines = done("show", press_result, "--variant", "3").splitlines()
+    assert lines[0] == "variant 3: computed"
+    rows = {line.split()[0]: line.split()[1:4] for line in lines[1:]}
+    assert rows["input.length"] == ["=", "60", "mm"]
+    # In line, the stroke is twice the crank.
+    assert rows["ram.stroke"] == ["→", "120", "mm"]
+    assert "variant: 8 is not one of 0 … 7" in refused("show", press_result, "--variant", "8")
 
 
 def test_show_where_sort_limit_and_columns__choose(press_result):

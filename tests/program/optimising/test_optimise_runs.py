@@ -29,6 +29,13 @@ def interrupted(study: Study, path: Path) -> None:
         optimise_study(study, path, progress=stopping(1))
 
 
+@pytest.mark.parametrize("compute", [run_study, optimise_study])
+def test_folder_that_cannot_be_made__store_error(compute, tmp_path):
+    (tmp_path / "file").touch()
+    with pytest.raises(StoreError, match="file/sub: can't be made: Not a directory"):
+        compute(study_of(tmp_path, ONE), tmp_path / "file" / "sub" / "out.h5")
+
+
 # Interruptions
 
 

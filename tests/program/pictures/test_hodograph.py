@@ -22,7 +22,7 @@ def test_orders__are_those_of_the_engine():
     scene = slider_crank(bodies={"piston_body": {"link": "piston", "mass": 2000.0}, "web": web})
     outcome = Machine(scene, names).evaluate({})
     expected = [outcome.summaries[name][0] for name in names]
-    sizes = order_sizes(shaking_force(scene), 2)
+    sizes = order_sizes(shaking_force(scene, "it"), 2)
     # Two ways of summing 720 terms.
     np.testing.assert_allclose(sizes[[0, 1, 3]], expected, rtol=0, atol=1e-13 * expected[0])
 
@@ -35,7 +35,7 @@ def test_picture__shows_closed_loops_and_bars_of_both_machines():
     loops = [line for line in left.get_lines() if line.get_label() in ("before", "after")]
     for loop, scene in zip(loops, (before, after), strict=True):
         x, y = loop.get_data()
-        force = shaking_force(scene) / 1e3
+        force = shaking_force(scene, "it") / 1e3
         assert (x[0], y[0]) == (x[-1], y[-1])
         # Of the order of 10 kN, shown in kN.
         np.testing.assert_allclose(x[:-1] + 1j * y[:-1], force, rtol=1e-14)
@@ -50,8 +50,11 @@ def test_picture__shows_closed_loops_and_bars_of_both_machines():
 @pytest.mark.parametrize(
     ("parts", "message"),
     [
-        ({"input": crank(start=0.0, stop=1.0)}, "needs a crank that turns fully"),
-        ({"groups": {"g": rrp("B", ("rod", "A", 0.2), "piston", "way")}}, "a group can't be assembled"),
+        ({"input": crank(start=0.0, stop=1.0)}, "no hodograph of it: it needs a crank that turns fully"),
+        (
+            {"groups": {"g": rrp("B", ("rod", "A", 0.2), "piston", "way")}},
+            "no hodograph of it: a group can't be assembled",
+        ),
     ],
 )
 def test_machine_without_a_hodograph__is_said(parts, message):

@@ -215,3 +215,12 @@ def test_table_of_the_history__holds_the_equation_of_motion(tmp_path):
     left = (inertia + 0.5) * epsilon[shared] + 0.5 * slope * omega[shared] ** 2
     # Both sides are sums of a few terms of at most 20 N·m in rounding.
     assert left == pytest.approx(moment[chosen][shared], abs=1e-10)
+
+
+def test_history_of_a_sized_flywheel__keeps_the_required_fluctuation():
+    scene = machine(flywheel={"speed_fluctuation": 0.02})
+    seen = history(scene)
+    speed = seen.speed[seen.regime == "work"]
+    # Extremes at nodes miss the true ones by the square of half a step.
+    assert 2 * np.ptp(speed) / (speed.max() + speed.min()) == pytest.approx(0.02, rel=1e-3)
+    assert cycle_diagrams(scene, seen, "work").axes[0].get_title().startswith("δ = 0.02, ")

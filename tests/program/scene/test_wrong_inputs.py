@@ -262,7 +262,7 @@ no rows | input.length [mm]\n |  | at least one row
 
 # A command, and what is named in place of a file.
 COMMANDS = cases(r"""
-no such file | run nope.toml | nope.toml | there is no such file, and no bundled study of that name
+no such file | run nope.toml | nope.toml | there is no such file
 scene for a result | show press.toml | press.toml | For scenes and studies use `sweeps check`
 misspelt command | chekc press.toml | chekc | Did you mean 'check'?
 no value | check press.toml --set input.length | --set | write PATH=VALUE, such as input.length='55 mm'

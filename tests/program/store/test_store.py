@@ -219,6 +219,7 @@ def test_part_file_appears_during_creation__not_overwritten(path, part, monkeypa
         (OSError(37, "No locks available"), "HDF5_USE_FILE_LOCKING=FALSE"),
         (RuntimeError("Can't close (errno = 28, error message = 'No space left on device')"), "Make room"),
         (PermissionError(13, "Permission denied"), "Look at the permissions"),
+        (OSError(30, "errno = 30, error message = 'x', o_flags = c2"), r"out.h5: Read-only file system\. [^(]*$"),
         (OSError(30, "Read-only file system"), "give another --out"),
     ],
 )

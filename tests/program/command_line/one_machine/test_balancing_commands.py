@@ -80,7 +80,7 @@ def test_plot_of_an_engine__draws_its_sheet_and_tells_its_orders(folder):
 
 
 def test_plot_of_a_rotor__draws_its_plan(folder):
-    assert wrote(done("plot", "fan_rotor", "--out", "fan.svg")) == ["fan_fan_plan.svg"]
+    assert wrote(done("plot", "fan_rotor", "--out", "fan.svg")) == ["fan_plan.svg"]
 
 
 def test_plot_of_a_variant__draws_the_elements_with_its_numbers(folder):

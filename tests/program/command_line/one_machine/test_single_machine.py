@@ -79,7 +79,7 @@ def test_show_at__in_json_has_several_angles_and_numbers_set_anew(press_folder):
         (["--at", "0.2 s"], "a time needs regimes"),
         (["--at", "10", "--columns", "B.vz"], "or 'B.vx'?"),
         (["--at", "10", "--set", "input.length=-3 mm"], "input.length"),
-        (["--set", "input.length=3 mm"], "require --at"),
+        (["--set", "input.length=3 mm"], "requires --at"),
     ],
 )
 def test_show_at__refuses_in_one_sentence(arguments, words, press_folder):
