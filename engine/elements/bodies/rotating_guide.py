@@ -21,8 +21,7 @@ from pydantic import Field
 from engine.cycle.regula_falsi import regula_falsi
 from engine.elements.element import Columns, Element, ElementResult, Numbers
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, path, plan
-from engine.parts.skeleton import AngularSpeed, Faults, Length, Mass, Number, Speed
-from engine.units.display import quantity_text
+from engine.parts.skeleton import AngularSpeed, Length, Mass, Number, Speed
 
 # Samples of a curve; number of lever positions drawn.
 _SHOWN, _LEVERS = 721, 8
@@ -35,6 +34,7 @@ class RotatingGuide(Element):
     `length`.
     """
 
+    ascending: ClassVar = {("start_radius", "length"): "the body slides out"}
     picture: ClassVar = "sliding"
     RESULTS: ClassVar = (
         ElementResult("time", "time to the end of the lever", "s"),
@@ -57,13 +57,6 @@ class RotatingGuide(Element):
     start_velocity: Annotated[Speed, Field(ge=0)] = 0.0
     length: Annotated[Length, Field(gt=0)]
     friction: Annotated[Number, Field(ge=0)] = 0.0
-
-    def _faults(self) -> Faults:
-        if not self.start_radius < self.length:
-            yield (
-                f"length = {quantity_text(self.length, 'm')} is not above start_radius = "
-                f"{quantity_text(self.start_radius, 'm')}: the body slides out"
-            )
 
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name."""

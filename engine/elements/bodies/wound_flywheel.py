@@ -27,8 +27,7 @@ from engine.elements.element import Columns, Element, ElementResult, Numbers
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.elements.sampled_peak import sampled_peak
 from engine.laws.masses.moments_of_inertia import ring_inertia
-from engine.parts.skeleton import AngularSpeed, Faults, Number, Positive, Pressure, quantity
-from engine.units.display import quantity_text
+from engine.parts.skeleton import AngularSpeed, Number, Positive, Pressure, quantity
 
 _PLACES, _SHOWN = 65, 721
 
@@ -40,6 +39,10 @@ class WoundFlywheel(Element):
     material.
     """
 
+    ascending: ClassVar = {
+        ("bore", "winding_diameter", "diameter"): "the winding lies outside the ring",
+        ("winding_stress", "strength"): "the tape would tear while it is wound",
+    }
     picture: ClassVar = "stresses"
     RESULTS: ClassVar = (
         ElementResult("mass", "mass of the wheel", "kg"),
@@ -68,16 +71,6 @@ class WoundFlywheel(Element):
     winding_stress: Annotated[Pressure, Field(ge=0)]
     speed: Annotated[AngularSpeed, Field(gt=0)]
     strength: Annotated[Pressure, Field(gt=0)] | None = None
-
-    def _faults(self) -> Faults:
-        if not self.bore < self.winding_diameter < self.diameter:
-            yield (
-                f"bore = {quantity_text(self.bore, 'm')}, winding_diameter = "
-                f"{quantity_text(self.winding_diameter, 'm')}, diameter = "
-                f"{quantity_text(self.diameter, 'm')}: give them ascending, the winding lies outside the ring"
-            )
-        if self.strength is not None and not self.winding_stress < self.strength:
-            yield "winding_stress must be below strength: the tape would tear while it is wound"
 
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name; NaN if the radii do not ascend."""

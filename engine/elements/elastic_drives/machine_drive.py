@@ -12,7 +12,7 @@ from pydantic import Field
 from engine.elements.elastic_drives.elastic_shaft import ElasticShaft
 from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank, further
 from engine.parts.actions import Time
-from engine.parts.skeleton import OF_FLUCTUATION, ActionRef, Angle, Faults, GearedRef, Inertia, Part
+from engine.parts.skeleton import OF_FLUCTUATION, ActionRef, Angle, GearedRef, Inertia, Part
 
 RESULTS = (
     ElementResult("stiffness", "torsional stiffness of the shaft, reduced to the crank", "N m rad-1"),
@@ -69,15 +69,13 @@ class MachineRun(Part):
     freely relative to the other: at rest it is open, and the motors have to close it; steady running ignores it.
     """
 
+    goes_with: ClassVar = {"angle": ("begin", ("at rest",))}
+
     begin: Literal["at rest", "steady"] = "at rest"
     angle: Angle = 0.0
     time: Annotated[Time, Field(gt=0)]
     off: tuple[ActionRef, ...] = ()
     backlash: Annotated[Angle, Field(ge=0)] = 0.0
-
-    def _faults(self) -> Faults:
-        if self.begin == "steady" and self.angle != 0.0:
-            yield "angle goes with begin = 'at rest': out of steady motion it begins at 0"
 
 
 class MachineDrive(ElasticShaft, Element):

@@ -19,7 +19,7 @@ from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.laws.rounding import EPS
 from engine.parts.actions import Moment, Time
 from engine.parts.motor_constants import MotorCurve, motor_curve
-from engine.parts.skeleton import Angle, AngularSpeed, Faults, Inertia
+from engine.parts.skeleton import Angle, AngularSpeed, Inertia
 from engine.stepping.recorded import made_steps, weights_at
 from engine.stepping.walk_task import WALKS
 from engine.words.verdicts import Verdict
@@ -43,6 +43,7 @@ class TwoMassDrive(ElasticShaft, Element):
     """
 
     one_of: ClassVar = (("motor_moment", "motor"),)
+    required_with: ClassVar = dict.fromkeys(("speed", "load_before"), ("begin", ("running",)))
     picture: ClassVar = "transient"
     RESULTS: ClassVar = (
         ElementResult("stiffness", "torsional stiffness of the shaft", "N m rad-1"),
@@ -71,10 +72,6 @@ class TwoMassDrive(ElasticShaft, Element):
     load_before: Annotated[Moment, Field(ge=0)] | None = None
     speed: Annotated[AngularSpeed, Field(gt=0)] | None = None
     time: Annotated[Time, Field(gt=0)]
-
-    def _faults(self) -> Faults:
-        if (self.begin == "running") != (self.speed is not None) or (self.speed is None) != (self.load_before is None):
-            yield "speed and load_before go with begin = 'running': give both, or neither"
 
     def values(self, n: Numbers, longer: float) -> tuple[Columns, FollowedDrives]:
         """Results of a set of variants by name, and their drives, by one of the `WALKS`."""

@@ -85,6 +85,18 @@ class EngineElement(Element):
     """
 
     picture: ClassVar = "orders"
+    together: ClassVar = (("knuckle_radius", "link_rod"),)
+    required_with: ClassVar = {"bank_angle": ("layout", ("V", "W"))}
+    goes_with: ClassVar = {
+        "pin_offset": ("layout", ("V",)),
+        "throws": ("layout", ("in-line", "V", "W", "boxer")),
+        "knuckle_radius": ("layout", ("radial",)),
+    }
+    needs: ClassVar = {
+        **dict.fromkeys(("link_rod_mass", "link_rod_centre", "master_cylinder"), ("knuckle_radius",)),
+        **dict.fromkeys(("firing_order", "rod_inertia"), ("gas",)),
+    }
+
     type: Literal["engine"]
     layout: Literal["in-line", "V", "W", "boxer", "radial"]
     cylinders: Annotated[int, Field(ge=1, le=100)]
@@ -114,12 +126,6 @@ class EngineElement(Element):
     firing_order: tuple[int, ...] | None = None
 
     def _faults(self) -> Faults:
-        if (self.layout in ("V", "W")) != (self.bank_angle is not None):
-            yield f"bank_angle goes with layout = 'V' or 'W'; the layout is {self.layout!r}"
-        if self.pin_offset is not None and self.layout != "V":
-            yield f"pin_offset goes with layout = 'V'; the layout is {self.layout!r}"
-        if self.throws is not None and self.layout == "radial":
-            yield "throws: a radial engine has one throw; leave throws out"
         yield from self._faults_of_rods()
         self.pattern()
         if self.gas is not None:
@@ -135,20 +141,10 @@ class EngineElement(Element):
                     f"stroke and gudgeon_offset across it"
                 )
             yield f"rod = {quantity_text(self.rod, 'm')}: it must be longer than {least}"
-        if (self.knuckle_radius is None) != (self.link_rod is None):
-            yield "knuckle_radius and link_rod belong together: give both, or neither"
-        if self.knuckle_radius is None:
-            if self.link_rod_mass or self.link_rod_centre or self.master_cylinder != 1:
-                yield "link rods need knuckle_radius and link_rod: give both"
-        elif self.layout != "radial":
-            yield f"knuckle_radius goes with layout = 'radial'; the layout is {self.layout!r}"
-        elif self.gas is not None:
+        if self.knuckle_radius is not None and self.gas is not None:
             yield "gas: the torque is that of rods on the crankpin; leave out gas, or the link rods"
-        elif self.master_cylinder > self.cylinders:
+        if self.master_cylinder > self.cylinders:
             yield f"master_cylinder = {self.master_cylinder}: there are {self.cylinders} cylinders"
-        lost = [key for key in ("firing_order", "rod_inertia") if getattr(self, key) is not None]
-        if lost and self.gas is None:
-            yield f"{lost[0]} matters to the torque alone, which needs gas: give gas, or leave it out"
 
     def pattern(self) -> Pattern:
         """Arrangement of the cylinders, without dimensions.

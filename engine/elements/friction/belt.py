@@ -21,7 +21,7 @@ from engine.laws.friction.belts import (
 )
 from engine.laws.friction.guides import vee_friction
 from engine.parts.actions import Moment
-from engine.parts.skeleton import Angle, Faults, Number, Speed, quantity
+from engine.parts.skeleton import Angle, Number, Speed, quantity
 
 
 @scalar
@@ -55,6 +55,7 @@ class BeltElement(FrictionElement):
     """
 
     one_of: ClassVar = (("tension", "moment"),)
+    needs: ClassVar = {"linear_density": ("speed",)}
     shown: ClassVar = ((FORCE, ("tight_tension", "slack_tension", "shaft_force")), (RATIO, ("tension_ratio",)))
     RESULTS: ClassVar = (
         ElementResult("tension_ratio", "tension of the tight strand over the slack one's, without centrifugal", "1"),
@@ -76,10 +77,6 @@ class BeltElement(FrictionElement):
     moment: Annotated[Moment, Field(gt=0)] | None = None
     speed: Annotated[Speed, Field(ge=0)] | None = None
     linear_density: Annotated[quantity("linear_density"), Field(gt=0)] | None = None
-
-    def _faults(self) -> Faults:
-        if self.linear_density is not None and self.speed is None:
-            yield "linear_density matters at a speed: give speed"
 
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name."""

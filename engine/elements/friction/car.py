@@ -11,7 +11,7 @@ from engine.elements.element import PLACES, Columns, Element, ElementResult, Num
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.graph.over_arrays import over_arrays
 from engine.laws.brakes import axle_shares
-from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Angle, Faults, Number, Positive, Speed, Time
+from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Angle, Number, Positive, Speed, Time
 
 # Highest speed drawn, relative to the given one.
 _FASTEST = 1.5
@@ -35,6 +35,7 @@ class CarElement(Element):
     uphill on a positive `slope`, downhill on a negative one; the brakes act after the `reaction_time`.
     """
 
+    ascending: ClassVar = {("rear_distance", "wheelbase"): "the centre of mass lies between the axles"}
     picture: ClassVar = "braking"
     RESULTS: ClassVar = (
         ElementResult("deceleration", "peak deceleration of the braking car", "m s-2"),
@@ -53,10 +54,6 @@ class CarElement(Element):
     slope: Annotated[Angle, Field(gt=-math.pi / 2, lt=math.pi / 2)] = 0.0
     reaction_time: Annotated[Time, Field(ge=0)] = 0.0
     gravity: Annotated[Acceleration, Field(gt=0)] = STANDARD_GRAVITY
-
-    def _faults(self) -> Faults:
-        if not self.rear_distance < self.wheelbase:
-            yield "rear_distance must be less than wheelbase: the centre of mass lies between the axles"
 
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name."""

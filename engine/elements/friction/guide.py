@@ -19,7 +19,7 @@ from engine.laws.friction.guides import (
     vee_friction,
 )
 from engine.parts.actions import Force
-from engine.parts.skeleton import Angle, Faults, Length
+from engine.parts.skeleton import Angle, Length
 
 
 @scalar
@@ -62,6 +62,8 @@ class GuideElement(FrictionElement):
         ElementResult("efficiency", "work on the resistance over that of the force that moves the slider", "1"),
     )
 
+    required_with: ClassVar = {"vee_angle": ("form", ("vee",))}
+
     type: Literal["guide"]
     form: Literal["flat", "vee", "half-round, new", "half-round, worn in"] = "flat"
     vee_angle: Annotated[Angle, Field(gt=0, le=math.pi)] | None = None
@@ -70,10 +72,6 @@ class GuideElement(FrictionElement):
     load: Force = 0.0
     resistance: Load
     overhang: Length = 0.0
-
-    def _faults(self) -> Faults:
-        if (self.form == "vee") != (self.vee_angle is not None):
-            yield "vee_angle goes with form = 'vee': give both, or neither"
 
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name."""

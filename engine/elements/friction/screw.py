@@ -19,7 +19,7 @@ from engine.laws.friction.screws import (
     raise_moment,
     thread_slope,
 )
-from engine.parts.skeleton import Angle, Faults, Length
+from engine.parts.skeleton import Angle, Length
 
 THREAD_ANGLES = {"square": 0.0, "trapezoidal": math.radians(30.0), "metric": math.radians(60.0)}
 
@@ -53,6 +53,7 @@ class ScrewElement(FrictionElement):
     `collar_diameter` is the mean diameter of the thrust collar.
     """
 
+    one_of: ClassVar = (("thread", "thread_angle"),)
     shown: ClassVar = (
         (TORQUE, ("raise_moment", "lower_moment")),
         (EFFICIENCY, ("raise_efficiency", "lower_efficiency")),
@@ -79,10 +80,6 @@ class ScrewElement(FrictionElement):
     friction: Friction
     collar_diameter: Annotated[Length, Field(ge=0)] = 0.0
     collar_friction: Friction = 0.0
-
-    def _faults(self) -> Faults:
-        if (self.thread is None) == (self.thread_angle is None):
-            yield "give thread ('square', 'trapezoidal' or 'metric') or thread_angle, one of the two"
 
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name."""

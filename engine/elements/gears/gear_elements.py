@@ -1,7 +1,7 @@
 """Members of a gear train: its wheels, the shafts they sit on, and their meshes."""
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
@@ -67,6 +67,8 @@ class GearMesh(Part):
     carrier at rest, or by the mean coefficient of `friction` of its teeth; by default there is no loss.
     """
 
+    at_most_one_of: ClassVar = (("efficiency", "friction"),)
+
     between: tuple[Name, Name]
     type: Literal["external", "internal"] = "external"
     module: Annotated[Length, Field(gt=0)] | None = None
@@ -76,7 +78,5 @@ class GearMesh(Part):
     friction: Annotated[Number, Field(ge=0, lt=1)] | None = None
 
     def _faults(self) -> Faults:
-        if self.efficiency is not None and self.friction is not None:
-            yield "give efficiency or friction, one of the two"
         if self.between[0] == self.between[1]:
             yield f"between: a wheel doesn't mesh with itself; name two, not {self.between[0]!r} twice"

@@ -25,9 +25,8 @@ from engine.graph.nodes import Graph, Node
 from engine.laws.governors.linkages import balls_on_upper_arms
 from engine.laws.tables import Table
 from engine.parts.actions import Force
-from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Faults, Length, Mass, Number, Positive, quantity
+from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Length, Mass, Number, Positive, quantity
 from engine.stepping.walk_task import WALKS
-from engine.units.display import quantity_text
 from engine.words.verdicts import Verdict
 
 _FLAG = {"units": "1", "exact": True}
@@ -91,6 +90,10 @@ class Governor(Element):
     `speed_change` is the relative speed change for which effort and power are computed.
     """
 
+    ascending: ClassVar = {
+        ("least_radius", "greatest_radius"): "give the radii of the balls at the inner and the outer stop"
+    }
+    needs: ClassVar = {"damping": ("engine",)}
     picture: ClassVar = "governor"
 
     ball_mass: Annotated[Mass, Field(gt=0)]
@@ -101,16 +104,6 @@ class Governor(Element):
     damping: Annotated[quantity("damping"), Field(ge=0)] = 0.0
     speed_change: Annotated[Number, Field(gt=0)] = 0.01
     engine: GovernedEngine | None = None
-
-    def _faults(self) -> Faults:
-        if not self.least_radius < self.greatest_radius:
-            yield (
-                f"greatest_radius = {quantity_text(self.greatest_radius, 'm')} is not above "
-                f"least_radius = {quantity_text(self.least_radius, 'm')}: "
-                "give the radii of the balls at the inner and the outer stop"
-            )
-        if self.engine is None and self.gives("damping"):
-            yield "damping matters to the motion with an engine alone; give engine, or leave damping out"
 
     @property
     def is_followed(self) -> bool:

@@ -110,7 +110,7 @@ def test_wrong_text__is_refused_with_the_mend(old, new, words):
     [
         (BELT, {"moment": 3.0}, "give tension or moment, one of the two"),
         (BELT, {"linear_density": 0.2}, "give speed"),
-        (GUIDE, {"form": "vee"}, "vee_angle goes with form = 'vee'"),
+        (GUIDE, {"form": "vee"}, "vee_angle is missing: form = 'vee' needs it"),
         (GUIDE, {"vee_angle": 1.0}, "vee_angle goes with form = 'vee'"),
         (JACK, {"thread_angle": 0.5}, "one of the two"),
     ],
