@@ -20,7 +20,7 @@ from pydantic import Field
 
 from engine.cycle.regula_falsi import regula_falsi
 from engine.elements.element import Columns, Element, ElementResult, Numbers
-from engine.elements.panels import Curve, Mark, Panel, PanelAxis, path, plan
+from engine.elements.panels import TIME, Curve, Mark, Panel, PanelAxis, path, plan
 from engine.parts.skeleton import AngularSpeed, Length, Mass, Number, Speed
 
 # Samples of a curve; number of lever positions drawn.
@@ -76,9 +76,8 @@ class RotatingGuide(Element):
         slowing = -2.0 * friction * w
         with np.errstate(all="ignore"):
             both = np.where(-slowing * time > 1e-18, np.expm1(slowing * time) / slowing, time)
-        squares = 0.5 * out * first**2 * np.expm1(2.0 * out * time) + 0.5 * back * second**2 * np.expm1(
-            2.0 * back * time
-        )
+        squares = 0.5 * out * first**2 * np.expm1(2.0 * out * time)
+        squares = squares + 0.5 * back * second**2 * np.expm1(2.0 * back * time)
         squares = squares + 2.0 * out * back * first * second * both
         return {
             "time": time,
@@ -102,9 +101,7 @@ class RotatingGuide(Element):
         radius, rate = slides_out(*given, time)
         reaction = 2.0 * self.mass * self.speed * rate
         rows = (PanelAxis("distance", "m", "r"), radius), (PanelAxis("reaction", "N", "R"), reaction)
-        over_time = (
-            Panel(PanelAxis("time", "s", "t"), y, time, (Curve("", row),), (Mark("", end, row[-1]),)) for y, row in rows
-        )
+        over_time = (Panel(TIME, y, time, (Curve("", row),), (Mark("", end, row[-1]),)) for y, row in rows)
         turned = np.exp(1j * self.speed * time)
         leaves = (rate[-1] + 1j * self.speed * radius[-1]) * turned[-1]
         track = radius * turned

@@ -90,9 +90,8 @@ class WoundFlywheel(Element):
             slope = slope - 2.0 * spin * ((a * b) ** 2 / r**3 + (1.0 + 3.0 * nu) / (3.0 + nu) * r)
             return wound_stresses(n, r, speed)[1], slope
 
-        stress, _ = sampled_peak(
-            lambda r: layer(r)[0], lambda r: layer(r)[1], c + (b - c) * np.linspace(0.0, 1.0, _PLACES)[:, None]
-        )
+        places = c + (b - c) * np.linspace(0.0, 1.0, _PLACES)[:, None]
+        stress, _ = sampled_peak(lambda r: layer(r)[0], lambda r: layer(r)[1], places)
         about = np.log((b - a) * (b + a) / ((c - a) * (c + a)))
         pressure = 0.5 * tension * (1.0 - (a / c) ** 2) * about
         spun = 2.0 * spin * (b**2 + (1.0 - nu) / (3.0 + nu) * a**2)
@@ -134,9 +133,8 @@ class WoundFlywheel(Element):
         made = []
         for which, words, symbol, more in ((1, "hoop stress", "σ_t", strength), (0, "radial stress", "σ_r", [])):
             curves = [Curve(name, rows[which], name == "at rest") for name, rows in found.items()]
-            made.append(
-                Panel(PanelAxis("radius", "m", "r"), PanelAxis(words, "Pa", symbol), radius, curves, (*marks, *more))
-            )
+            axes = PanelAxis("radius", "m", "r"), PanelAxis(words, "Pa", symbol)
+            made.append(Panel(*axes, radius, curves, (*marks, *more)))
         return tuple(made)
 
 

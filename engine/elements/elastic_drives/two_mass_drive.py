@@ -5,7 +5,6 @@ from typing import Annotated, ClassVar, Literal, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from engine.elements.elastic_drives.drive_motors import DriveMotor
 from engine.elements.elastic_drives.elastic_shaft import ElasticShaft, drive_shaft
 from engine.elements.elastic_drives.shaft_touch import touching_moment
 from engine.elements.elastic_drives.two_masses import (
@@ -15,9 +14,9 @@ from engine.elements.elastic_drives.two_masses import (
     follow_drives,
 )
 from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, nudged
-from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.elements.panels import SPEED, TIME, Curve, Mark, Panel, PanelAxis
 from engine.laws.rounding import EPS
-from engine.parts.actions import Moment, Time
+from engine.parts.actions import DCCharacteristic, InductionCharacteristic, Moment, TableCharacteristic, Time
 from engine.parts.motor_constants import MotorCurve, motor_curve
 from engine.parts.skeleton import Angle, AngularSpeed, Inertia
 from engine.stepping.recorded import made_steps, weights_at
@@ -30,6 +29,30 @@ SMALLEST = np.finfo(float).tiny / EPS
 STEPS = 1e4
 # Instants of curves, and maximum number of steps recorded for a plot.
 _INSTANTS, MOST_SHOWN = 8004, 20_000
+
+
+class DriveDCMotor(DCCharacteristic):
+    """A DC motor with a linear characteristic; power and rated speed may replace the stall torque."""
+
+    type: Literal["dc"]
+
+
+class DriveInductionMotor(InductionCharacteristic):
+    """An induction motor, by Kloss' formula or from its nameplate."""
+
+    type: Literal["induction"]
+
+
+class DriveTableMotor(TableCharacteristic):
+    """A motor defined by a table of its torque over its speed, with linear interpolation and extrapolation.
+
+    All torques are multiplied by `scale`.
+    """
+
+    type: Literal["table"]
+
+
+DriveMotor = Annotated[DriveDCMotor | DriveInductionMotor | DriveTableMotor, Field(discriminator="type")]
 
 
 class TwoMassDrive(ElasticShaft, Element):
@@ -138,17 +161,15 @@ class TwoMassDrive(ElasticShaft, Element):
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Plots of shaft torque, speeds of motor and load, and play over time."""
-        history, x = drive_history(self, _INSTANTS), PanelAxis("time", "s", "t")
+        history, x = drive_history(self, _INSTANTS), TIME
         peak = np.abs(history.moment).argmax()
         moments = Curve("of the shaft", history.moment), Curve("of the motor", history.motor_moment, True)
         marks = Mark("", history.time[peak], history.moment[peak]), Mark("of the load", None, self.load_moment)
         speeds = Curve("motor", history.motor_speed), Curve("load", history.load_speed)
         play = Mark("", None, 0.0), Mark("backlash", None, -self.backlash)
-        return (
-            Panel(x, PanelAxis("torque", "N m", "M"), history.time, moments, marks),
-            Panel(x, PanelAxis("speed", "rad s-1", "ω"), history.time, speeds),
-            Panel(x, PanelAxis("motor ahead of load", "rad", "Δφ"), history.time, (Curve("", history.gap),), play),
-        )
+        over = Panel(x, PanelAxis("torque", "N m", "M"), history.time, moments, marks)
+        gap = Panel(x, PanelAxis("motor ahead of load", "rad", "Δφ"), history.time, (Curve("", history.gap),), play)
+        return over, Panel(x, SPEED, history.time, speeds), gap
 
 
 def rigid_moment(motor: np.ndarray, load: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:

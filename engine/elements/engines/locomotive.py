@@ -131,14 +131,13 @@ class LocomotiveElement(Element):
         found = self.over("speed", speed)
         blows = [Curve(f"hammer blow, {side}", found[f"{side}_hammer_blow"]) for side in _SIDES]
         blows.append(Curve("along the track", found["tractive_variation"]))
+        over_speed = PanelAxis("speed of the axle", "rad s-1", "ω"), PanelAxis("peak force", "N", "F")
         marks = [Mark("as given", self.speed, None)]
         marks += [] if self.wheel_load is None else [Mark("wheel load", None, self.wheel_load)]
         return (
             Panel(x, PanelAxis("unbalanced force", "N", "F"), angle, forces),
             Panel(x, PanelAxis("swaying couple", "N m", "M"), angle, (Curve("", turn["swaying_moment"]),)),
-            Panel(
-                PanelAxis("speed of the axle", "rad s-1", "ω"), PanelAxis("peak force", "N", "F"), speed, blows, marks
-            ),
+            Panel(*over_speed, speed, blows, marks),
         )
 
 

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from engine.compiling.decorators import scalar
 from engine.elements.element import PLACES, Columns, Element, ElementResult, Numbers
-from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.elements.panels import VELOCITY, Curve, Mark, Panel, PanelAxis
 from engine.graph.over_arrays import over_arrays
 from engine.laws.brakes import axle_shares
 from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Angle, Number, Positive, Speed, Time
@@ -71,14 +71,10 @@ class CarElement(Element):
             way = self.model_copy(update={"brakes": brakes}).over("speed", speed)["stopping_distance"]
             curves.append(Curve(f"brakes: {brakes}", way))
         mark = Mark("as given", self.speed, None)
-        over_speed = Panel(
-            PanelAxis("speed", "m s-1", "v"), PanelAxis("stopping distance", "m", "s"), speed, curves, (mark,)
-        )
+        over_speed = Panel(VELOCITY, PanelAxis("stopping distance", "m", "s"), speed, curves, (mark,))
         # The brakes act from the end of the reaction time; then the square of the speed falls linearly.
         left = np.linspace(self.speed, 0.0, PLACES)
         held = self.own_values()["deceleration"]
         way = [0.0, *(self.speed * self.reaction_time + (self.speed**2 - left**2) / (2 * held))]
         along = Curve("as given", np.array([self.speed, *left]))
-        return over_speed, Panel(
-            PanelAxis("distance", "m", "s"), PanelAxis("speed", "m s-1", "v"), np.array(way), (along,)
-        )
+        return over_speed, Panel(PanelAxis("distance", "m", "s"), VELOCITY, np.array(way), (along,))

@@ -5,41 +5,13 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from engine.compiling.decorators import scalar
 from engine.elements.element import Columns, ElementResult, Numbers
 from engine.elements.friction.friction_element import EFFICIENCY, FORCE, Friction, FrictionElement, Load, Positive
 from engine.graph.over_arrays import over_arrays
 from engine.laws.friction.coefficients import BUSHES
-from engine.laws.friction.guides import (
-    edge_forces,
-    jamming_overhang,
-    overhung_drive,
-    slider_friction,
-    tilts,
-    vee_friction,
-)
+from engine.laws.friction.guides import guide
 from engine.parts.actions import Force
 from engine.parts.skeleton import Angle, Length
-
-
-@scalar
-def guide(
-    load: float, resistance: float, overhang: float, length: float, friction: float, vee: float, factor: float
-) -> tuple[float, float, float, float, float, float, float, float]:
-    """Slider on its guide: its results in order."""
-    half, reduced = length / 2, factor * vee_friction(friction, vee / 2)
-    drive = overhung_drive(resistance, load, overhang, half, reduced)
-    front, rear = edge_forces(load, drive * overhang, half)
-    return (
-        reduced,
-        drive,
-        slider_friction(load, drive * overhang, half, reduced),
-        front,
-        rear,
-        tilts(load, drive * overhang, half),
-        jamming_overhang(half, reduced),
-        resistance / drive,
-    )
 
 
 class GuideElement(FrictionElement):

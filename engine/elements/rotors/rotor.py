@@ -171,19 +171,15 @@ class RotorElement(Element):
         about_plane = f"Moments about plane {names[len(self.unbalances)]}"
         limits = max(left[1].min(), 1e-3 * allowed.min()) / 3.0, 20.0 * max(left[0].max(), allowed.max())
         at_bearings = Panel(x, y, np.arange(2.0), bars, (), "At the bearings", limits, "bars", ("first", "second"))
-        return (
-            vector_polygon(names, vectors, len(planes[0]), "Unbalances", "kg m"),
-            vector_polygon(names, vectors * arms, len(planes[0]), about_plane, "kg m2"),
-            at_bearings,
-        )
+        forces = vector_polygon(names, vectors, len(planes[0]), "Unbalances", "kg m")
+        return forces, vector_polygon(names, vectors * arms, len(planes[0]), about_plane, "kg m2"), at_bearings
 
 
 def _hole_results(name: str, plane: CorrectionPlane) -> Iterator[ElementResult]:
     yield ElementResult(f"{name}.pieces", f"pieces added in plane {name}", "1", exact=True)
     for k in range(1, plane.used + 1):
-        yield ElementResult(
-            f"{name}.hole_{k}", f"hole {k} used in plane {name}, counted from 1 (0 for none)", "1", exact=True
-        )
+        words = f"hole {k} used in plane {name}, counted from 1 (0 for none)"
+        yield ElementResult(f"{name}.hole_{k}", words, "1", exact=True)
         yield ElementResult(f"{name}.pieces_{k}", f"pieces in hole {k} used in plane {name}", "1", exact=True)
 
 
