@@ -65,6 +65,16 @@ def further(*given: Any, **others: Any) -> ElementResult:
     return ElementResult(*given, rank=Rank.FURTHER, **others)
 
 
+def check_result(*given: Any, **others: Any) -> ElementResult:
+    """A result that checks the others; parameters as for `ElementResult`."""
+    return ElementResult(*given, rank=Rank.CHECK, **others)
+
+
+def named_in_order(results: Iterable[ElementResult], rows: Iterable[np.ndarray]) -> Columns:
+    """Rows in the order of results, by the names of these."""
+    return dict(zip((result.name for result in results), rows, strict=True))
+
+
 class Answers(NamedTuple):
     """Results of an element with their error estimates, by name, and the verdicts, for all variants."""
 
@@ -120,7 +130,7 @@ class Element(Part):
 
     def in_order(self, rows: Iterable[np.ndarray]) -> Columns:
         """Rows of results in the order of RESULTS, by name."""
-        return dict(zip((r.name for r in self.RESULTS), rows, strict=True))
+        return named_in_order(self.RESULTS, rows)
 
     def evaluate(self, n: Numbers) -> Answers:
         """Results with their error estimates, and verdicts; `nudged` gives the estimates unless overridden.

@@ -530,35 +530,17 @@ class TableMotor(Motor, TableCharacteristic):
         return low + (high - low) * driving / (driving - beyond)
 
 
+_ForceDrag = LinearDragForce | QuadraticDragForce | PowerDragForce
 ForceAction = Annotated[
-    ConstantForce
-    | TableForce
-    | FormulaForce
-    | ForceAgainstMotion
-    | LinearDragForce
-    | QuadraticDragForce
-    | PowerDragForce,
-    Field(discriminator="type"),
+    ConstantForce | TableForce | FormulaForce | ForceAgainstMotion | _ForceDrag, Field(discriminator="type")
 ]
+_GivenMoment = ConstantMoment | TableMoment | FormulaMoment | MomentAgainstMotion
+_MomentDrag = LinearDragMoment | QuadraticDragMoment | PowerDragMoment
+_AnyBrake = BlockBrake | DiscBrake | BandBrake
+_CarriedMoment = HoistMoment | VehicleMoment | ConveyorMoment
+_AnyMotor = DCMotor | InductionMotor | TableMotor
 MomentAction = Annotated[
-    ConstantMoment
-    | TableMoment
-    | FormulaMoment
-    | MomentAgainstMotion
-    | LinearDragMoment
-    | QuadraticDragMoment
-    | PowerDragMoment
-    | BlockBrake
-    | DiscBrake
-    | BandBrake
-    | TorsionSpring
-    | HoistMoment
-    | VehicleMoment
-    | ConveyorMoment
-    | DCMotor
-    | InductionMotor
-    | TableMotor,
-    Field(discriminator="type"),
+    _GivenMoment | _MomentDrag | _AnyBrake | TorsionSpring | _CarriedMoment | _AnyMotor, Field(discriminator="type")
 ]
 
 

@@ -13,7 +13,7 @@ from engine.elements.elastic_drives.two_masses import (
     FollowedDrives,
     follow_drives,
 )
-from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, nudged
+from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, named_in_order, nudged
 from engine.elements.panels import SPEED, TIME, Curve, Mark, Panel, PanelAxis
 from engine.laws.rounding import EPS
 from engine.parts.actions import DCCharacteristic, InductionCharacteristic, Moment, TableCharacteristic, Time
@@ -100,18 +100,8 @@ class TwoMassDrive(ElasticShaft, Element):
         """Results of a set of variants by name, and their drives, by one of the `WALKS`."""
         followed, rigid = self.follow(n, longer), self.of_shaft(n)["rigid_moment"]
         held = followed.held
-        found = {
-            "greatest_moment": held.greatest,
-            "greatest_moment_at": held.greatest_at,
-            "dynamic_factor": held.greatest / rigid,
-            "closings": held.closings,
-            "first_impact_at": held.impact_at,
-            "first_impact_speed": held.impact_speed,
-            "load_starts_at": held.load_at,
-            "motor_speed": followed.speed,
-            "load_speed": followed.load_speed,
-        }
-        return found, followed
+        peak, impacts = (held.greatest, held.greatest_at, held.greatest / rigid), held[6:]
+        return named_in_order(self.RESULTS[4:], (*peak, *impacts, followed.speed, followed.load_speed)), followed
 
     def of_shaft(self, n: Numbers) -> Columns:
         """Results that don't depend on the motion, by name."""
@@ -121,8 +111,7 @@ class TwoMassDrive(ElasticShaft, Element):
         if self.begin == "at rest":
             # If the motor can't move the load, the load holds all of its torque.
             rigid = np.where(load >= motor, motor, rigid)
-        named = zip(("stiffness", "damping", "natural_frequency"), shaft, strict=True)
-        return {**dict(named), "rigid_moment": rigid}
+        return named_in_order(self.RESULTS[:4], (*shaft, rigid))
 
     def curve(self, n: Numbers) -> MotorCurve:
         """Characteristic of the motor."""

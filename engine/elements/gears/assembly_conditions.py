@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.cycle.measured import Measured
-from engine.elements.element import ElementResult, Numbers, Rank
+from engine.elements.element import ElementResult, Numbers, check_result
 from engine.elements.gears.gear_structure import PlanetaryPath
 from engine.elements.gears.train_variants import MeshSizes, TrainVariants, teeth_of
 from engine.laws.rounding import EPS
@@ -56,7 +56,7 @@ def assembly_conditions(v: TrainVariants) -> AssemblyConditions:
         off = (second - first) / first
         fits &= np.abs(off) <= _SAME
         words = f"difference of the centre distance of {name} from that of its axes, over it"
-        results.append((ElementResult(f"{name}.distance_error", words, "1", rank=Rank.CHECK), Measured(off, 8.0 * EPS)))
+        results.append((check_result(f"{name}.distance_error", words, "1"), Measured(off, 8.0 * EPS)))
     remainders: dict[str, np.ndarray] = {}
     for path in structure.central_paths:
         if train.shafts[path.carrier].planets is not None:
@@ -65,8 +65,7 @@ def assembly_conditions(v: TrainVariants) -> AssemblyConditions:
     for name, left in remainders.items():
         fits &= (left == 0) & (n[f"shafts.{name}.planets"] == np.round(n[f"shafts.{name}.planets"]))
         words = f"what is left over where planets spaced equally on {name} need a whole multiple (0 fits)"
-        spacing = ElementResult(f"{name}.spacing_remainder", words, "1", exact=True, rank=Rank.CHECK)
-        results.append((spacing, Measured(left)))
+        results.append((check_result(f"{name}.spacing_remainder", words, "1", exact=True), Measured(left)))
     for planet, gap in _clearances(v):
         fits &= gap > 0
         words = f"gap between the tips of neighbouring {planet} planets, over the diameter of the tips"

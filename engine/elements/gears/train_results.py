@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from engine.cycle.measured import Measured
-from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank, further
+from engine.elements.element import Answers, Element, ElementResult, Numbers, check_result, further
 from engine.elements.gears.assembly_conditions import assembly_conditions, tooth_contact
 from engine.elements.gears.tooth_laws import minimum_teeth
 from engine.elements.gears.train_inertia import kinetic_energy
@@ -43,10 +43,7 @@ def _of_motion(v: TrainVariants) -> NamedResults:
     """Speeds, ratios, energy."""
     train, structure = v.train, v.structure
     mobility = np.full(v.count, float(structure.mobility))
-    yield (
-        ElementResult("mobility", "degrees of freedom W = 3n - 2p1 - p2", "1", exact=True, rank=Rank.CHECK),
-        Measured(mobility),
-    )
+    yield check_result("mobility", "degrees of freedom W = 3n - 2p1 - p2", "1", exact=True), Measured(mobility)
     by_name = dict(zip(structure.shafts, v.speeds, strict=False))
     for name, speed in by_name.items():
         yield ElementResult(f"{name}.speed", f"angular speed of {name}", "rad s-1"), speed

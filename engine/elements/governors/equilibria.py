@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.cycle.regula_falsi import regula_falsi
-from engine.elements.element import Columns, Element, Numbers
+from engine.elements.element import Columns, Element, ElementResult, Numbers, further, named_in_order
 from engine.elements.governors.governed_engine import TableThrottle
 from engine.elements.governors.governor_nodes import States, equilibrium_nodes
 from engine.elements.sampled_peak import sampled_peak
@@ -27,6 +27,20 @@ SAMPLES, _PIECE_SAMPLES, _INSIDE, _APART = 33, 9, 1e-12, 1e-6
 # Bisections of a bracket down to rounding.
 _HALVINGS = 64
 _TINY = 1e-300
+OF_ENGINE = (
+    ElementResult("working_lift", "lift of the sleeve at the engine's load, after its change", "m"),
+    ElementResult("working_speed", "steady speed of the engine, after the change of load", "rad s-1"),
+    ElementResult("steady_speed_change", "steady change of the engine's speed by the change of load", "rad s-1"),
+    further("vyshnegradsky_x", "Vyshnegradsky's X", "1", None, True),
+    further("vyshnegradsky_y", "Vyshnegradsky's Y", "1", None, True),
+    ElementResult("stable", "engine and governor are stable (1) or hunt (0)", "1", exact=True),
+    ElementResult("gain_margin", "gain of the throttle at which they hunt, over that given", "1", None, True),
+    further("critical_damping", "damping at the sleeve below which they hunt", "N s m-1", None, True),
+    further("critical_inertia", "inertia of the engine below which they hunt", "kg m2", None, True),
+    further("decay_rate", "rate at which the slowest part of a disturbance decays", "s-1", None, True),
+    ElementResult("hunting_frequency", "angular frequency of the oscillation", "rad s-1", None, True),
+    further("oscillates", "a disturbance decays or grows in oscillations (1 or 0)", "1", exact=True),
+)
 
 
 class Marks(NamedTuple):
@@ -339,18 +353,8 @@ def near_equilibrium(g: GovernorVariants, marks: Marks) -> Columns:
         gain = g.throttle(new.lift, at_high.lift)[1]
         numbers = n["engine.inertia"], new.mass, n["damping"], new.stiffness, n["engine.self_regulation"]
         rows = over_arrays(stability_with_engine, *numbers, gain, pull, balls)
-    return results | {
-        "working_lift": new.lift,
-        "working_speed": new.speed / ratio,
-        "steady_speed_change": (new.speed - old.speed) / ratio,
-        **dict(zip(_STABILITY, rows, strict=True)),
-    }
-
-
-_STABILITY = (
-    *("vyshnegradsky_x", "vyshnegradsky_y", "stable", "gain_margin", "critical_damping", "critical_inertia"),
-    *("decay_rate", "hunting_frequency", "oscillates"),
-)
+    steady = new.lift, new.speed / ratio, (new.speed - old.speed) / ratio
+    return results | named_in_order(OF_ENGINE, (*steady, *rows))
 
 
 def search_errors(g: GovernorVariants, marks: Marks, found: Columns) -> Columns:

@@ -11,6 +11,7 @@ from pydantic import Field
 
 from engine.elements.element import ROUNDING, Answers, Element, ElementResult, Numbers, further, nudged
 from engine.elements.governors.equilibria import (
+    OF_ENGINE,
     GovernorVariants,
     governor_marks,
     governor_variants,
@@ -52,20 +53,6 @@ _STATICS = (
     further("sleeve_force", "force at the sleeve that holds the balls, at half of the stable lift", "N"),
     ElementResult("effort", "mean force at the sleeve for the given change of speed, at half of the stable lift", "N"),
     ElementResult("power", "effort times the lift that the given change of speed makes", "J", None, True),
-)
-_OF_ENGINE = (
-    ElementResult("working_lift", "lift of the sleeve at the engine's load, after its change", "m"),
-    ElementResult("working_speed", "steady speed of the engine, after the change of load", "rad s-1"),
-    ElementResult("steady_speed_change", "steady change of the engine's speed by the change of load", "rad s-1"),
-    further("vyshnegradsky_x", "Vyshnegradsky's X", "1", None, True),
-    further("vyshnegradsky_y", "Vyshnegradsky's Y", "1", None, True),
-    ElementResult("stable", "engine and governor are stable (1) or hunt (0)", **_FLAG),
-    ElementResult("gain_margin", "gain of the throttle at which they hunt, over that given", "1", None, True),
-    further("critical_damping", "damping at the sleeve below which they hunt", "N s m-1", None, True),
-    further("critical_inertia", "inertia of the engine below which they hunt", "kg m2", None, True),
-    further("decay_rate", "rate at which the slowest part of a disturbance decays", "s-1", None, True),
-    ElementResult("hunting_frequency", "angular frequency of the oscillation", "rad s-1", None, True),
-    further("oscillates", "a disturbance decays or grows in oscillations (1 or 0)", **_FLAG),
 )
 _TRANSIENT = (
     ElementResult("highest_speed", "highest speed of the engine after the change of load", "rad s-1"),
@@ -142,7 +129,7 @@ class Governor(Element):
 
     def results(self) -> tuple[ElementResult, ...]:
         """Results of the governor; with an engine, its stability; with a simulated change of load, the response."""
-        of_engine = _OF_ENGINE if self.engine is not None else ()
+        of_engine = OF_ENGINE if self.engine is not None else ()
         return (*_STATICS, *of_engine, *(_TRANSIENT if self.is_followed else ()))
 
     def evaluate(self, n: Numbers) -> Answers:

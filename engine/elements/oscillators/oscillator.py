@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field
 
 from engine.elements.compliances.stiffnesses import cantilever_stiffness
-from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, nudged
+from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, named_in_order, nudged
 from engine.elements.oscillators import one_mass, over_time
 from engine.elements.oscillators.excitations import (
     CantileverSpring,
@@ -100,8 +100,6 @@ class OscillatorElement(Element):
             yield "run_through needs a rotor: give excitation with type = 'unbalance'"
         if isinstance(self.excitation, OverTime) and self.start is not None and self.start.time != 0.0:
             yield "start.time belongs to a free motion: under an excitation over time give excitation.time"
-        if self.run_through is not None and self.run_through.acceleration == 0:
-            yield "run_through.acceleration = 0: the speed must change; negative for a run-down"
 
     @property
     def variants_at_once(self) -> int:
@@ -122,27 +120,16 @@ class OscillatorElement(Element):
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants; infinite at an undamped resonance, NaN where undefined."""
         stiffness, frequency, ratio, damping = constants = _constants(self, n)
-        found = {
-            "stiffness": stiffness,
-            "natural_frequency": frequency,
-            "damping": damping,
-            "damping_ratio": ratio,
-            "damped_frequency": frequency * np.sqrt(np.where(ratio < 1.0, (1.0 - ratio) * (1.0 + ratio), math.nan)),
-            "decrement": one_mass.decrement_of_ratio(ratio),
-            "energy_absorption": 2.0 * math.tau * ratio,
-        }
+        damped = frequency * np.sqrt(np.where(ratio < 1.0, (1.0 - ratio) * (1.0 + ratio), math.nan))
+        decrement, absorption = one_mass.decrement_of_ratio(ratio), 2.0 * math.tau * ratio
+        found = named_in_order(_CONSTANTS, (stiffness, frequency, damping, ratio, damped, decrement, absorption))
         if isinstance(self.excitation, OverTime):
             return found | over_time.over_time_columns(self.excitation, n, stiffness, ratio)[0]
         if self.start is not None:
             start = n["start.displacement"], n["start.velocity"]
             greatest, when = one_mass.greatest_displacement(frequency, ratio, *start)
             moved, velocity = one_mass.free_motion(frequency, ratio, *start, n["start.time"])
-            found |= {
-                "free_greatest": greatest,
-                "free_greatest_at": when,
-                "free_displacement": moved,
-                "free_velocity": velocity,
-            }
+            found |= named_in_order(_FREE, (greatest, when, moved, velocity))
         if self.excitation is not None:
             found |= _forced(self, n, constants)
         if self.run_through is not None:
@@ -299,16 +286,9 @@ def _forced(element: OscillatorElement, n: Numbers, constants: _Constants) -> Co
     with np.errstate(invalid="ignore"):
         # Without a damper the power is 0 even at infinite amplitude.
         power = np.where(damping > 0.0, 0.5 * damping * (speed * stretch) ** 2, 0.0)
-    return {
-        "frequency_ratio": eta,
-        "dynamic_factor": factor,
-        "amplitude": amplitude,
-        "phase_lag": lag,
-        "transmitted_force": stiffness * np.hypot(1.0, 2.0 * ratio * eta) * stretch,
-        "dissipated_power": power,
-        "resonance_speed": best * frequency,
-        "resonance_amplitude": unit * greatest,
-    }
+    transmitted = stiffness * np.hypot(1.0, 2.0 * ratio * eta) * stretch
+    at_resonance = best * frequency, unit * greatest
+    return named_in_order(_FORCED, (eta, factor, amplitude, lag, transmitted, power, *at_resonance))
 
 
 def _run_through(n: Numbers, frequency: np.ndarray, ratio: np.ndarray) -> Columns:
@@ -317,9 +297,4 @@ def _run_through(n: Numbers, frequency: np.ndarray, ratio: np.ndarray) -> Column
     unit = n["excitation.mass"] * n["excitation.radius"] / n["mass"]
     with np.errstate(invalid="ignore"):
         share = peak / one_mass.resonance_factor(ratio)
-    return {
-        "run_through_amplitude": unit * peak,
-        "run_through_speed": start + acceleration * time,
-        "run_through_time": time,
-        "run_through_share": share,
-    }
+    return named_in_order(_THROUGH, (unit * peak, start + acceleration * time, time, share))

@@ -16,7 +16,7 @@ from pydantic import Field
 
 from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers, Rank, further, nudged
 from engine.elements.panels import Curve, Panel, PanelAxis
-from engine.elements.rotors.bearings import BearingForces, peak_forces, rotating_forces, static_forces
+from engine.elements.rotors.bearings import peak_forces, rotating_forces, static_forces
 from engine.elements.rotors.correction import correct, corrected_unbalance, misplaced_share
 from engine.elements.rotors.grades import grade_needed, grade_reached, permissible_unbalance, tolerance_shares
 from engine.elements.rotors.hole_pattern import PatternError, best_holes
@@ -282,5 +282,5 @@ def _holes_used(filled: np.ndarray, used: int) -> tuple[np.ndarray, np.ndarray]:
     return np.where(pieces > 0, order + 1, 0), pieces
 
 
-def _named(forces: BearingForces, ending: str) -> Columns:
-    return {f"first_{ending}": np.abs(forces.first), f"second_{ending}": np.abs(forces.second)}
+def _named(forces: np.ndarray, ending: str) -> Columns:
+    return {f"{side}_{ending}": np.abs(row) for side, row in zip(_SIDES, forces, strict=True)}

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from engine.cycle.measured import Measured, maximum, measured, where
 from engine.elements.compliances.elastic_parts import ElasticPart
-from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank, further
+from engine.elements.element import Answers, Element, ElementResult, Numbers, check_result, further
 from engine.elements.engines.engine import OF_SHAKING, EngineElement
 from engine.elements.panels import SPEED, Curve, Mark, Panel, PanelAxis
 from engine.elements.torsional_trains.excitation import TrainExcitation, excitation_orders, train_excitation
@@ -21,7 +21,7 @@ from engine.elements.torsional_trains.reduced_train import ReducedTrain, reduced
 from engine.elements.torsional_trains.train_layout import FRAME_END, Joint, TrainLayout, train_layout
 from engine.laws.rounding import EPS
 from engine.parts.actions import Moment, TorsionalDamping, TorsionalStiffness
-from engine.parts.skeleton import Angle, AngularSpeed, Faults, Inertia, Name, Number, Part
+from engine.parts.skeleton import Angle, AngularSpeed, Faults, Inertia, Name, NonZero, Number, Part
 from engine.words.verdicts import Verdict
 
 MOST_MASSES = 1000
@@ -32,6 +32,9 @@ _MOST_MODES, _MOST_ORDERS, _FASTEST = 6, 16, 1.5
 # An order gets a dot if its work on a mode is above this fraction of the maximum.
 _FELT = 0.05
 _HERTZ = 1.0 / math.tau
+
+
+_TURNS = NonZero("ends with the ratio 0 would not turn together: give the speed of the second over that of the first")
 
 
 class TrainMass(Part):
@@ -56,24 +59,18 @@ class TrainShaft(Part):
     parts: Annotated[dict[Name, ElasticPart], Field(min_length=1)] | None = None
     damping: Annotated[TorsionalDamping, Field(ge=0)] | None = None
     energy_absorption: Annotated[Number, Field(ge=0)] | None = None
-    ratio: Number = 1.0
+    ratio: Annotated[Number, _TURNS] = 1.0
 
     def _faults(self) -> Faults:
         if self.parts is not None and (self.damping is not None or self.energy_absorption is not None):
             yield "the parts have their own dampers: give damping or energy_absorption to them"
-        if self.ratio == 0:
-            yield "ratio = 0: the ends would not turn together; give speed of the second over the first"
 
 
 class TrainGear(Part):
     """Rigid gears; `ratio` is the speed of the second mass over that of the first, negative for external gears."""
 
     between: tuple[Name, Name]
-    ratio: Number
-
-    def _faults(self) -> Faults:
-        if self.ratio == 0:
-            yield "ratio = 0: give the speed of the second mass over that of the first"
+    ratio: Annotated[Number, _TURNS]
 
 
 class HarmonicMoment(Part):
@@ -233,8 +230,7 @@ class TorsionalTrain(Element):
 
 
 def _results(train: TorsionalTrain) -> Iterator[ElementResult]:
-    words = "natural frequencies of zero: the whole train turns"
-    yield ElementResult("rigid_body_modes", words, "1", exact=True, rank=Rank.CHECK)
+    yield check_result("rigid_body_modes", "natural frequencies of zero: the whole train turns", "1", exact=True)
     modes = range(1, train.reported_modes + 1)
     for k in modes:
         yield ElementResult(f"frequency_{k}", f"natural frequency {k} above zero", "rad s-1")
