@@ -125,12 +125,13 @@ Mode = Literal[1, -1]
 
 
 class SceneNumber(NamedTuple):
-    """A number of a scene: its value (SI), its dimension, and its limits or choices."""
+    """A number of a scene: its value (SI), its dimension, its limits or choices, and the path of a lower number."""
 
     value: float
     dimension: str
     limits: tuple[Gt | Ge | Lt | Le | NonZero, ...]
     choices: tuple[float, ...] = ()
+    above: str = ""
 
 
 class Part(BaseModel):
@@ -184,7 +185,7 @@ class Part(BaseModel):
                 ways = "both, or neither" if len(keys) == 2 else "all, or none"
                 yield f"{', '.join(keys[:-1])} and {keys[-1]} belong together: give {ways}"
         for keys, why in rules.get("ascending", {}).items():
-            for low, high in pairwise(key for key in keys if getattr(self, key) is not None):
+            for low, high in self._ascending(keys):
                 if not getattr(self, low) < getattr(self, high):
                     yield f"{self._in_words(high)} is not above {self._in_words(low)}: {why}"
         for key, others in rules.get("needs", {}).items():
@@ -198,6 +199,10 @@ class Part(BaseModel):
                     yield f"{key} goes with {other} = {' or '.join(map(repr, values))}; the {other} is {value!r}"
                 if rule == "required_with" and not given and value in values:
                     yield f"{key} is missing: {other} = {value!r} needs it"
+
+    def _ascending(self, keys: Iterable[str]) -> Iterator[tuple[str, str]]:
+        """Neighbours among the keys that are given."""
+        return pairwise(key for key in keys if getattr(self, key) is not None)
 
     def _in_words(self, key: str) -> str:
         """A number with its key and unit."""
@@ -214,9 +219,11 @@ class Part(BaseModel):
         path : str
             Path of this part.
         """
+        orders = [keys for kind in type(self).__mro__ for keys in vars(kind).get("ascending", ())]
+        lower = {high: low for keys in orders for low, high in self._ascending(keys)}
         for key, field in type(self).model_fields.items():
-            value = getattr(self, key)
-            here = f"{path}.{key}" if path else key
+            value, within = getattr(self, key), f"{path}." if path else ""
+            here, above = within + key, within + lower[key] if key in lower else ""
             if isinstance(value, Part):
                 yield from value.numbers_within(here)
             elif isinstance(value, dict):
@@ -225,7 +232,7 @@ class Part(BaseModel):
             elif isinstance(value, (int, float)) and not isinstance(value, bool):
                 dimension, limits = _marked(type(self), key)
                 if dimension is not None:
-                    yield here, SceneNumber(float(value), dimension, limits)
+                    yield here, SceneNumber(float(value), dimension, limits, above=above)
                 elif field.annotation == Mode:
                     yield here, SceneNumber(float(value), "number", (), get_args(Mode))
 
