@@ -15,7 +15,7 @@ from engine.elements.cams.cam import CamElement
 from engine.elements.cams.cam_curves import CamCurves, cam_curves
 from engine.elements.compliances.compliance import ComplianceElement
 from engine.elements.element import Element, ElementResult, Rank, element_kinds
-from engine.elements.engines.engine import EngineElement
+from engine.elements.engines.engine import SHOWN_ORDERS, EngineElement, shaken, torque_orders
 from engine.elements.engines.engine_layout import (
     Engine,
     EngineLayout,
@@ -27,11 +27,10 @@ from engine.elements.engines.engine_layout import (
     v_engine,
     w_engine,
 )
-from engine.elements.engines.engine_panels import SHOWN_ORDERS, shaken, torque_orders
+from engine.elements.engines.engine_torque import engine_torque, made_engine
 from engine.elements.engines.firing import FOUR_STROKE, even_firing_order, firing_angles, firing_intervals, firing_sums
 from engine.elements.engines.harmonics import crank_radius, piston_harmonics
 from engine.elements.engines.hodograph import Hodograph
-from engine.elements.engines.made_engine import engine_torque, made_engine
 from engine.elements.engines.shafts import balance_shafts, crankshaft_counterweights, remaining_shaking
 from engine.elements.engines.shaking import SHAKING_ORDERS, EngineShaking, engine_shaking
 from engine.elements.gears.chain_drive import ChainDrive

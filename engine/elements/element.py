@@ -8,9 +8,9 @@ An element is separate from the mechanism, if there is one: it has its own load,
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from enum import IntEnum
-from functools import cache
+from functools import cache, cached_property
 from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
@@ -63,6 +63,16 @@ class ElementResult(NamedTuple):
 def further(*given: Any, **others: Any) -> ElementResult:
     """A result that is not a main one; parameters as for `ElementResult`."""
     return ElementResult(*given, rank=Rank.FURTHER, **others)
+
+
+def check_result(*given: Any, **others: Any) -> ElementResult:
+    """A result that checks the others; parameters as for `ElementResult`."""
+    return ElementResult(*given, rank=Rank.CHECK, **others)
+
+
+def named_in_order(results: Iterable[ElementResult], rows: Iterable[np.ndarray]) -> Columns:
+    """Rows in the order of results, by the names of these."""
+    return dict(zip((result.name for result in results), rows, strict=True))
 
 
 class Answers(NamedTuple):
@@ -120,7 +130,7 @@ class Element(Part):
 
     def in_order(self, rows: Iterable[np.ndarray]) -> Columns:
         """Rows of results in the order of RESULTS, by name."""
-        return dict(zip((r.name for r in self.RESULTS), rows, strict=True))
+        return named_in_order(self.RESULTS, rows)
 
     def evaluate(self, n: Numbers) -> Answers:
         """Results with their error estimates, and verdicts; `nudged` gives the estimates unless overridden.
@@ -200,6 +210,28 @@ class Element(Part):
         return "", ""
 
 
+class NamingElement(Element):
+    """An element whose keys decide which results it has: each is named where it is computed."""
+
+    def named(self, n: Numbers) -> Iterator[tuple[ElementResult, Measured | np.ndarray]]:
+        """Results of a set of variants, with their descriptions; parameters as for `values`."""
+        raise NotImplementedError
+
+    def results(self) -> tuple[ElementResult, ...]:
+        """Results available with the keys given."""
+        return self.own_results
+
+    @cached_property
+    @np.errstate(all="ignore")
+    def own_results(self) -> tuple[ElementResult, ...]:
+        """The same, found once, with the element's own numbers."""
+        return tuple(result for result, _ in self.named(self.own_numbers()))
+
+    def values(self, n: Numbers) -> dict[str, Measured | np.ndarray]:
+        """Results of a set of variants by name."""
+        return {result.name: row for result, row in self.named(n)}
+
+
 _KINDS: dict[str, type[Element]] = {}
 
 
@@ -258,9 +290,8 @@ def _with_tag(problem: Mapping[str, Any], tag: str) -> InitErrorDetails:
     """A problem whose location starts with the kind of element, as in a union."""
     custom = problem["type"] not in get_args(ErrorType)
     kind = PydanticCustomError(problem["type"], problem["msg"]) if custom else problem["type"]
-    return InitErrorDetails(
-        type=kind, loc=(tag, *problem["loc"]), input=problem["input"], ctx=dict(problem.get("ctx", {}))
-    )
+    place, ctx = (tag, *problem["loc"]), dict(problem.get("ctx", {}))
+    return InitErrorDetails(type=kind, loc=place, input=problem["input"], ctx=ctx)
 
 
 MachineElement = SerializeAsAny[Annotated[Element, WrapValidator(_of_its_kind)]]

@@ -169,9 +169,8 @@ def _solid(form: WheelForm, density: Value, diameter: Value, asked: Value, numbe
 def _proportions(form: WheelForm, speed: Value, numbers: Mapping[str, Value]) -> tuple[Material, Value, Value]:
     """Material, outer or mean diameter and shaft speed of the wheel; the diameter defaults to the material's limit."""
     usual = MATERIALS[form.material]
-    material = Material(
-        *(usual[i] if getattr(form, k) is None else numbers[f"flywheel.wheel.{k}"] for i, k in enumerate(usual._fields))
-    )
+    given = {k: numbers[f"flywheel.wheel.{k}"] for k in usual._fields if getattr(form, k) is not None}
+    material = usual._replace(**given)
     shaft_speed = np.abs(speed * numbers["flywheel.wheel.ratio"])
     for key in ("diameter", "mean_diameter"):
         if getattr(form, key) is not None:

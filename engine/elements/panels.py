@@ -18,6 +18,10 @@ class PanelAxis(NamedTuple):
     symbol: str = ""
 
 
+TIME = PanelAxis("time", "s", "t")
+VELOCITY, SPEED = PanelAxis("speed", "m s-1", "v"), PanelAxis("speed", "rad s-1", "ω")
+
+
 class Curve(NamedTuple):
     """A curve with its label, NaN where undefined; a reference curve is `faint`.
 

@@ -26,9 +26,8 @@ def sampled_peak(
     """
     samples = f(places)
     best = samples.argmax(axis=0)[None]
-    low, there, high = (
-        np.take_along_axis(places, np.clip(best + k, 0, len(places) - 1), axis=0)[0] for k in (-1, 0, 1)
-    )
+    near = np.clip(best + np.array([[-1], [0], [1]]), 0, len(places) - 1)
+    low, there, high = np.take_along_axis(places, near, axis=0)
     turns = (slope(low) > 0.0) & (slope(high) < 0.0)
     place = np.where(turns, regula_falsi(slope, low, high), there)
     peak, sampled = f(place), np.take_along_axis(samples, best, axis=0)[0]

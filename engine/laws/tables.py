@@ -37,7 +37,7 @@ class TableError(ValueError):
 
 
 class Table(NamedTuple):
-    """A piecewise cubic in the form that `table_value` evaluates.
+    """A piecewise cubic.
 
     Attributes
     ----------
@@ -123,33 +123,6 @@ def piece_of(memory: np.ndarray, breaks: int, pieces: int, u: float) -> int:
         else:
             above = middle
     return piece
-
-
-@scalar
-def table_value(breaks: np.ndarray, coefficients: np.ndarray, start: float, period: float, x: float) -> float:
-    """Value of a table at x; the arguments before x are the fields of `Table`.
-
-    Parameters
-    ----------
-    breaks : array of float, shape (n + 1,)
-    coefficients : array of float, shape (n, 4)
-    start, period : float
-    x : float
-
-    Returns
-    -------
-    float
-        At a step the value after it; NaN for NaN.
-    """
-    u = x
-    if period > 0.0 and (x < start or x >= start + period):
-        u = start + (x - start) % period
-    piece = piece_of(breaks, 0, coefficients.shape[0], u)
-    t = u - breaks[piece]
-    value = coefficients[piece, 0]
-    for power in range(1, 4):
-        value = value * t + coefficients[piece, power]
-    return value
 
 
 def in_memory(table: Table) -> np.ndarray:

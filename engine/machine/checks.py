@@ -168,6 +168,10 @@ def given_numbers(
     status = np.zeros(count, np.uint8)
     for path, values in arrays.items():
         status[~within_limits(limits[path], values)] = Verdict.OUTSIDE_LIMITS
+    for path, number in limits.items():
+        if number.above and arrays.keys() & {path, number.above}:
+            own, lower = (arrays.get(p, limits[p].value) for p in (path, number.above))
+            status[~(own > lower)] = Verdict.OUTSIDE_LIMITS
     if drop is not None:
         drop = np.asarray(drop)
         if drop.shape != status.shape or drop.dtype != np.bool_:

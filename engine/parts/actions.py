@@ -113,6 +113,8 @@ class Tabled(Part):
     zero. `scale` multiplies all values.
     """
 
+    one_of: ClassVar = (("over_angle", "over_stroke", "over_time"),)
+
     over_angle: list[Angle] | None = None
     over_stroke: list[Length] | None = None
     over_time: list[Time] | None = None
@@ -133,9 +135,7 @@ class Tabled(Part):
         return self.force if hasattr(self, "force") else self.moment
 
     def _faults(self) -> Faults:
-        given = [k for k in ("over_angle", "over_stroke", "over_time") if getattr(self, k) is not None]
-        if len(given) != 1:
-            yield "give exactly one of over_angle, over_stroke, over_time"
+        given = self.gives("over_angle", "over_stroke", "over_time")
         if (given == ["over_stroke"]) != (self.slider is not None):
             yield "over_stroke and slider belong together: name the slider whose stroke is meant"
         if given != ["over_stroke"] and self.gives("measured_from"):
@@ -287,6 +287,8 @@ class BlockBrake(Brake):
 class DiscBrake(Brake):
     """A disc or plates between linings, M = n f P r_m; n friction `faces`; `linings` worn in (uniform wear) or new."""
 
+    ascending: ClassVar = {("inner_radius", "outer_radius"): "the linings lie between them"}
+
     type: Literal["disc_brake"]
     force: Annotated[Force, Field(ge=0)]
     friction: Annotated[Number, Field(ge=0)]
@@ -294,10 +296,6 @@ class DiscBrake(Brake):
     outer_radius: Annotated[Length, Field(gt=0)]
     faces: Annotated[int, Field(ge=1)] = 2
     linings: Literal["worn in", "new"] = "worn in"
-
-    def _faults(self) -> Faults:
-        if not self.inner_radius < self.outer_radius:
-            yield "inner_radius must be less than outer_radius"
 
 
 class BandBrake(Brake):
@@ -308,6 +306,8 @@ class BandBrake(Brake):
     `blocks`, each with the angle of contact `block_angle`, has these instead of `wrap`; its `radius` is that of the
     band.
     """
+
+    together: ClassVar = (("blocks", "block_angle"),)
 
     type: Literal["band_brake"]
     force: Annotated[Force, Field(ge=0)]
@@ -328,8 +328,6 @@ class BandBrake(Brake):
                 "slack_arm + tight_arm must be above 0, or the lever slackens the band: change a sign, or make the arm "
                 "of the end that the lever tightens the longer one"
             )
-        if (self.blocks is None) != (self.block_angle is None):
-            yield "blocks and block_angle belong together: give both, or neither"
         if (self.wrap is None) == (self.blocks is None):
             yield "give wrap, or blocks with block_angle for a band lined with blocks"
 
@@ -363,13 +361,6 @@ class Carried(Part):
     forwards: Literal["counter-clockwise", "clockwise"] = "counter-clockwise"
     gravity: Annotated[Acceleration, Field(gt=0)] | None = None
     role: Role = "useful"
-    # Keys that are meaningless unless one of the others is given.
-    needs: ClassVar[dict[str, tuple[str, ...]]] = {}
-
-    def _faults(self) -> Faults:
-        for key, others in self.needs.items():
-            if self.gives(key) and not self.model_fields_set.intersection(others):
-                yield f"{key} has no meaning without {' or '.join(others)}; leave it out"
 
 
 class HoistMoment(Carried):
@@ -393,7 +384,7 @@ class VehicleMoment(Carried):
     """
 
     radius: ClassVar[str] = "wheel_radius"
-    needs: ClassVar[dict[str, tuple[str, ...]]] = {"forwards": ("slope",), "air_density": ("drag_area",)}
+    needs: ClassVar = {"forwards": ("slope",), "air_density": ("drag_area",)}
     type: Literal["vehicle"]
     mass: Annotated[Mass, Field(ge=0)]
     wheel_radius: Annotated[Length, Field(gt=0)]
@@ -412,7 +403,7 @@ class ConveyorMoment(Carried):
     """
 
     masses: ClassVar[tuple[str, ...]] = ("load_mass", "belt_mass")
-    needs: ClassVar[dict[str, tuple[str, ...]]] = {"forwards": ("incline",), "length_coefficient": ("friction",)}
+    needs: ClassVar = {"forwards": ("incline",), "length_coefficient": ("friction",)}
     type: Literal["conveyor"]
     load_mass: Annotated[Mass, Field(ge=0)]
     belt_mass: Annotated[Mass, Field(ge=0)] = 0.0
@@ -425,6 +416,8 @@ class ConveyorMoment(Carried):
 class DCCharacteristic(Part):
     """The straight characteristic of a DC motor, M = `stall_moment` (1 − ω/`no_load_speed`)."""
 
+    ascending: ClassVar = {("rated_speed", "no_load_speed"): "a motor slows down under load"}
+
     no_load_speed: Annotated[AngularSpeed, Field(gt=0)]
     stall_moment: Annotated[Moment, Field(gt=0)] | None = None
     power: Annotated[Power, Field(gt=0)] | None = None
@@ -434,8 +427,6 @@ class DCCharacteristic(Part):
         nameplate = (self.power, self.rated_speed)
         if (self.stall_moment is None) == (None in nameplate) or (None in nameplate and any(nameplate)):
             yield "give either stall_moment, or power and rated_speed (nameplate)"
-        if self.rated_speed is not None and not self.rated_speed < self.no_load_speed:
-            yield "rated_speed must be below no_load_speed"
 
 
 class Motor(Part):
@@ -539,35 +530,17 @@ class TableMotor(Motor, TableCharacteristic):
         return low + (high - low) * driving / (driving - beyond)
 
 
+_ForceDrag = LinearDragForce | QuadraticDragForce | PowerDragForce
 ForceAction = Annotated[
-    ConstantForce
-    | TableForce
-    | FormulaForce
-    | ForceAgainstMotion
-    | LinearDragForce
-    | QuadraticDragForce
-    | PowerDragForce,
-    Field(discriminator="type"),
+    ConstantForce | TableForce | FormulaForce | ForceAgainstMotion | _ForceDrag, Field(discriminator="type")
 ]
+_GivenMoment = ConstantMoment | TableMoment | FormulaMoment | MomentAgainstMotion
+_MomentDrag = LinearDragMoment | QuadraticDragMoment | PowerDragMoment
+_AnyBrake = BlockBrake | DiscBrake | BandBrake
+_CarriedMoment = HoistMoment | VehicleMoment | ConveyorMoment
+_AnyMotor = DCMotor | InductionMotor | TableMotor
 MomentAction = Annotated[
-    ConstantMoment
-    | TableMoment
-    | FormulaMoment
-    | MomentAgainstMotion
-    | LinearDragMoment
-    | QuadraticDragMoment
-    | PowerDragMoment
-    | BlockBrake
-    | DiscBrake
-    | BandBrake
-    | TorsionSpring
-    | HoistMoment
-    | VehicleMoment
-    | ConveyorMoment
-    | DCMotor
-    | InductionMotor
-    | TableMotor,
-    Field(discriminator="type"),
+    _GivenMoment | _MomentDrag | _AnyBrake | TorsionSpring | _CarriedMoment | _AnyMotor, Field(discriminator="type")
 ]
 
 
@@ -576,6 +549,8 @@ class Spring(Part):
 
     `between` names the two points. `stiffness` is k. `free_length` is l. `damping` is c.
     """
+
+    needs: ClassVar = {"free_length": ("stiffness",)}
 
     between: tuple[PointRef, PointRef]
     stiffness: Stiffness = 0.0
@@ -588,7 +563,3 @@ class Spring(Part):
         if between[0] == between[1]:
             raise ValueError(f"both ends are {between[0]!r}: name two points")
         return between
-
-    def _faults(self) -> Faults:
-        if self.gives("free_length") and "stiffness" not in self.model_fields_set:
-            yield "free_length has no meaning without stiffness; give stiffness, or leave it out"

@@ -7,7 +7,7 @@ motors and moments. Slip is the shaft's speed minus the speed at which the crank
 regimes that list it as `off`.
 """
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
@@ -24,6 +24,9 @@ class FrictionClutch(Part):
     `over_time`, interpolated linearly and held after the last row; without either it is complete at once.
     """
 
+    together: ClassVar = (("over_time", "share"),)
+    at_most_one_of: ClassVar = (("engagement", "over_time"),)
+
     type: Literal["friction_clutch"]
     shaft: GearedRef
     capacity: Annotated[Moment, Field(gt=0)]
@@ -32,12 +35,8 @@ class FrictionClutch(Part):
     share: list[Share] | None = None
 
     def _faults(self) -> Faults:
-        if (self.over_time is None) != (self.share is None):
-            yield "over_time and share belong together: give both, or neither"
         if self.over_time is None:
             return
-        if self.engagement is not None:
-            yield "engagement and a table over_time are given: give one of the two"
         if len(self.over_time) != len(self.share):
             yield f"over_time has {len(self.over_time)} rows, share {len(self.share)}: give as many of both"
         steps = zip(self.over_time, self.over_time[1:], strict=False)

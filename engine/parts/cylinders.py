@@ -1,11 +1,11 @@
 """Cylinders of a scene: gas or liquid that acts on a piston."""
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
 from engine.parts.actions import Role
-from engine.parts.skeleton import Angle, Faults, Length, Number, Part, Pressure, SliderRef
+from engine.parts.skeleton import Angle, Length, Number, Part, Pressure, SliderRef
 
 
 class Cylinder(Part):
@@ -28,6 +28,8 @@ class Compressor(Cylinder):
     `n_compression` and `n_expansion` are the polytropic exponents.
     """
 
+    ascending: ClassVar = {("suction", "discharge"): "a compressor raises the pressure"}
+
     type: Literal["compressor"]
     clearance: Annotated[Number, Field(gt=0)]
     suction: Annotated[Pressure, Field(gt=0)]
@@ -35,10 +37,6 @@ class Compressor(Cylinder):
     n_compression: Annotated[Number, Field(gt=0)] = 1.3
     n_expansion: Annotated[Number, Field(gt=0)] = 1.3
     role: Role = "useful"
-
-    def _faults(self) -> Faults:
-        if not self.suction < self.discharge:
-            yield "suction must be below discharge: a compressor raises the pressure"
 
 
 class Pump(Cylinder):

@@ -1,6 +1,6 @@
 """Cams in a mechanism, on the crank or a shaft geared to it; their followers are links of the mechanism."""
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
@@ -28,6 +28,8 @@ class SwingingFollower(TouchesCam):
     `arm` is the distance of the roller or edge from the pivot; a flat face passes through the pivot. `mode` +1: seen
     from the pivot towards the cam's axis, the arm lies to the left.
     """
+
+    required_with: ClassVar = {"arm": ("contact", ("roller", "knife edge"))}
 
     type: Literal["oscillating"]
     link: Name

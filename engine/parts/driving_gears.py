@@ -1,7 +1,7 @@
 """Racks, pinions and non-circular wheels of a scene."""
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
@@ -58,13 +58,11 @@ class Pinion(ToothedBar):
     angle relative to the guide's carrier where the rack's origin, or the guide's point, is level with the axis.
     """
 
+    one_of: ClassVar = (("rack", "guide"),)
+
     rack: LinkRef | None = None
     guide: GuideRef | None = None
     phase: Angle = 0.0
-
-    def _faults(self) -> Faults:
-        if (self.rack is None) == (self.guide is None):
-            yield "give either rack, the slider that drives it, or guide, along which a fixed rack lies"
 
 
 class EllipticalLaw(Part):

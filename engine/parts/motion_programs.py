@@ -5,7 +5,7 @@ Cam followers and second inputs move by them.
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -65,14 +65,14 @@ class MotionTable(Part):
     The acceleration of a "spline" is continuous; "pchip" never exceeds the rows, but its acceleration jumps.
     """
 
+    one_of: ClassVar = (("lift", "swing"),)
+
     over_angle: list[Angle]
     lift: list[Length] | None = None
     swing: list[Angle] | None = None
     interpolation: Literal["spline", "pchip"] = "spline"
 
     def _faults(self) -> Faults:
-        if (self.lift is None) == (self.swing is None):
-            yield "give lift for a slider or swing for a rotating link, not both"
         key = "lift" if self.swing is None else "swing"
         names = ("over_angle", key)
         laws.tables.make_table(self.over_angle, self.rows, self.interpolation, 2 * math.pi, names=names)
@@ -162,13 +162,7 @@ class MotionProgram(Part):
 class TouchesCam(Part):
     """A follower, by its `contact` with the cam: a roller of some radius, a flat face, or a knife edge."""
 
-    def _faults(self) -> Faults:
-        if self.contact == "roller" and self.roller_radius is None:
-            yield "roller_radius is missing: contact = 'roller' needs it"
-        if self.contact != "roller" and self.roller_radius is not None:
-            yield f"roller_radius goes with contact = 'roller'; the contact is {self.contact!r}"
-        if self.type == "oscillating" and (self.arm is None) != (self.contact == "flat"):
-            yield "arm is the distance of a roller or knife edge from the pivot; a flat face has none"
+    required_with: ClassVar = {"roller_radius": ("contact", ("roller",))}
 
 
 class CamProgram(MotionProgram):

@@ -29,6 +29,9 @@ class PairFriction(Part):
     """
 
     one_of: ClassVar = (("coefficient", "material"),)
+    at_most_one_of: ClassVar = (("contact", "above_prismatic"),)
+    together: ClassVar = (("static_coefficient", "stribeck_speed"),)
+    required_with: ClassVar = {"vee_angle": ("form", ("vee",))}
 
     pair: Annotated[str, Refers("pair")]
     coefficient: Annotated[Number, Field(ge=0)] | None = None
@@ -45,9 +48,3 @@ class PairFriction(Part):
     def _faults(self) -> Faults:
         if self.material is not None and self.material not in MATERIALS:
             yield f"material {self.material!r} is not known; {did_you_mean(self.material, MATERIALS)}"
-        if (self.static_coefficient is None) != (self.stribeck_speed is None):
-            yield "static_coefficient and stribeck_speed belong together: give both, or neither"
-        if self.contact is not None and self.above_prismatic is not None:
-            yield "contact and above_prismatic both describe the contact of a journal: give one of the two"
-        if (self.form == "vee") != (self.vee_angle is not None):
-            yield "vee_angle goes with form = 'vee': give both, or neither"

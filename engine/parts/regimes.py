@@ -13,7 +13,7 @@ An end of the input's range stops the input: a run that reaches it ends, and the
 import math
 from collections.abc import Callable
 from itertools import pairwise
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from pydantic import BeforeValidator, Field, field_validator
@@ -64,6 +64,8 @@ class Instants(Part):
     NaN.
     """
 
+    one_of: ClassVar = (("times", "angles"),)
+
     times: (
         Annotated[list[Time], BeforeValidator(_spaced("time", "s"), json_schema_input_type=list[Time] | str)] | None
     ) = None
@@ -83,10 +85,6 @@ class Instants(Part):
         if values[0] < 0.0 or not rising or not math.isfinite(values[-1]):
             raise ValueError("counted from the start of the run, in ascending order")
         return values
-
-    def _faults(self) -> Faults:
-        if (self.times is None) == (self.angles is None):
-            yield "give either times or angles, such as times = '0 s to 2 s, 201'"
 
 
 class SteadyRegime(Part):
@@ -118,6 +116,8 @@ class RunRegime(Part):
     near rest; the error estimate is then the change of the result with steps of twice the length.
     """
 
+    together: ClassVar = (("method", "steps_per_turn"),)
+
     type: Literal["run"]
     off: tuple[ActionRef, ...] = ()
     from_speed: Annotated[AngularSpeed, Field(ge=0)] | None = None
@@ -139,9 +139,7 @@ class RunRegime(Part):
     steps_per_turn: Annotated[int, Field(ge=8, le=4096)] | None = None
 
     def _faults(self) -> Faults:
-        if (self.method is None) != (self.steps_per_turn is None):
-            yield "method = 'rk4' and steps_per_turn, such as 64, go together: give both or neither"
-        given = [key for key in ENDS if getattr(self, key) is not None]
+        given = self.gives(*ENDS)
         if len(given) != 1:
             what = "none is" if not given else f"{' and '.join(given)} are"
             yield (

@@ -1,7 +1,7 @@
 """Second inputs of a scene: links that move by laws of the first input or of time."""
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
@@ -51,6 +51,8 @@ class MovedByLaw(MotionProgram):
     that slides by s, it is 2π s/`travel`.
     """
 
+    at_most_one_of: ClassVar = (("period", "travel"),)
+
     drive: Drive = "own"
     begin: Angle = 0.0
     period: Annotated[Time, Field(gt=0)] | None = None
@@ -62,8 +64,6 @@ class MovedByLaw(MotionProgram):
         return bool(self.harmonics or self.sections or self.table)
 
     def _faults(self) -> Faults:
-        if self.period is not None and self.travel is not None:
-            yield "give either period (a law of time) or travel (a law of the first input)"
         lost = self.gives("period", "travel")
         if lost and not self.repeats and getattr(self, "ratio", 0.0) == 0.0:
             yield f"{lost[0]} has no meaning without a ratio, harmonics, sections or a table"

@@ -16,9 +16,10 @@ Plain numbers are SI; text takes units ("80 mm").
 """
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
-from typing import Annotated, ClassVar, Literal, NamedTuple, get_args, get_origin
+from itertools import pairwise
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, get_args, get_origin
 
 import numpy as np
 from annotated_types import Ge, Gt, Le, Lt
@@ -37,6 +38,7 @@ from pydantic.fields import FieldInfo
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError
 
+from engine.units.dimensions import described
 from engine.units.display import quantity_text
 from engine.units.reading import in_text, to_si
 
@@ -123,12 +125,13 @@ Mode = Literal[1, -1]
 
 
 class SceneNumber(NamedTuple):
-    """A number of a scene: its value (SI), its dimension, and its limits or choices."""
+    """A number of a scene: its value (SI), its dimension, its limits or choices, and the path of a lower number."""
 
     value: float
     dimension: str
     limits: tuple[Gt | Ge | Lt | Le | NonZero, ...]
     choices: tuple[float, ...] = ()
+    above: str = ""
 
 
 class Part(BaseModel):
@@ -136,31 +139,75 @@ class Part(BaseModel):
 
     Attributes
     ----------
-    one_of, at_most_one_of : tuple of tuple of str
-        Optional keys of which a class requires exactly one, and of which it allows one, in addition to its bases.
+    one_of, at_most_one_of, together : tuple of tuple of str
+        Optional keys of which a class requires exactly one, of which it allows one, and which it takes all or none.
+    ascending : dict of tuple of str to str
+        Keys whose values must ascend, with the reason.
+    needs : dict of str to tuple of str
+        Keys that have a meaning only with one of the others.
+    goes_with, required_with : dict of str to tuple
+        Keys allowed only if another key has one of some values, and keys that are then required: (other key, values).
 
-    A class that has more to check, or that computes what can fail with a `ValueError`, defines `_faults`.
+    These rules hold in addition to those of the bases. A class that has more to check, or that computes what can fail
+    with a `ValueError`, defines `_faults`.
     """
 
     one_of: ClassVar[tuple[tuple[str, ...], ...]] = ()
     at_most_one_of: ClassVar[tuple[tuple[str, ...], ...]] = ()
+    together: ClassVar[tuple[tuple[str, ...], ...]] = ()
+    ascending: ClassVar[dict[tuple[str, ...], str]] = {}
+    needs: ClassVar[dict[str, tuple[str, ...]]] = {}
+    goes_with: ClassVar[dict[str, tuple[str, tuple[str, ...]]]] = {}
+    required_with: ClassVar[dict[str, tuple[str, tuple[str, ...]]]] = {}
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     @model_validator(mode="after")
     def _is_sound(self) -> "Part":
         kinds = type(self).__mro__
         for kind in kinds:
-            for keys in vars(kind).get("one_of", ()):
-                if sum(getattr(self, key) is not None for key in keys) != 1:
-                    raise ValueError(f"give {' or '.join(keys)}, one of the two")
-            for keys in vars(kind).get("at_most_one_of", ()):
-                given = [key for key in keys if getattr(self, key) is not None]
-                if len(given) > 1:
-                    raise ValueError(f"{' and '.join(given)} are given; give one of {', '.join(keys)}, or none")
+            for fault in self._broken(vars(kind)):
+                raise ValueError(fault)
         for kind in reversed(kinds):
             for fault in vars(kind)["_faults"](self) or () if "_faults" in vars(kind) else ():
                 raise ValueError(fault)
         return self
+
+    def _broken(self, rules: Mapping[str, Any]) -> Faults:
+        """The rules of a class that the part breaks, in words."""
+        for keys in rules.get("one_of", ()):
+            if len(self.gives(*keys)) != 1:
+                yield f"give {' or '.join(keys)}, one of the {'two' if len(keys) == 2 else 'three'}"
+        for keys in rules.get("at_most_one_of", ()):
+            if len(given := self.gives(*keys)) > 1:
+                yield f"{' and '.join(given)} are given; give one of {', '.join(keys)}, or none"
+        for keys in rules.get("together", ()):
+            if 0 < len(self.gives(*keys)) < len(keys):
+                ways = "both, or neither" if len(keys) == 2 else "all, or none"
+                yield f"{', '.join(keys[:-1])} and {keys[-1]} belong together: give {ways}"
+        for keys, why in rules.get("ascending", {}).items():
+            for low, high in self._ascending(keys):
+                if not getattr(self, low) < getattr(self, high):
+                    yield f"{self._in_words(high)} is not above {self._in_words(low)}: {why}"
+        for key, others in rules.get("needs", {}).items():
+            if self.gives(key) and all(getattr(self, o) is None for o in self.model_fields_set.intersection(others)):
+                missing = " or ".join(others)
+                yield f"{key} has no meaning without {missing}: give {missing}, or leave {key} out"
+        for rule in ("goes_with", "required_with"):
+            for key, (other, values) in rules.get(rule, {}).items():
+                value, given = getattr(self, other), bool(self.gives(key))
+                if given and value not in values:
+                    yield f"{key} goes with {other} = {' or '.join(map(repr, values))}; the {other} is {value!r}"
+                if rule == "required_with" and not given and value in values:
+                    yield f"{key} is missing: {other} = {value!r} needs it"
+
+    def _ascending(self, keys: Iterable[str]) -> Iterator[tuple[str, str]]:
+        """Neighbours among the keys that are given."""
+        return pairwise(key for key in keys if getattr(self, key) is not None)
+
+    def _in_words(self, key: str) -> str:
+        """A number with its key and unit."""
+        unit = described(field_dimension(type(self).model_fields[key])).unit
+        return f"{key} = {quantity_text(getattr(self, key), unit)}"
 
     def numbers_within(self, path: str = "") -> Iterator[tuple[str, SceneNumber]]:
         """Every number of this part and its subparts that a study may vary, by path.
@@ -172,9 +219,11 @@ class Part(BaseModel):
         path : str
             Path of this part.
         """
+        orders = [keys for kind in type(self).__mro__ for keys in vars(kind).get("ascending", ())]
+        lower = {high: low for keys in orders for low, high in self._ascending(keys)}
         for key, field in type(self).model_fields.items():
-            value = getattr(self, key)
-            here = f"{path}.{key}" if path else key
+            value, within = getattr(self, key), f"{path}." if path else ""
+            here, above = within + key, within + lower[key] if key in lower else ""
             if isinstance(value, Part):
                 yield from value.numbers_within(here)
             elif isinstance(value, dict):
@@ -183,7 +232,7 @@ class Part(BaseModel):
             elif isinstance(value, (int, float)) and not isinstance(value, bool):
                 dimension, limits = _marked(type(self), key)
                 if dimension is not None:
-                    yield here, SceneNumber(float(value), dimension, limits)
+                    yield here, SceneNumber(float(value), dimension, limits, above=above)
                 elif field.annotation == Mode:
                     yield here, SceneNumber(float(value), "number", (), get_args(Mode))
 
@@ -289,6 +338,9 @@ class CrankInput(Part):
     `start` and `stop` limit a crank that doesn't turn fully; without them a cycle is `revolutions` turns.
     """
 
+    together: ClassVar = (("start", "stop"),)
+    ascending: ClassVar = {("start", "stop"): "the crank turns from one to the other"}
+
     type: Literal["crank"]
     link: Name = "crank"
     pivot: FramePoint
@@ -305,10 +357,6 @@ class CrankInput(Part):
         return self.start is None
 
     def _faults(self) -> Faults:
-        if (self.start is None) != (self.stop is None):
-            yield "start and stop belong together: give both, or neither for full revolutions"
-        if self.start is not None and not self.stop > self.start:
-            yield "stop must be greater than start"
         if self.start is not None and self.gives("revolutions"):
             yield "revolutions are those of a cycle, and from start to stop there is none; leave them out"
 
@@ -432,6 +480,8 @@ class FreeLink(Part):
     other links that name its points needs no joints; its axes are then arbitrary.
     """
 
+    needs: ClassVar = {"offset": ("guide",)}
+
     joints: tuple[Name, ...] = ()
     length: Annotated[Length, Field(gt=0)] | None = None
     guide: GuideRef | None = None
@@ -449,8 +499,6 @@ class FreeLink(Part):
             yield f"joints names {self.joints[0]!r} twice; name two points"
         if (len(self.joints) == 2) != (self.length is not None):
             yield "length is the distance of two joints: give both, or neither"
-        if self.guide is None and self.offset != 0.0:
-            yield "offset is the distance from a guide; give guide, or leave offset out"
 
 
 class Near(Part):
@@ -479,14 +527,12 @@ class Disc(Part):
 class Ring(Part):
     """Uniform ring: J = m(R² + r²)/2; mass = ρπ(R² − r²)t."""
 
+    ascending: ClassVar = {("inner_diameter", "diameter"): "a ring lies between them"}
+
     type: Literal["ring"]
     diameter: Annotated[Length, Field(gt=0)]
     inner_diameter: Annotated[Length, Field(gt=0)]
     thickness: Annotated[Length, Field(gt=0)] | None = None
-
-    def _faults(self) -> Faults:
-        if not self.inner_diameter < self.diameter:
-            yield "inner_diameter must be less than diameter"
 
 
 class Plate(Part):
@@ -582,6 +628,8 @@ class Body(Part):
     perpendicular vertical and turns about a vertical axis through its mass centre.
     """
 
+    needs: ClassVar = {"density": ("shape",)}
+
     link: Annotated[AxesRef, Refers("moving link")]
     mass: Annotated[Mass, Field(ge=0)] | None = None
     x: Length | None = None
@@ -597,8 +645,6 @@ class Body(Part):
             other = "inertia" if self.shape is None else "shape"
             yield f"inertia follows from the swing; give swing or {other}, one of the two"
         if self.shape is None:
-            if self.density is not None:
-                yield "density needs a shape; give shape, or mass instead of density"
             if self.mass is None:
                 yield "give mass (with inertia), or a shape with density"
             return
@@ -643,6 +689,8 @@ class Shaft(Part):
     mesh with the carrier fixed, whichever wheel drives.
     """
 
+    needs: ClassVar = {"phase": ("pivot",), "around": ("pivot",)}
+
     geared_to: LinkRef
     ratio: Annotated[Number, _GEARED]
     carrier: LinkRef | None = None
@@ -652,19 +700,6 @@ class Shaft(Part):
     pivot: PointRef | None = None
     phase: Angle = 0.0
     around: Angle = 0.0
-
-    def _faults(self) -> Faults:
-        lost = self.gives("phase", "around")
-        if self.pivot is None and lost:
-            yield f"{lost[0]}: without a pivot this shaft has no angle; give pivot, or leave {lost[0]} out"
-
-
-# Keys that apply to some types of wheels only.
-_OF_WHEELS = {
-    ("arms", "arm_area", "hub_diameter", "hub_width"): ("arms",),
-    ("thickness_ratio",): ("rim", "arms"),
-    ("width_ratio",): ("mean rim",),
-}
 
 
 class WheelForm(Part):
@@ -676,6 +711,15 @@ class WheelForm(Part):
     speed allows. `ratio` is the speed of the wheel's shaft over that of the input link. With the `strength` of the
     material, the bursting speed is reported.
     """
+
+    goes_with: ClassVar = {
+        "arms": ("type", ("arms",)),
+        "thickness_ratio": ("type", ("rim", "arms")),
+        "width_ratio": ("type", ("mean rim",)),
+        "diameter": ("type", ("rim", "disc", "arms")),
+        "mean_diameter": ("type", ("mean rim",)),
+    }
+    required_with: ClassVar = dict.fromkeys(("arm_area", "hub_diameter", "hub_width"), ("type", ("arms",)))
 
     type: Literal["rim", "disc", "arms", "mean rim"]
     material: Literal["cast iron", "steel"] = "cast iron"
@@ -693,20 +737,8 @@ class WheelForm(Part):
     hub_width: Annotated[Length, Field(gt=0)] | None = None
 
     def _faults(self) -> Faults:
-        missing = [k for k in ("arm_area", "hub_diameter", "hub_width") if getattr(self, k) is None]
-        if self.type == "arms" and missing:
-            yield f"a wheel with arms needs {', '.join(missing)}"
         if self.density is not None and self.rim_speed_limit is not None and self.gives("material"):
             yield "material: it has no effect with density and rim_speed_limit; remove it"
-        for keys, types in _OF_WHEELS.items():
-            lost = self.gives(*keys)
-            if lost and self.type not in types:
-                yield f"{lost[0]} belongs to a wheel of type {' or '.join(map(repr, types))}; leave it out"
-        mean = self.type == "mean rim"
-        wrong = "diameter" if mean else "mean_diameter"
-        if getattr(self, wrong) is not None:
-            right = "mean_diameter" if mean else "diameter"
-            yield f"{wrong} doesn't belong to a wheel of type {self.type!r}; give {right}, or neither"
 
 
 class Flywheel(Part):

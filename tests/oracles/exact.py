@@ -13,3 +13,15 @@ def exactly(*values):
 
 def assert_within(got, expected, allowed):
     assert abs(mpf(got) - expected) <= mpf(float(allowed)), f"{got} is not {mpmath.nstr(expected, 20)} ± {allowed}"
+
+
+def table_value(table, x):
+    """Value of a piecewise cubic `Table` at x; at a step the value after it, NaN for NaN."""
+    u = np.asarray(x, float)
+    if table.period:
+        outside = (u < table.start) | (u >= table.start + table.period)
+        u = np.where(outside, table.start + (u - table.start) % table.period, u)
+    piece = np.clip(np.searchsorted(table.breaks, u, side="right") - 1, 0, len(table.coefficients) - 1)
+    c3, c2, c1, c0 = np.moveaxis(table.coefficients[piece], -1, 0)
+    t = u - table.breaks[piece]
+    return ((c3 * t + c2) * t + c1) * t + c0

@@ -20,9 +20,8 @@ from pydantic import Field
 
 from engine.cycle.regula_falsi import regula_falsi
 from engine.elements.element import Columns, Element, ElementResult, Numbers
-from engine.elements.panels import Curve, Mark, Panel, PanelAxis, path, plan
-from engine.parts.skeleton import AngularSpeed, Faults, Length, Mass, Number, Speed
-from engine.units.display import quantity_text
+from engine.elements.panels import TIME, Curve, Mark, Panel, PanelAxis, path, plan
+from engine.parts.skeleton import AngularSpeed, Length, Mass, Number, Speed
 
 # Samples of a curve; number of lever positions drawn.
 _SHOWN, _LEVERS = 721, 8
@@ -35,6 +34,7 @@ class RotatingGuide(Element):
     `length`.
     """
 
+    ascending: ClassVar = {("start_radius", "length"): "the body slides out"}
     picture: ClassVar = "sliding"
     RESULTS: ClassVar = (
         ElementResult("time", "time to the end of the lever", "s"),
@@ -58,13 +58,6 @@ class RotatingGuide(Element):
     length: Annotated[Length, Field(gt=0)]
     friction: Annotated[Number, Field(ge=0)] = 0.0
 
-    def _faults(self) -> Faults:
-        if not self.start_radius < self.length:
-            yield (
-                f"length = {quantity_text(self.length, 'm')} is not above start_radius = "
-                f"{quantity_text(self.start_radius, 'm')}: the body slides out"
-            )
-
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name."""
         mass, w, start = n["mass"], n["speed"], n["start_radius"]
@@ -83,9 +76,8 @@ class RotatingGuide(Element):
         slowing = -2.0 * friction * w
         with np.errstate(all="ignore"):
             both = np.where(-slowing * time > 1e-18, np.expm1(slowing * time) / slowing, time)
-        squares = 0.5 * out * first**2 * np.expm1(2.0 * out * time) + 0.5 * back * second**2 * np.expm1(
-            2.0 * back * time
-        )
+        squares = 0.5 * out * first**2 * np.expm1(2.0 * out * time)
+        squares = squares + 0.5 * back * second**2 * np.expm1(2.0 * back * time)
         squares = squares + 2.0 * out * back * first * second * both
         return {
             "time": time,
@@ -109,9 +101,7 @@ class RotatingGuide(Element):
         radius, rate = slides_out(*given, time)
         reaction = 2.0 * self.mass * self.speed * rate
         rows = (PanelAxis("distance", "m", "r"), radius), (PanelAxis("reaction", "N", "R"), reaction)
-        over_time = (
-            Panel(PanelAxis("time", "s", "t"), y, time, (Curve("", row),), (Mark("", end, row[-1]),)) for y, row in rows
-        )
+        over_time = (Panel(TIME, y, time, (Curve("", row),), (Mark("", end, row[-1]),)) for y, row in rows)
         turned = np.exp(1j * self.speed * time)
         leaves = (rate[-1] + 1j * self.speed * radius[-1]) * turned[-1]
         track = radius * turned

@@ -22,7 +22,7 @@ from scipy.integrate import solve_ivp
 
 from engine.cycle.regula_falsi import regula_falsi
 from engine.elements.element import Columns, Element, ElementResult, Numbers
-from engine.elements.panels import Curve, Mark, Panel, PanelAxis, circle, path, plan
+from engine.elements.panels import VELOCITY, Curve, Mark, Panel, PanelAxis, circle, path, plan
 from engine.parts.actions import Force, Stiffness
 from engine.parts.skeleton import Length, Mass, Speed
 
@@ -93,7 +93,7 @@ class TetheredBody(Element):
         curves = [Curve(words, found[f"{kind}_force"]) for kind, words in kinds.items()]
         marks = [Mark("", at, self.strength) for at in bursts.values()]
         marks += [Mark("strength of the tie", None, self.strength), Mark("its speed", self.speed, None)]
-        x, y = PanelAxis("speed", "m s-1", "v"), PanelAxis("peak pull", "N", "F")
+        x, y = VELOCITY, PanelAxis("peak pull", "N", "F")
         pull = Panel(x, y, speed, curves, marks, limits=(0.0, 2.2 * self.strength))
         track = self._track()
         farthest = track[np.abs(track).argmax()]

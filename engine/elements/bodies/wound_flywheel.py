@@ -27,8 +27,7 @@ from engine.elements.element import Columns, Element, ElementResult, Numbers
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.elements.sampled_peak import sampled_peak
 from engine.laws.masses.moments_of_inertia import ring_inertia
-from engine.parts.skeleton import AngularSpeed, Faults, Number, Positive, Pressure, quantity
-from engine.units.display import quantity_text
+from engine.parts.skeleton import AngularSpeed, Number, Positive, Pressure, quantity
 
 _PLACES, _SHOWN = 65, 721
 
@@ -40,6 +39,10 @@ class WoundFlywheel(Element):
     material.
     """
 
+    ascending: ClassVar = {
+        ("bore", "winding_diameter", "diameter"): "the winding lies outside the ring",
+        ("winding_stress", "strength"): "the tape would tear while it is wound",
+    }
     picture: ClassVar = "stresses"
     RESULTS: ClassVar = (
         ElementResult("mass", "mass of the wheel", "kg"),
@@ -69,16 +72,6 @@ class WoundFlywheel(Element):
     speed: Annotated[AngularSpeed, Field(gt=0)]
     strength: Annotated[Pressure, Field(gt=0)] | None = None
 
-    def _faults(self) -> Faults:
-        if not self.bore < self.winding_diameter < self.diameter:
-            yield (
-                f"bore = {quantity_text(self.bore, 'm')}, winding_diameter = "
-                f"{quantity_text(self.winding_diameter, 'm')}, diameter = "
-                f"{quantity_text(self.diameter, 'm')}: give them ascending, the winding lies outside the ring"
-            )
-        if self.strength is not None and not self.winding_stress < self.strength:
-            yield "winding_stress must be below strength: the tape would tear while it is wound"
-
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name; NaN if the radii do not ascend."""
         a, c, b = (0.5 * n[key] for key in ("bore", "winding_diameter", "diameter"))
@@ -97,9 +90,8 @@ class WoundFlywheel(Element):
             slope = slope - 2.0 * spin * ((a * b) ** 2 / r**3 + (1.0 + 3.0 * nu) / (3.0 + nu) * r)
             return wound_stresses(n, r, speed)[1], slope
 
-        stress, _ = sampled_peak(
-            lambda r: layer(r)[0], lambda r: layer(r)[1], c + (b - c) * np.linspace(0.0, 1.0, _PLACES)[:, None]
-        )
+        places = c + (b - c) * np.linspace(0.0, 1.0, _PLACES)[:, None]
+        stress, _ = sampled_peak(lambda r: layer(r)[0], lambda r: layer(r)[1], places)
         about = np.log((b - a) * (b + a) / ((c - a) * (c + a)))
         pressure = 0.5 * tension * (1.0 - (a / c) ** 2) * about
         spun = 2.0 * spin * (b**2 + (1.0 - nu) / (3.0 + nu) * a**2)
@@ -141,9 +133,8 @@ class WoundFlywheel(Element):
         made = []
         for which, words, symbol, more in ((1, "hoop stress", "σ_t", strength), (0, "radial stress", "σ_r", [])):
             curves = [Curve(name, rows[which], name == "at rest") for name, rows in found.items()]
-            made.append(
-                Panel(PanelAxis("radius", "m", "r"), PanelAxis(words, "Pa", symbol), radius, curves, (*marks, *more))
-            )
+            axes = PanelAxis("radius", "m", "r"), PanelAxis(words, "Pa", symbol)
+            made.append(Panel(*axes, radius, curves, (*marks, *more)))
         return tuple(made)
 
 

@@ -1,7 +1,7 @@
 """Followers of a cam, their contact, and the limits that the cam must satisfy."""
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
@@ -14,11 +14,8 @@ Stiffness = Annotated[quantity("stiffness"), Field(ge=0)]
 TorsionalStiffness = Annotated[quantity("torsional_stiffness"), Field(ge=0)]
 
 
-def _faults_of_forces(follower: Part, moved: str) -> Faults:
-    """Spring or load without the mass or inertia that forces require."""
-    lost = follower.gives("preload", "stiffness", "load")
-    if lost and getattr(follower, moved) is None:
-        yield f"{lost[0]} matters to forces, which need the follower's {moved}: give that, or leave it out"
+# Keys of forces, which require the follower's mass or inertia.
+_FORCES = ("preload", "stiffness", "load")
 
 
 class TranslatingFollower(TouchesCam):
@@ -27,6 +24,9 @@ class TranslatingFollower(TouchesCam):
     `load` presses it onto the cam at all times and includes its weight. Friction in the guide requires `guide_length`
     and `overhang`, by which the follower projects from the guide at its lowest position.
     """
+
+    together: ClassVar = (("friction", "guide_length", "overhang"),)
+    needs: ClassVar = dict.fromkeys((*_FORCES, "friction"), ("mass",))
 
     type: Literal["translating"]
     contact: Literal["roller", "flat", "knife edge"]
@@ -41,12 +41,8 @@ class TranslatingFollower(TouchesCam):
     overhang: NotNegative | None = None
 
     def _faults(self) -> Faults:
-        yield from _faults_of_forces(self, "mass")
-        given = [self.friction is None, self.guide_length is None, self.overhang is None]
-        if any(given) and not all(given):
-            yield "friction, guide_length and overhang belong together: give all three, or none"
-        if self.friction is not None and (self.contact == "flat" or self.mass is None):
-            yield "friction in the guide is that of a roller or knife edge with a mass: leave it out"
+        if self.friction is not None and self.contact == "flat":
+            yield "friction in the guide is that of a roller or knife edge: leave it out"
         if self.offset and self.contact == "flat":
             yield "offset = 0 for a flat face: an offset moves the contact along the face, and nothing else"
 
@@ -63,6 +59,9 @@ class OscillatingFollower(TouchesCam):
     or with it for `opens` = "with". `load` and `preload` are moments about the pivot that press it onto the cam.
     """
 
+    needs: ClassVar = dict.fromkeys(_FORCES, ("inertia",))
+    required_with: ClassVar = {"arm": ("contact", ("roller", "knife edge"))}
+
     type: Literal["oscillating"]
     contact: Literal["roller", "flat", "knife edge"]
     roller_radius: Positive | None = None
@@ -73,9 +72,6 @@ class OscillatingFollower(TouchesCam):
     preload: Moment = 0.0
     stiffness: TorsionalStiffness = 0.0
     load: Moment = 0.0
-
-    def _faults(self) -> Faults:
-        yield from _faults_of_forces(self, "inertia")
 
     @property
     def moved(self) -> float | None:

@@ -74,9 +74,8 @@ def least_arm_angles(cams: CamVariants, begin: np.ndarray) -> tuple[np.ndarray, 
     psi, at = begin.copy(), PeakPlaces(np.zeros(begin.size, int), *np.full((2, begin.size), np.nan))
     left = np.flatnonzero(np.isfinite(begin) & (flat | (limit > 0.0)))
     # Forces and limits do not affect the curvature.
-    bare = cams.cam.model_copy(
-        update={"limits": None, "follower": cams.cam.follower.model_copy(update={"inertia": None})}
-    )
+    follower = cams.cam.follower.model_copy(update={"inertia": None})
+    bare = cams.cam.model_copy(update={"limits": None, "follower": follower})
     for _ in range(_POSITIONS):
         if not left.size:
             return psi, at

@@ -117,9 +117,8 @@ def measure(cams: CamVariants, sought: Sequence[Sought]) -> Measures:
     if dynamic:
         samples = panels.values[names.index("moment")]
         rates = 0.5 * (panels.right - panels.left) * turn.angle[panels.p, panels.v] / TURN
-        for row, part in zip(
-            moment, (panel_integrals(samples), panel_integrals(np.abs(samples)), tails(samples)), strict=True
-        ):
+        parts = panel_integrals(samples), panel_integrals(np.abs(samples)), tails(samples)
+        for row, part in zip(moment, parts, strict=True):
             np.add.at(row, panels.v, rates * part)
     return Measures(PeakPlaces(*map(np.array, zip(*places, strict=True))), verdicts.astype(np.uint8), *moment)
 

@@ -8,16 +8,7 @@ from engine.elements.cams.followers import OscillatingFollower, TranslatingFollo
 from engine.elements.cams.turn import CamTurn, turn_of
 from engine.elements.element import Numbers
 from engine.graph.over_arrays import over_arrays
-from engine.laws.cams.profiles import (
-    arm_angles_for_pressure,
-    flat_face_support,
-    least_arm_angle,
-    least_face_angle,
-    least_height,
-    least_height_for_curvature,
-    sliding_roller,
-    swinging_roller,
-)
+from engine.laws.cams import profiles
 from engine.parts.motion_programs import CamProgram
 
 _ORDERS = range(4)
@@ -56,11 +47,11 @@ def cam_variants(cam: CamProgram, n: Numbers) -> CamVariants:
     """Cams whose followers touch the base circle at zero displacement."""
     prime = n["base_radius"] + n.get("follower.roller_radius", 0.0)
     if cam.translating:
-        lowest = over_arrays(least_height, prime, n["follower.offset"])
+        lowest = over_arrays(profiles.least_height, prime, n["follower.offset"])
     elif cam.follower.contact == "flat":
-        lowest = over_arrays(least_face_angle, prime, n["follower.pivot_distance"])
+        lowest = over_arrays(profiles.least_face_angle, prime, n["follower.pivot_distance"])
     else:
-        lowest = over_arrays(least_arm_angle, prime, n["follower.arm"], n["follower.pivot_distance"])
+        lowest = over_arrays(profiles.least_arm_angle, prime, n["follower.arm"], n["follower.pivot_distance"])
     return CamVariants(cam, n, turn_of(cam, n), lowest[0])
 
 
@@ -93,10 +84,10 @@ def at_positions(some: CamVariants, p: np.ndarray, v: np.ndarray, u: np.ndarray)
     across, along, leverage = 0.0, 1.0, 1.0
     if cam.follower.contact != "flat":
         if cam.translating:
-            across, along, found["curvature"] = over_arrays(sliding_roller, of("follower.offset"), y, s1, s2)
+            across, along, found["curvature"] = over_arrays(profiles.sliding_roller, of("follower.offset"), y, s1, s2)
         else:
             d, leverage = of("follower.pivot_distance"), of("follower.arm")
-            across, along, found["curvature"] = over_arrays(swinging_roller, leverage, d, y, s1, s2, sense)
+            across, along, found["curvature"] = over_arrays(profiles.swinging_roller, leverage, d, y, s1, s2, sense)
         found["angle"] = np.arctan2(across, along)
         found |= _limits(some, v, found) if limits else {}
     elif cam.translating:
@@ -104,7 +95,7 @@ def at_positions(some: CamVariants, p: np.ndarray, v: np.ndarray, u: np.ndarray)
         found |= {"curved height": of("limits.convex_radius") - s - s2} if limits else {}
     else:
         d = of("follower.pivot_distance")
-        found["radius"], found["face"] = over_arrays(flat_face_support, d, y, s1, s2, sense)
+        found["radius"], found["face"] = over_arrays(profiles.flat_face_support, d, y, s1, s2, sense)
         found["reached"] &= 1.0 + sense * s1 > 0.0
         leverage = found["face"]
     if cam.follower.moved is not None:
@@ -119,13 +110,13 @@ def _limits(some: CamVariants, v: np.ndarray, found: dict[str, np.ndarray]) -> d
     offset = n["follower.offset"][v] if cam.translating else 0.0
     if cam.translating:
         radius = limit_radius(n)[v]
-        (rows["curved height"],) = over_arrays(least_height_for_curvature, s, s1, found["s2"], offset, radius)
+        (rows["curved height"],) = over_arrays(profiles.least_height_for_curvature, s, s1, found["s2"], offset, radius)
     if "limits.pressure_angle" in n:
         slope = np.tan(n["limits.pressure_angle"])[v]
         if cam.translating:
             return rows | {f"height {sign:+d}": sign * (s1 - offset) / slope - s for sign in (1, -1)}
         arm, d = n["follower.arm"][v], n["follower.pivot_distance"][v]
-        low, high = over_arrays(arm_angles_for_pressure, s1, arm, d, sense_of(cam.follower), slope)
+        low, high = over_arrays(profiles.arm_angles_for_pressure, s1, arm, d, sense_of(cam.follower), slope)
         never = ~(low < np.inf)
         rows |= {"low angle": np.where(never, np.inf, low - s), "high angle": np.where(never, -np.inf, high - s)}
     return rows

@@ -119,18 +119,16 @@ def _tabled(motion: MotionTable, variants: int) -> CamTurn:
     """The turn given by a table: its cubics, cut also at reversals of the follower."""
     table = make_table(motion.over_angle, motion.rows, motion.interpolation, 2 * math.pi)
     roundings, pieces = rounding_of_rows(table, motion.interpolation), []
-    for k, (left, right, (c3, c2, c1, c0)) in enumerate(
-        zip(table.breaks, table.breaks[1:], table.coefficients, strict=False)
-    ):
+    every = zip(table.breaks, table.breaks[1:], table.coefficients, strict=False)
+    for k, (left, right, (c3, c2, c1, c0)) in enumerate(every):
         length = right - left
         turns = np.roots([3 * c3, 2 * c2, c1]) if c3 or c2 else np.empty(0)
         real = np.sort(turns[np.abs(turns.imag) < 1e-12 * length].real)
         inside = real[(real > 1e-9 * length) & (real < (1 - 1e-9) * length)]
         for a, b in zip([0.0, *inside], [*inside, length], strict=True):
             middle = (a + b) / 2
-            pieces.append(
-                (np.sign((3 * c3 * middle + 2 * c2) * middle + c1), a, b, 0.0, c3, c2, c1, left, 1.0, c0, 1.0, k)
-            )
+            direction = np.sign((3 * c3 * middle + 2 * c2) * middle + c1)
+            pieces.append((direction, a, b, 0.0, c3, c2, c1, left, 1.0, c0, 1.0, k))
     rows = np.array(pieces).T
     numbers = np.repeat(rows[7:11, :, None], variants, axis=2)
     whole = np.ones(variants, bool)

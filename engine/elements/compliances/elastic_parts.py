@@ -6,7 +6,6 @@ from pydantic import Field
 
 from engine.parts.actions import Stiffness, TorsionalDamping, TorsionalStiffness
 from engine.parts.skeleton import Area, Faults, Length, Name, Number, Part, Positive, quantity
-from engine.units.display import quantity_text
 
 PartModulus = Annotated[quantity("pressure"), Field(gt=0)]
 
@@ -28,15 +27,10 @@ class _TurningPart(Part):
 class HollowRound(Part):
     """A round bar with a `diameter` and a `bore`."""
 
+    ascending: ClassVar = {("bore", "diameter"): "no wall is left"}
+
     diameter: Positive
     bore: Annotated[Length, Field(ge=0)] = 0.0
-
-    def _faults(self) -> Faults:
-        if self.bore >= self.diameter:
-            yield (
-                f"bore = {quantity_text(self.bore, 'm')}: it must be less than the diameter, "
-                f"{quantity_text(self.diameter, 'm')}"
-            )
 
 
 class ShaftPart(HollowRound, _TurningPart):

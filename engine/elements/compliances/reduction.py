@@ -68,15 +68,6 @@ class PartShare(NamedTuple):
     twist: np.ndarray
 
 
-def leaf_paths(parts: Mapping[str, ElasticPart], path: str = "") -> Iterator[str]:
-    """Paths of all single parts."""
-    for name, part in parts.items():
-        if isinstance(part, (SeriesPart, ParallelPart)):
-            yield from leaf_paths(part.parts, f"{path}{name}.parts.")
-        else:
-            yield f"{path}{name}"
-
-
 def _own_stiffness(part: ElasticPart, n: Numbers, path: str) -> np.ndarray:
     """Torsional stiffness about a part's own axis."""
 
@@ -136,14 +127,12 @@ def reduced_part(part: ElasticPart, n: Numbers, path: str) -> ReducedPart:
         damping, absorption = (n.get(f"{path}.{key}", none) for key in ("damping", "energy_absorption"))
         share = PartShare(stiffness, one, one, one)
         whole = ReducedPart(stiffness, damping, absorption, _roundings(part, n, path, none), {"": share})
-    square = ratio**2
+    stiffness, damping = whole.stiffness * ratio**2, whole.damping * ratio**2
     within = {
         name: share._replace(moment=share.moment / ratio, twist=share.twist * ratio)
         for name, share in whole.within.items()
     }
-    return ReducedPart(
-        whole.stiffness * square, whole.damping * square, whole.absorption, whole.roundings + 4.0, within
-    )
+    return ReducedPart(stiffness, damping, whole.absorption, whole.roundings + 4.0, within)
 
 
 def in_series(parts: Mapping[str, ReducedPart]) -> ReducedPart:

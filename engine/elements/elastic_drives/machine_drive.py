@@ -10,9 +10,9 @@ import numpy as np
 from pydantic import Field
 
 from engine.elements.elastic_drives.elastic_shaft import ElasticShaft
-from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank, further
+from engine.elements.element import Answers, Element, ElementResult, Numbers, check_result, further
 from engine.parts.actions import Time
-from engine.parts.skeleton import OF_FLUCTUATION, ActionRef, Angle, Faults, GearedRef, Inertia, Part
+from engine.parts.skeleton import OF_FLUCTUATION, ActionRef, Angle, GearedRef, Inertia, Part
 
 RESULTS = (
     ElementResult("stiffness", "torsional stiffness of the shaft, reduced to the crank", "N m rad-1"),
@@ -32,14 +32,10 @@ RESULTS = (
     ElementResult("position_error", "how far the crank is from turning rigidly: half the range of the twist", "rad"),
     ElementResult("motor_power", "mean power of the motors", "W"),
     further("damping_power", "mean power that the shaft's damping takes", "W"),
-    ElementResult(
-        "power_residual", "what is missing of the balance of power, as a share", "1", None, True, rank=Rank.CHECK
-    ),
-    ElementResult(
-        "multiplier", "largest magnitude of a multiplier: growth of disturbances per cycle", "1", rank=Rank.CHECK
-    ),
-    ElementResult("second_multiplier", "second largest magnitude of a multiplier", "1", rank=Rank.CHECK),
-    ElementResult("third_multiplier", "smallest magnitude of a multiplier", "1", rank=Rank.CHECK),
+    check_result("power_residual", "what is missing of the balance of power, as a share", "1", None, True),
+    check_result("multiplier", "largest magnitude of a multiplier: growth of disturbances per cycle", "1"),
+    check_result("second_multiplier", "second largest magnitude of a multiplier", "1"),
+    check_result("third_multiplier", "smallest magnitude of a multiplier", "1"),
     further("growth_rate", "rate at which disturbances grow", "s-1"),
 )
 RUN_RESULTS = (
@@ -69,15 +65,13 @@ class MachineRun(Part):
     freely relative to the other: at rest it is open, and the motors have to close it; steady running ignores it.
     """
 
+    goes_with: ClassVar = {"angle": ("begin", ("at rest",))}
+
     begin: Literal["at rest", "steady"] = "at rest"
     angle: Angle = 0.0
     time: Annotated[Time, Field(gt=0)]
     off: tuple[ActionRef, ...] = ()
     backlash: Annotated[Angle, Field(ge=0)] = 0.0
-
-    def _faults(self) -> Faults:
-        if self.begin == "steady" and self.angle != 0.0:
-            yield "angle goes with begin = 'at rest': out of steady motion it begins at 0"
 
 
 class MachineDrive(ElasticShaft, Element):

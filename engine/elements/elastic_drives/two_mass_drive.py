@@ -5,7 +5,6 @@ from typing import Annotated, ClassVar, Literal, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from engine.elements.elastic_drives.drive_motors import DriveMotor
 from engine.elements.elastic_drives.elastic_shaft import ElasticShaft, drive_shaft
 from engine.elements.elastic_drives.shaft_touch import touching_moment
 from engine.elements.elastic_drives.two_masses import (
@@ -14,12 +13,12 @@ from engine.elements.elastic_drives.two_masses import (
     FollowedDrives,
     follow_drives,
 )
-from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, nudged
-from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, named_in_order, nudged
+from engine.elements.panels import SPEED, TIME, Curve, Mark, Panel, PanelAxis
 from engine.laws.rounding import EPS
-from engine.parts.actions import Moment, Time
+from engine.parts.actions import DCCharacteristic, InductionCharacteristic, Moment, TableCharacteristic, Time
 from engine.parts.motor_constants import MotorCurve, motor_curve
-from engine.parts.skeleton import Angle, AngularSpeed, Faults, Inertia
+from engine.parts.skeleton import Angle, AngularSpeed, Inertia
 from engine.stepping.recorded import made_steps, weights_at
 from engine.stepping.walk_task import WALKS
 from engine.words.verdicts import Verdict
@@ -30,6 +29,30 @@ SMALLEST = np.finfo(float).tiny / EPS
 STEPS = 1e4
 # Instants of curves, and maximum number of steps recorded for a plot.
 _INSTANTS, MOST_SHOWN = 8004, 20_000
+
+
+class DriveDCMotor(DCCharacteristic):
+    """A DC motor with a linear characteristic; power and rated speed may replace the stall torque."""
+
+    type: Literal["dc"]
+
+
+class DriveInductionMotor(InductionCharacteristic):
+    """An induction motor, by Kloss' formula or from its nameplate."""
+
+    type: Literal["induction"]
+
+
+class DriveTableMotor(TableCharacteristic):
+    """A motor defined by a table of its torque over its speed, with linear interpolation and extrapolation.
+
+    All torques are multiplied by `scale`.
+    """
+
+    type: Literal["table"]
+
+
+DriveMotor = Annotated[DriveDCMotor | DriveInductionMotor | DriveTableMotor, Field(discriminator="type")]
 
 
 class TwoMassDrive(ElasticShaft, Element):
@@ -43,6 +66,7 @@ class TwoMassDrive(ElasticShaft, Element):
     """
 
     one_of: ClassVar = (("motor_moment", "motor"),)
+    required_with: ClassVar = dict.fromkeys(("speed", "load_before"), ("begin", ("running",)))
     picture: ClassVar = "transient"
     RESULTS: ClassVar = (
         ElementResult("stiffness", "torsional stiffness of the shaft", "N m rad-1"),
@@ -72,26 +96,12 @@ class TwoMassDrive(ElasticShaft, Element):
     speed: Annotated[AngularSpeed, Field(gt=0)] | None = None
     time: Annotated[Time, Field(gt=0)]
 
-    def _faults(self) -> Faults:
-        if (self.begin == "running") != (self.speed is not None) or (self.speed is None) != (self.load_before is None):
-            yield "speed and load_before go with begin = 'running': give both, or neither"
-
     def values(self, n: Numbers, longer: float) -> tuple[Columns, FollowedDrives]:
         """Results of a set of variants by name, and their drives, by one of the `WALKS`."""
         followed, rigid = self.follow(n, longer), self.of_shaft(n)["rigid_moment"]
         held = followed.held
-        found = {
-            "greatest_moment": held.greatest,
-            "greatest_moment_at": held.greatest_at,
-            "dynamic_factor": held.greatest / rigid,
-            "closings": held.closings,
-            "first_impact_at": held.impact_at,
-            "first_impact_speed": held.impact_speed,
-            "load_starts_at": held.load_at,
-            "motor_speed": followed.speed,
-            "load_speed": followed.load_speed,
-        }
-        return found, followed
+        peak, impacts = (held.greatest, held.greatest_at, held.greatest / rigid), held[6:]
+        return named_in_order(self.RESULTS[4:], (*peak, *impacts, followed.speed, followed.load_speed)), followed
 
     def of_shaft(self, n: Numbers) -> Columns:
         """Results that don't depend on the motion, by name."""
@@ -101,8 +111,7 @@ class TwoMassDrive(ElasticShaft, Element):
         if self.begin == "at rest":
             # If the motor can't move the load, the load holds all of its torque.
             rigid = np.where(load >= motor, motor, rigid)
-        named = zip(("stiffness", "damping", "natural_frequency"), shaft, strict=True)
-        return {**dict(named), "rigid_moment": rigid}
+        return named_in_order(self.RESULTS[:4], (*shaft, rigid))
 
     def curve(self, n: Numbers) -> MotorCurve:
         """Characteristic of the motor."""
@@ -141,17 +150,15 @@ class TwoMassDrive(ElasticShaft, Element):
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Plots of shaft torque, speeds of motor and load, and play over time."""
-        history, x = drive_history(self, _INSTANTS), PanelAxis("time", "s", "t")
+        history, x = drive_history(self, _INSTANTS), TIME
         peak = np.abs(history.moment).argmax()
         moments = Curve("of the shaft", history.moment), Curve("of the motor", history.motor_moment, True)
         marks = Mark("", history.time[peak], history.moment[peak]), Mark("of the load", None, self.load_moment)
         speeds = Curve("motor", history.motor_speed), Curve("load", history.load_speed)
         play = Mark("", None, 0.0), Mark("backlash", None, -self.backlash)
-        return (
-            Panel(x, PanelAxis("torque", "N m", "M"), history.time, moments, marks),
-            Panel(x, PanelAxis("speed", "rad s-1", "ω"), history.time, speeds),
-            Panel(x, PanelAxis("motor ahead of load", "rad", "Δφ"), history.time, (Curve("", history.gap),), play),
-        )
+        over = Panel(x, PanelAxis("torque", "N m", "M"), history.time, moments, marks)
+        gap = Panel(x, PanelAxis("motor ahead of load", "rad", "Δφ"), history.time, (Curve("", history.gap),), play)
+        return over, Panel(x, SPEED, history.time, speeds), gap
 
 
 def rigid_moment(motor: np.ndarray, load: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:

@@ -13,13 +13,13 @@ the estimate: 0.9 of it at a ratio of 0.99999.
 import math
 from collections.abc import Iterator
 from functools import cached_property
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
 
 from engine.cycle.measured import Measured
-from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank, further
+from engine.elements.element import Answers, ElementResult, NamingElement, Numbers, Rank, further
 from engine.elements.engines.engine_layout import (
     Engine,
     EngineLayout,
@@ -30,18 +30,18 @@ from engine.elements.engines.engine_layout import (
     v_engine,
     w_engine,
 )
-from engine.elements.engines.engine_panels import engine_panels
+from engine.elements.engines.engine_torque import ROUNDED_ORDERS, SIZES, TORQUE_ORDERS, engine_torque, made_engine
 from engine.elements.engines.firing import FOUR_STROKE, even_firing_order, firing_angles
 from engine.elements.engines.hodograph import Hodograph
-from engine.elements.engines.made_engine import ROUNDED_ORDERS, SIZES, TORQUE_ORDERS, engine_torque, made_engine
 from engine.elements.engines.master_rod import POSITIONS
 from engine.elements.engines.shafts import crankshaft_counterweights, remaining_shaking
 from engine.elements.engines.shaking import EngineShaking, engine_shaking
-from engine.elements.panels import Panel
+from engine.elements.panels import Curve, Mark, Panel, PanelAxis, path, plan
 from engine.laws.rounding import EPS
 from engine.parts.skeleton import Angle, AngularSpeed, Faults, Inertia, Length, Mass, Number, Part, Positive, quantity
 from engine.units.display import quantity_text
 
+NamedResults = Iterator[tuple[ElementResult, Measured]]
 MassOrNone = Annotated[Mass, Field(ge=0)]
 Pressure = Annotated[quantity("pressure"), Field(gt=0)]
 Exponent = Annotated[Number, Field(gt=0)]
@@ -52,6 +52,12 @@ _WORDS = {1: "primary", 2: "secondary", 3: "third_order", 4: "fourth_order", 5: 
 # Keys used only for forces and couples.
 OF_SHAKING = ("spacing", "rod_distance", "throw_mass", "balanced_rotating", "balanced_reciprocating", "crank_angle")
 _SHARES = ("balanced_rotating", "balanced_reciprocating")
+SHOWN_ORDERS = (1, 2, 3, 4, 5, 6)
+BEFORE, AFTER = "without counterweights", "with counterweights"
+# Rounding of a harmonic by the whole motion, in eps times the square of its order.
+_WHOLE = 32
+_SHOWN = 721
+_ORDER = PanelAxis("order of the crank's speed", "1", "k")
 _DIRECTIONS = {"along": "along the engine's axis", "across": "across the engine's axis, to its left"}
 
 
@@ -68,7 +74,7 @@ class EngineGas(Part):
     ambient: Pressure = 101_325.0
 
 
-class EngineElement(Element):
+class EngineElement(NamingElement):
     """An engine of equal cylinders, with all rods on the crankpins, or on the master rod of a radial engine.
 
     `bank_angle` is the angle between neighbouring banks of a V or W. `throws` are the angles of the throws, one for
@@ -85,6 +91,18 @@ class EngineElement(Element):
     """
 
     picture: ClassVar = "orders"
+    together: ClassVar = (("knuckle_radius", "link_rod"),)
+    required_with: ClassVar = {"bank_angle": ("layout", ("V", "W"))}
+    goes_with: ClassVar = {
+        "pin_offset": ("layout", ("V",)),
+        "throws": ("layout", ("in-line", "V", "W", "boxer")),
+        "knuckle_radius": ("layout", ("radial",)),
+    }
+    needs: ClassVar = {
+        **dict.fromkeys(("link_rod_mass", "link_rod_centre", "master_cylinder"), ("knuckle_radius",)),
+        **dict.fromkeys(("firing_order", "rod_inertia"), ("gas",)),
+    }
+
     type: Literal["engine"]
     layout: Literal["in-line", "V", "W", "boxer", "radial"]
     cylinders: Annotated[int, Field(ge=1, le=100)]
@@ -114,12 +132,6 @@ class EngineElement(Element):
     firing_order: tuple[int, ...] | None = None
 
     def _faults(self) -> Faults:
-        if (self.layout in ("V", "W")) != (self.bank_angle is not None):
-            yield f"bank_angle goes with layout = 'V' or 'W'; the layout is {self.layout!r}"
-        if self.pin_offset is not None and self.layout != "V":
-            yield f"pin_offset goes with layout = 'V'; the layout is {self.layout!r}"
-        if self.throws is not None and self.layout == "radial":
-            yield "throws: a radial engine has one throw; leave throws out"
         yield from self._faults_of_rods()
         self.pattern()
         if self.gas is not None:
@@ -135,20 +147,10 @@ class EngineElement(Element):
                     f"stroke and gudgeon_offset across it"
                 )
             yield f"rod = {quantity_text(self.rod, 'm')}: it must be longer than {least}"
-        if (self.knuckle_radius is None) != (self.link_rod is None):
-            yield "knuckle_radius and link_rod belong together: give both, or neither"
-        if self.knuckle_radius is None:
-            if self.link_rod_mass or self.link_rod_centre or self.master_cylinder != 1:
-                yield "link rods need knuckle_radius and link_rod: give both"
-        elif self.layout != "radial":
-            yield f"knuckle_radius goes with layout = 'radial'; the layout is {self.layout!r}"
-        elif self.gas is not None:
+        if self.knuckle_radius is not None and self.gas is not None:
             yield "gas: the torque is that of rods on the crankpin; leave out gas, or the link rods"
-        elif self.master_cylinder > self.cylinders:
+        if self.master_cylinder > self.cylinders:
             yield f"master_cylinder = {self.master_cylinder}: there are {self.cylinders} cylinders"
-        lost = [key for key in ("firing_order", "rod_inertia") if getattr(self, key) is not None]
-        if lost and self.gas is None:
-            yield f"{lost[0]} matters to the torque alone, which needs gas: give gas, or leave it out"
 
     def pattern(self) -> Pattern:
         """Arrangement of the cylinders, without dimensions.
@@ -197,18 +199,20 @@ class EngineElement(Element):
         positions = POSITIONS * self.cylinders if self.master_index is not None else 256
         return max(1, _BLOCK // positions)
 
-    def results(self) -> tuple[ElementResult, ...]:
-        """Results for the orders, for couples if `spacing` is given, and for the torque if `gas` is given."""
-        return tuple(r for r in _results(self) if r.needs is None or getattr(self, r.needs) is not None)
+    def named(self, n: Numbers) -> NamedResults:
+        """Results by orders, couples if `spacing` is given, and the torque if `gas` is given."""
+        yield from _forces(self, n, made_engine(self, n))
+        if self.gas is not None:
+            yield from _torques(self, n)
 
     def evaluate(self, n: Numbers) -> Answers:
         """Results with error estimates from the sizes of their terms."""
         with np.errstate(invalid="ignore", divide="ignore"):
-            return Answers.of(engine_results(self, n))
+            return Answers.of(self.values(n))
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Hodographs and orders of force and couple, throws along the crank, torque."""
-        return engine_panels(self)
+        return _panels(self)
 
 
 def shaking_orders(engine: EngineElement) -> tuple[int, ...]:
@@ -216,57 +220,39 @@ def shaking_orders(engine: EngineElement) -> tuple[int, ...]:
     return (1, 2, 4, 6) if engine.gudgeon_offset is None and engine.master_index is None else tuple(_WORDS)
 
 
-def _results(engine: EngineElement) -> Iterator[ElementResult]:
-    orders = shaking_orders(engine)
-    for kind, units, needs in (("force", "N", None), ("couple", "N m", "spacing")):
-        for word in (_WORDS[n] for n in orders):
-            said = word.replace("_", " ")
-            rank = Rank.ANSWER if word in (_WORDS[1], _WORDS[2]) else Rank.FURTHER
-            yield ElementResult(f"{word}_{kind}", f"maximum {said} {kind}", units, needs, rank=rank)
-            yield further(f"{word}_{kind}_least", f"minimum {said} {kind}", units, needs=needs)
-        listed = ", ".join(map(str, orders))
-        yield ElementResult(f"rms_{kind}", f"root mean square of the {kind}, orders {listed}", units, needs)
-    if engine.crank_angle is not None:
-        for name, words in (("primary_force", "primary force"), ("force", f"force, orders {listed},")):
-            for key, said in _DIRECTIONS.items():
-                yield ElementResult(f"{name}_{key}", f"unbalanced {words} {said}, at the crank angle", "N")
-    yield ElementResult("crank_unbalance", "sum of the magnitudes of all counterweights' unbalances", "kg m")
-    if engine.gas is not None:
-        yield ElementResult("mean_torque", "mean torque of the gas", "N m")
-        yield ElementResult("mean_power", "mean power of the gas", "W")
-        for n in TORQUE_ORDERS:
-            words = f"torque of gas and inertia, order {n:g}"
-            yield further(torque_name(n), words, "N m", may_be_undefined=True)
-
-
 def torque_name(order: float) -> str:
     """Name of the result for an order of the torque, such as "torque_order_2_5"."""
     return f"torque_order_{order:g}".replace(".", "_")
 
 
-def engine_results(engine: EngineElement, numbers: Numbers) -> dict[str, Measured]:
-    """All results of an engine for a set of variants."""
-    made = made_engine(engine, numbers)
-    weights = crankshaft_counterweights(made, *(numbers[key] for key in _SHARES))
-    orders = shaking_orders(engine)
+def _forces(engine: EngineElement, n: Numbers, made: Engine) -> NamedResults:
+    """Forces and couples by orders, with counterweights, and the unbalance of these."""
+    weights, orders = crankshaft_counterweights(made, *(n[key] for key in _SHARES)), shaking_orders(engine)
     left = remaining_shaking(engine_shaking(made, orders), [weights])
-    square = np.square(numbers["speed"])
-    unbalance = np.abs(weights.unbalances).sum(axis=-1)
-    found = {"crank_unbalance": _rounded(unbalance, ROUNDED_ORDERS * unbalance)}
-    for kind, vector, terms, carried in (
-        ("force", left.forces, left.force_terms, _carried(engine, numbers, made, left.force_terms, orders)),
-        ("couple", left.couples, left.couple_terms, _couples_carry(engine, numbers, made, left, orders)),
-    ):
+    square, listed = np.square(n["speed"]), ", ".join(map(str, orders))
+    force_size = _carried(engine, n, made, left.force_terms, orders)
+    kinds = [("force", "N", left.forces, left.force_terms, force_size)]
+    if engine.spacing is not None:
+        kinds.append(("couple", "N m", left.couples, left.couple_terms, _couples_carry(engine, n, made, left, orders)))
+    for kind, units, vector, terms, carried in kinds:
         least = ROUNDED_ORDERS * EPS * terms
-        whole = np.sqrt(np.square(carried).sum(axis=-1)) * square
-        found[f"rms_{kind}"] = _rounded(_settled(vector, least).rms * square, whole)
-        for i, word in enumerate(_WORDS[n] for n in orders):
-            for name, axis in ((f"{word}_{kind}", vector.major), (f"{word}_{kind}_least", vector.minor)):
+        for i, word in enumerate(_WORDS[order] for order in orders):
+            said, rank = word.replace("_", " "), Rank.ANSWER if word in (_WORDS[1], _WORDS[2]) else Rank.FURTHER
+            most = ElementResult(f"{word}_{kind}", f"maximum {said} {kind}", units, rank=rank)
+            least_of_all = further(f"{word}_{kind}_least", f"minimum {said} {kind}", units)
+            for result, axis in ((most, vector.major), (least_of_all, vector.minor)):
                 value = np.where(axis[..., i] <= least[..., i], 0.0, axis[..., i]) * square
-                found[name] = _rounded(value, carried[..., i] * square)
-        if kind == "force" and engine.crank_angle is not None:
-            found |= _at_angle(vector, terms, carried, numbers)
-    return found if engine.gas is None else found | _torque_results(engine, numbers)
+                yield result, _rounded(value, carried[..., i] * square)
+        whole = np.sqrt(np.square(carried).sum(axis=-1)) * square
+        rms = ElementResult(f"rms_{kind}", f"root mean square of the {kind}, orders {listed}", units)
+        yield rms, _rounded(_settled(vector, least).rms * square, whole)
+    if engine.crank_angle is not None:
+        yield from _at_angle(left.forces, left.force_terms, force_size, n)
+    unbalance, words = (
+        np.abs(weights.unbalances).sum(axis=-1),
+        "sum of the magnitudes of all counterweights' unbalances",
+    )
+    yield ElementResult("crank_unbalance", words, "kg m"), _rounded(unbalance, ROUNDED_ORDERS * unbalance)
 
 
 def _rounded(value: np.ndarray, size: np.ndarray) -> Measured:
@@ -295,36 +281,119 @@ def _couples_carry(
     return _carried(engine, n, made, left.couple_terms, orders) + left.force_terms * longest[..., None]
 
 
-def _torque_results(engine: EngineElement, n: Numbers) -> dict[str, Measured]:
+def _torques(engine: EngineElement, n: Numbers) -> NamedResults:
     """Torque of all cylinders by orders."""
     one, all_together, angles = engine_torque(engine, n)
     count, steps, sums = engine.cylinders, np.array(TORQUE_ORDERS), np.abs(all_together)
     phases = np.abs(one.orders) * (steps * (2 * FOUR_STROKE + np.abs(angles).max(axis=-1)[..., None]) + count)
     carried = count * (ROUNDED_ORDERS * one.sizes[..., 1:] + phases)
     sums = np.where(sums <= ROUNDED_ORDERS * EPS * count * np.abs(one.orders), 0.0, sums)
-    mean_size = count * ROUNDED_ORDERS * one.sizes[..., 0]
-    mean = {"mean_torque": _rounded(count * one.mean, mean_size)}
-    mean["mean_power"] = _rounded(count * one.mean * n["speed"], mean_size * n["speed"])
-    return mean | {torque_name(h): _rounded(sums[..., i], carried[..., i]) for i, h in enumerate(TORQUE_ORDERS)}
+    mean, size, speed = count * one.mean, count * ROUNDED_ORDERS * one.sizes[..., 0], n["speed"]
+    yield ElementResult("mean_torque", "mean torque of the gas", "N m"), _rounded(mean, size)
+    yield ElementResult("mean_power", "mean power of the gas", "W"), _rounded(mean * speed, size * speed)
+    for i, order in enumerate(TORQUE_ORDERS):
+        words = f"torque of gas and inertia, order {order:g}"
+        result = further(torque_name(order), words, "N m", may_be_undefined=True)
+        yield result, _rounded(sums[..., i], carried[..., i])
 
 
-def _at_angle(forces: Hodograph, terms: np.ndarray, carried: np.ndarray, numbers: Numbers) -> dict[str, Measured]:
+def _at_angle(forces: Hodograph, terms: np.ndarray, carried: np.ndarray, n: Numbers) -> NamedResults:
     """Components of the primary and the total force at the element's crank angle."""
-    steps = np.array(forces.orders) * numbers["crank_angle"][..., None]
-    square = np.square(numbers["speed"])
+    steps, square = np.array(forces.orders) * n["crank_angle"][..., None], np.square(n["speed"])
     orders = forces.forward * np.exp(1j * steps) + forces.backward * np.exp(-1j * steps)
-    with_phases = carried + (np.abs(steps) + 1) * terms
-    found = {}
-    for name, force, size in (
-        ("primary_force", orders[..., 0], with_phases[..., 0]),
-        ("force", orders.sum(axis=-1), with_phases.sum(axis=-1)),
+    with_phases, listed = carried + (np.abs(steps) + 1) * terms, ", ".join(map(str, forces.orders))
+    for name, words, force, size in (
+        ("primary_force", "primary force", orders[..., 0], with_phases[..., 0]),
+        ("force", f"force, orders {listed},", orders.sum(axis=-1), with_phases.sum(axis=-1)),
     ):
-        for key, part in zip(_DIRECTIONS, (force.real, force.imag), strict=True):
-            found[f"{name}_{key}"] = _rounded(part * square, size * square)
-    return found
+        for (key, said), part in zip(_DIRECTIONS.items(), (force.real, force.imag), strict=True):
+            result = ElementResult(f"{name}_{key}", f"unbalanced {words} {said}, at the crank angle", "N")
+            yield result, _rounded(part * square, size * square)
 
 
 def _settled(found: Hodograph, least: np.ndarray) -> Hodograph:
     """The vector with parts within rounding set to 0."""
     parts = (np.where(np.abs(part) <= least, 0.0, part) for part in (found.forward, found.backward))
     return Hodograph(found.orders, *parts)
+
+
+class Shaken(NamedTuple):
+    """Forces [N] and couples [N·m] of an engine by orders, without and with counterweights."""
+
+    forces: tuple[Hodograph, Hodograph]
+    couples: tuple[Hodograph, Hodograph]
+
+
+def shaken(engine: EngineElement) -> Shaken:
+    """Forces and couples of an engine at its speed; values within rounding are 0."""
+    n = engine.own_numbers()
+    made = made_engine(engine, n)
+    found = engine_shaking(made, SHOWN_ORDERS)
+    weights = crankshaft_counterweights(made, n["balanced_rotating"], n["balanced_reciprocating"])
+    both = found, remaining_shaking(found, [weights])
+    return Shaken(
+        tuple(_scaled(one.forces, one.force_terms, engine.speed**2) for one in both),
+        tuple(_scaled(one.couples, one.couple_terms, engine.speed**2) for one in both),
+    )
+
+
+def _scaled(vector: Hodograph, terms: np.ndarray, factor: float) -> Hodograph:
+    # In addition to the rounding of sums, the Fourier transform gives every harmonic the rounding of the whole motion.
+    least = EPS * (ROUNDED_ORDERS * terms + _WHOLE * np.square(vector.orders) * terms[..., :1])
+    parts = (np.where(np.abs(p) <= least, 0.0, p)[0] * factor for p in (vector.forward, vector.backward))
+    return Hodograph(vector.orders, *parts)
+
+
+def torque_orders(engine: EngineElement, orders: np.ndarray) -> tuple[float, np.ndarray]:
+    """Mean torque and its orders [N·m]; values within rounding are 0.
+
+    Parameters
+    ----------
+    engine : EngineElement
+    orders : ndarray (orders,)
+    """
+    one, found, _ = engine_torque(engine, engine.own_numbers(), orders)
+    least = ROUNDED_ORDERS * EPS * engine.cylinders * np.abs(one.orders[0])
+    return engine.cylinders * float(one.mean[0]), np.where(np.abs(found[0]) <= least, 0.0, found[0])
+
+
+def _panels(engine: EngineElement) -> tuple[Panel, ...]:
+    """Hodographs and orders of an engine's forces and couples, throws along the crank, and torque."""
+    found, panels = shaken(engine), []
+    kinds = [("force", "N", "F", found.forces)]
+    kinds += [] if engine.spacing is None else [("couple", "N m", "M", found.couples)]
+    for word, unit, letter, both in kinds:
+        if not any(np.any(vector.major) for vector in both):
+            continue
+        phi = np.linspace(0.0, math.tau, _SHOWN)
+        # The engine's own axis points upwards.
+        ways = [1j * vector.at(phi) for vector in both]
+        lines = path(BEFORE, ways[0], True), path(AFTER, ways[1])
+        marks = [Mark("crank at 0" if k else "", way[0].real, way[0].imag) for k, way in enumerate(ways)]
+        words = "across", "along the engine's axis"
+        panels.append(plan(lines, f"{word.capitalize()} over a turn", unit, words)._replace(marks=marks))
+        bars = [Curve(words, np.asarray(v.major)) for words, v in zip((BEFORE, AFTER), both, strict=True)]
+        y = PanelAxis(f"maximum {word}", unit, letter)
+        panels.append(Panel(_ORDER, y, np.array(SHOWN_ORDERS, float), bars, kind="bars"))
+    if engine.spacing is not None:
+        layout = engine.nominal_layout
+        heights = Curve("", engine.stroke / 2.0 * np.cos(layout.throws))
+        axes = PanelAxis("along the crank", "m", "z"), PanelAxis("height of the crankpins", "m", "y")
+        order, title = np.argsort(layout.positions, kind="stable"), "Throws from the side, crank at 0"
+        heights = heights._replace(values=heights.values[order])
+        panels.append(Panel(*axes, layout.positions[order], (heights,), title=title, kind="bars"))
+    return (*panels, *([] if engine.gas is None else _torque(engine)))
+
+
+def _torque(engine: EngineElement) -> tuple[Panel, Panel]:
+    """Torque over the cycle with the firing angles, and its orders."""
+    phi, steps = np.linspace(0.0, FOUR_STROKE, _SHOWN), np.arange(1, 33) / 2
+    mean, parts = torque_orders(engine, steps)
+    torque = mean + (parts @ np.exp(1j * np.multiply.outer(steps, phi))).real
+    fires = firing_angles(engine.nominal_layout, engine.order_of_firing) % FOUR_STROKE
+    marks = Mark("", None, mean), *(Mark("", angle, None) for angle in fires)
+    title = f"Mean {quantity_text(mean, 'N m')}\nfiring order {'-'.join(map(str, engine.order_of_firing))}"
+    y = PanelAxis("torque", "N m", "M")
+    axes = PanelAxis("crank angle", "rad", "φ"), y._replace(words="torque of gas and inertia")
+    curve = Panel(*axes, phi, (Curve("", torque),), marks, title)
+    return curve, Panel(_ORDER, y, steps[:12], (Curve("", np.abs(parts[:12])),), kind="bars")

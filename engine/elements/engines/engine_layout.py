@@ -89,9 +89,8 @@ class Pattern(tuple[Station, ...]):
             Distance between the rods of neighbouring banks on one throw [m].
         """
         bank, lean, throw, lead, place, shift = np.array(self, dtype=float).T
-        angle, offset, pitch, apart = (
-            np.asarray(x, dtype=float)[..., None] for x in (bank_angle, pin_offset, spacing, rod_distance)
-        )
+        given = (bank_angle, pin_offset, spacing, rod_distance)
+        angle, offset, pitch, apart = (np.asarray(x, dtype=float)[..., None] for x in given)
         return EngineLayout(bank + lean * angle, throw + lead * offset, place * pitch + shift * apart)
 
 

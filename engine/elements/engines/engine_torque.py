@@ -16,11 +16,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.elements.element import Numbers
-from engine.elements.engines.engine_layout import TURN, Engine
+from engine.elements.element import Element, Numbers
+from engine.elements.engines.engine_layout import TURN, Engine, MasterRod
+from engine.elements.engines.firing import FOUR_STROKE, firing_sequence, firing_sums
+from engine.elements.engines.harmonics import CrankMasses, crank_masses, crank_radius
 from engine.laws.rounding import EPS
 
 NODES = 48
+SIZES = ("bank_angle", "pin_offset", "spacing", "rod_distance")
+# Rounding of a sum over cylinders, in eps times the sum of the magnitudes of its terms: phases up to 6 · 2π, products,
+# sums, and the given masses, fractions and speed.
+ROUNDED_ORDERS = 64
+TORQUE_ORDERS = tuple(k / 2 for k in range(1, 13))
 
 
 class Torque(NamedTuple):
@@ -55,9 +62,8 @@ def cylinder_torque(engine: Engine, gas: Numbers, speed: np.ndarray, orders: Seq
     orders : sequence of float
         Positive multiples of ½.
     """
-    (mean, found, sizes), (half_mean, half, _) = (
-        _by_quadrature(engine, gas, speed, orders, nodes) for nodes in (NODES, NODES // 2)
-    )
+    mean, found, sizes = _by_quadrature(engine, gas, speed, orders, NODES)
+    half_mean, half, _ = _by_quadrature(engine, gas, speed, orders, NODES // 2)
     off = np.concatenate([np.abs(mean - half_mean)[..., None], np.abs(found - half)], axis=-1)
     # Convergence is geometric: the full rule's relative error is the square of the half rule's; 1.5 adds margin.
     return Torque(mean, found, sizes * (1 + (off / sizes) ** 1.5 / EPS))
@@ -99,9 +105,8 @@ def _by_quadrature(
     derived = -1j * steps * (steps % 1 == 0)
     half_turn = np.exp(-0.5j * turned)
     waves = dict(enumerate(accumulate([half_turn] * round(2 * steps.max()), np.multiply), 1))
-    found = [
-        ((work + d * energy) * waves[round(2 * n)]).sum(axis=-1) / TURN for d, n in zip(derived, steps, strict=True)
-    ]
+    both = zip(derived, steps, strict=True)
+    found = [((work + d * energy) * waves[round(2 * n)]).sum(axis=-1) / TURN for d, n in both]
     felt = ((pressure + gas["ambient"]) * np.abs(pull)).reshape(shape).sum(axis=-1) / TURN
     stored = np.abs(energy).sum(axis=-1) / TURN
     sizes = [felt / 2, *(felt + np.abs(d) * stored for d in derived)]
@@ -110,10 +115,8 @@ def _by_quadrature(
 
 def _strokes(out: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Start and length of the strokes power, exhaust, intake, compression (..., 4, 1)."""
-    back = TURN - out
-    return np.concatenate([0 * out, out, TURN + 0 * out, TURN + out], axis=-2), np.concatenate(
-        [out, back, out, back], axis=-2
-    )
+    back, starts = TURN - out, [0 * out, out, TURN + 0 * out, TURN + out]
+    return np.concatenate(starts, axis=-2), np.concatenate([out, back, out, back], axis=-2)
 
 
 def _pressure(gas: Numbers, travel: np.ndarray, stroke: np.ndarray) -> np.ndarray:
@@ -131,3 +134,57 @@ def _pressure(gas: Numbers, travel: np.ndarray, stroke: np.ndarray) -> np.ndarra
         ],
         axis=-2,
     )
+
+
+def made_engine(engine: Element, numbers: Numbers) -> Engine:
+    """The engine of an element, with the numbers of all variants."""
+    n = numbers
+    layout = engine.pattern().layout(**{key: n[key] for key in SIZES if key in n})
+    offset = n.get("gudgeon_offset", np.zeros_like(n["stroke"]))
+    own = _masses(n, "", n.get("rod_inertia"))
+    reciprocating, rotating, master = own.reciprocating[..., None], own.rotating[..., None], None
+    if engine.master_index is not None:
+        link = _masses(n, "link_")
+        here = np.arange(engine.cylinders) == engine.master_index
+        reciprocating = np.where(here, reciprocating, link.reciprocating[..., None])
+        rotating = np.where(here, rotating, link.rotating[..., None])
+        knuckle = link.rotating - n["throw_mass"]
+        master = MasterRod(engine.master_index, n["knuckle_radius"], n["link_rod"], knuckle)
+    radius = crank_radius(n["stroke"], n["rod"], offset)
+    return Engine(layout, radius, n["rod"], reciprocating, rotating, offset, own.rod_correction, master)
+
+
+def _masses(n: Numbers, which: str, inertia: np.ndarray | None = None) -> CrankMasses:
+    rod, mass, centre = n[f"{which}rod"], n[f"{which}rod_mass"], n[f"{which}rod_centre"]
+    return crank_masses(n["piston_mass"], mass, rod, centre, inertia, n["throw_mass"])
+
+
+def engine_torque(
+    engine: Element, n: Numbers, orders: Sequence[float] = TORQUE_ORDERS
+) -> tuple[Torque, np.ndarray, np.ndarray]:
+    """Gas and inertia torque of all cylinders.
+
+    Parameters
+    ----------
+    engine, n
+        As for `engine_results`; with gas.
+    orders : sequence of float
+        Positive multiples of ½.
+
+    Returns
+    -------
+    one : Torque
+        Torque of one cylinder.
+    found : ndarray of complex (variants, orders)
+        Harmonics of the sum, T = mean + Re Σ T_n exp(i n phi). NaN if the throws do not allow the firing order.
+    angles : ndarray (variants, cylinders)
+        Firing angles [rad].
+    """
+    made = made_engine(engine, n)
+    gas = {key.removeprefix("gas."): row for key, row in n.items() if key.startswith("gas.")}
+    one = cylinder_torque(made, gas, n["speed"], orders)
+    angles, taken = firing_sequence(made.layout, engine.order_of_firing)
+    with np.errstate(invalid="ignore"):
+        top = np.arcsin(made.offset / (made.rod + made.radius))
+    angles = np.where((taken < FOUR_STROKE)[..., None], angles + top[..., None], np.nan)
+    return one, one.orders * firing_sums(orders, angles), angles

@@ -33,6 +33,11 @@ USUAL_THROW_ANGLES = {1: 0.0, 2: math.pi / 2, 3: 2 * math.pi / 3, 4: math.pi / 2
 # Samples of a curve; highest speed drawn, relative to the given one.
 _SHOWN, _FASTEST = 361, 1.5
 _SIDES = ("left", "right")
+_BALANCE_ANGLE = "angle of the balance weight in the {} wheel, from the first throw in the sense of rotation"
+
+
+def _on_both_sides(name: str, words: str, units: str, needs: str | None = None) -> tuple[ElementResult, ...]:
+    return tuple(ElementResult(f"{side}_{name}", words.format(side), units, needs) for side in _SIDES)
 
 
 class LocomotiveElement(Element):
@@ -46,29 +51,17 @@ class LocomotiveElement(Element):
 
     picture: ClassVar = "shaking"
     RESULTS: ClassVar = (
-        *(ElementResult(f"{side}_balance_mass", f"balance weight in the {side} wheel", "kg") for side in _SIDES),
-        *(
-            ElementResult(
-                f"{side}_balance_angle",
-                f"angle of the balance weight in the {side} wheel, from the first throw in the sense of rotation",
-                "rad",
-            )
-            for side in _SIDES
-        ),
+        *_on_both_sides("balance_mass", "balance weight in the {} wheel", "kg"),
+        *_on_both_sides("balance_angle", _BALANCE_ANGLE, "rad"),
         ElementResult("tractive_variation", "maximum unbalanced force along the track", "N"),
         ElementResult("swaying_couple", "maximum unbalanced couple about the upright axis", "N m"),
-        *(ElementResult(f"{side}_hammer_blow", f"maximum change of the {side} wheel's load", "N") for side in _SIDES),
+        *_on_both_sides("hammer_blow", "maximum change of the {} wheel's load", "N"),
         ElementResult("least_wheel_load", "minimum load of a wheel, negative where it lifts off", "N", "wheel_load"),
         ElementResult("lift_off_speed", "angular speed at which a wheel lifts off", "rad s-1", "wheel_load", True),
         ElementResult("primary_force", "unbalanced primary force of the first cylinder there", "N", "crank_angle"),
         ElementResult("tractive_force", "unbalanced force along the track there", "N", "crank_angle"),
         ElementResult("swaying_moment", "unbalanced couple about the upright axis there", "N m", "crank_angle"),
-        *(
-            ElementResult(
-                f"{side}_rail_force", f"unbalanced upward force in the {side} wheel there", "N", "crank_angle"
-            )
-            for side in _SIDES
-        ),
+        *_on_both_sides("rail_force", "unbalanced upward force in the {} wheel there", "N", "crank_angle"),
     )
 
     type: Literal["locomotive"]
@@ -131,14 +124,13 @@ class LocomotiveElement(Element):
         found = self.over("speed", speed)
         blows = [Curve(f"hammer blow, {side}", found[f"{side}_hammer_blow"]) for side in _SIDES]
         blows.append(Curve("along the track", found["tractive_variation"]))
+        over_speed = PanelAxis("speed of the axle", "rad s-1", "ω"), PanelAxis("peak force", "N", "F")
         marks = [Mark("as given", self.speed, None)]
         marks += [] if self.wheel_load is None else [Mark("wheel load", None, self.wheel_load)]
         return (
             Panel(x, PanelAxis("unbalanced force", "N", "F"), angle, forces),
             Panel(x, PanelAxis("swaying couple", "N m", "M"), angle, (Curve("", turn["swaying_moment"]),)),
-            Panel(
-                PanelAxis("speed of the axle", "rad s-1", "ω"), PanelAxis("peak force", "N", "F"), speed, blows, marks
-            ),
+            Panel(*over_speed, speed, blows, marks),
         )
 
 

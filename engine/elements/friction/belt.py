@@ -5,46 +5,12 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from engine.compiling.decorators import scalar
 from engine.elements.element import Columns, ElementResult, Numbers
 from engine.elements.friction.friction_element import FORCE, RATIO, FrictionElement, Load, Positive
 from engine.graph.over_arrays import over_arrays
-from engine.laws.friction.belts import (
-    belt_moment,
-    centrifugal_tension,
-    gripped_share,
-    shaft_force,
-    slack_share,
-    speed_of_most_power,
-    tension_ratio,
-    tight_tension,
-)
-from engine.laws.friction.guides import vee_friction
+from engine.laws.friction.belts import belt
 from engine.parts.actions import Moment
-from engine.parts.skeleton import Angle, Faults, Number, Speed, quantity
-
-
-@scalar
-def belt(
-    diameter: float, wrap: float, friction: float, groove: float, tension: float, moment: float, q: float, speed: float
-) -> tuple[float, float, float, float, float, float, float, float]:
-    """Belt with a given tension, or with a given moment if the tension is NaN: its results in order."""
-    radius, reduced = diameter / 2, vee_friction(friction, groove / 2)
-    centrifugal = centrifugal_tension(q, speed)
-    tight = tight_tension(moment, centrifugal, reduced, wrap, radius) if math.isnan(tension) else tension
-    carried = belt_moment(tight, centrifugal, reduced, wrap, radius)
-    pressing = max(tight - centrifugal, 0.0)
-    slack = pressing * slack_share(reduced, wrap)
-    return (
-        tension_ratio(reduced, wrap),
-        tight,
-        tight - pressing * gripped_share(reduced, wrap),
-        carried,
-        shaft_force(pressing, slack, wrap),
-        carried / radius * speed,
-        centrifugal,
-        speed_of_most_power(tight, q),
-    )
+from engine.parts.skeleton import Angle, Number, Speed, quantity
 
 
 class BeltElement(FrictionElement):
@@ -55,6 +21,7 @@ class BeltElement(FrictionElement):
     """
 
     one_of: ClassVar = (("tension", "moment"),)
+    needs: ClassVar = {"linear_density": ("speed",)}
     shown: ClassVar = ((FORCE, ("tight_tension", "slack_tension", "shaft_force")), (RATIO, ("tension_ratio",)))
     RESULTS: ClassVar = (
         ElementResult("tension_ratio", "tension of the tight strand over the slack one's, without centrifugal", "1"),
@@ -76,10 +43,6 @@ class BeltElement(FrictionElement):
     moment: Annotated[Moment, Field(gt=0)] | None = None
     speed: Annotated[Speed, Field(ge=0)] | None = None
     linear_density: Annotated[quantity("linear_density"), Field(gt=0)] | None = None
-
-    def _faults(self) -> Faults:
-        if self.linear_density is not None and self.speed is None:
-            yield "linear_density matters at a speed: give speed"
 
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name."""

@@ -8,10 +8,10 @@ from pydantic import Field
 
 from engine.compiling.decorators import scalar
 from engine.elements.element import PLACES, Columns, Element, ElementResult, Numbers
-from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.elements.panels import VELOCITY, Curve, Mark, Panel, PanelAxis
 from engine.graph.over_arrays import over_arrays
 from engine.laws.brakes import axle_shares
-from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Angle, Faults, Number, Positive, Speed, Time
+from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Angle, Number, Positive, Speed, Time
 
 # Highest speed drawn, relative to the given one.
 _FASTEST = 1.5
@@ -35,6 +35,7 @@ class CarElement(Element):
     uphill on a positive `slope`, downhill on a negative one; the brakes act after the `reaction_time`.
     """
 
+    ascending: ClassVar = {("rear_distance", "wheelbase"): "the centre of mass lies between the axles"}
     picture: ClassVar = "braking"
     RESULTS: ClassVar = (
         ElementResult("deceleration", "peak deceleration of the braking car", "m s-2"),
@@ -54,10 +55,6 @@ class CarElement(Element):
     reaction_time: Annotated[Time, Field(ge=0)] = 0.0
     gravity: Annotated[Acceleration, Field(gt=0)] = STANDARD_GRAVITY
 
-    def _faults(self) -> Faults:
-        if not self.rear_distance < self.wheelbase:
-            yield "rear_distance must be less than wheelbase: the centre of mass lies between the axles"
-
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name."""
         front, rear = (n["friction"] if self.brakes in (axle, "all") else 0.0 for axle in ("front", "rear"))
@@ -74,14 +71,10 @@ class CarElement(Element):
             way = self.model_copy(update={"brakes": brakes}).over("speed", speed)["stopping_distance"]
             curves.append(Curve(f"brakes: {brakes}", way))
         mark = Mark("as given", self.speed, None)
-        over_speed = Panel(
-            PanelAxis("speed", "m s-1", "v"), PanelAxis("stopping distance", "m", "s"), speed, curves, (mark,)
-        )
+        over_speed = Panel(VELOCITY, PanelAxis("stopping distance", "m", "s"), speed, curves, (mark,))
         # The brakes act from the end of the reaction time; then the square of the speed falls linearly.
         left = np.linspace(self.speed, 0.0, PLACES)
         held = self.own_values()["deceleration"]
         way = [0.0, *(self.speed * self.reaction_time + (self.speed**2 - left**2) / (2 * held))]
         along = Curve("as given", np.array([self.speed, *left]))
-        return over_speed, Panel(
-            PanelAxis("distance", "m", "s"), PanelAxis("speed", "m s-1", "v"), np.array(way), (along,)
-        )
+        return over_speed, Panel(PanelAxis("distance", "m", "s"), VELOCITY, np.array(way), (along,))

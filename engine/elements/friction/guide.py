@@ -5,41 +5,13 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from engine.compiling.decorators import scalar
 from engine.elements.element import Columns, ElementResult, Numbers
 from engine.elements.friction.friction_element import EFFICIENCY, FORCE, Friction, FrictionElement, Load, Positive
 from engine.graph.over_arrays import over_arrays
 from engine.laws.friction.coefficients import BUSHES
-from engine.laws.friction.guides import (
-    edge_forces,
-    jamming_overhang,
-    overhung_drive,
-    slider_friction,
-    tilts,
-    vee_friction,
-)
+from engine.laws.friction.guides import guide
 from engine.parts.actions import Force
-from engine.parts.skeleton import Angle, Faults, Length
-
-
-@scalar
-def guide(
-    load: float, resistance: float, overhang: float, length: float, friction: float, vee: float, factor: float
-) -> tuple[float, float, float, float, float, float, float, float]:
-    """Slider on its guide: its results in order."""
-    half, reduced = length / 2, factor * vee_friction(friction, vee / 2)
-    drive = overhung_drive(resistance, load, overhang, half, reduced)
-    front, rear = edge_forces(load, drive * overhang, half)
-    return (
-        reduced,
-        drive,
-        slider_friction(load, drive * overhang, half, reduced),
-        front,
-        rear,
-        tilts(load, drive * overhang, half),
-        jamming_overhang(half, reduced),
-        resistance / drive,
-    )
+from engine.parts.skeleton import Angle, Length
 
 
 class GuideElement(FrictionElement):
@@ -62,6 +34,8 @@ class GuideElement(FrictionElement):
         ElementResult("efficiency", "work on the resistance over that of the force that moves the slider", "1"),
     )
 
+    required_with: ClassVar = {"vee_angle": ("form", ("vee",))}
+
     type: Literal["guide"]
     form: Literal["flat", "vee", "half-round, new", "half-round, worn in"] = "flat"
     vee_angle: Annotated[Angle, Field(gt=0, le=math.pi)] | None = None
@@ -70,10 +44,6 @@ class GuideElement(FrictionElement):
     load: Force = 0.0
     resistance: Load
     overhang: Length = 0.0
-
-    def _faults(self) -> Faults:
-        if (self.form == "vee") != (self.vee_angle is not None):
-            yield "vee_angle goes with form = 'vee': give both, or neither"
 
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name."""

@@ -5,28 +5,11 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from engine.compiling.decorators import scalar
 from engine.elements.element import Columns, ElementResult, Numbers
 from engine.elements.friction.friction_element import EFFICIENCY, FORCE, Friction, FrictionElement, Load
 from engine.graph.over_arrays import over_arrays
-from engine.laws.friction.inclines import incline_down, incline_up, self_locking
+from engine.laws.friction.inclines import incline
 from engine.parts.skeleton import Angle
-
-
-@scalar
-def incline(
-    load: float, angle: float, friction: float, static: float, pull_angle: float
-) -> tuple[float, float, float, float, float, float]:
-    """Incline: its results in order."""
-    up = incline_up(load, angle, friction, pull_angle)
-    return (
-        math.atan(friction),
-        up,
-        incline_up(load, angle, static, pull_angle),
-        incline_down(load, angle, friction, pull_angle),
-        load * math.sin(angle) / (up * math.cos(pull_angle)),
-        self_locking(math.tan(angle), static),
-    )
 
 
 class InclineElement(FrictionElement):

@@ -4,21 +4,13 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from engine.compiling.decorators import scalar
 from engine.elements.element import PLACES, Columns, Element, ElementResult, Numbers
 from engine.elements.friction.friction_element import BEYOND, DRY, Friction, Load, Positive
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, circle, path, plan
 from engine.graph.over_arrays import over_arrays
 from engine.laws.friction.coefficients import BUSHES
-from engine.laws.friction.journals import friction_circle, journal_moment
+from engine.laws.friction.journals import journal
 from engine.parts.skeleton import AngularSpeed
-
-
-@scalar
-def journal(load: float, diameter: float, friction: float, factor: float, speed: float) -> tuple[float, float, float]:
-    """Journal: its results in order."""
-    moment = journal_moment(load, diameter / 2, friction, factor)
-    return friction_circle(diameter / 2, friction, factor), moment, moment * abs(speed)
 
 
 class JournalElement(Element):

@@ -6,30 +6,12 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.compiling.decorators import scalar
 from engine.elements.element import PLACES, Columns, Element, ElementResult, Numbers
 from engine.elements.friction.friction_element import BEYOND, Friction, Load, Positive
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, circle, path, plan
 from engine.graph.over_arrays import over_arrays
-from engine.laws.friction.rolling import pull, reduced_friction, reduced_radius, rollers_moment, rolling_moment, rolls
+from engine.laws.friction.rolling import roller
 from engine.parts.skeleton import Length
-
-
-@scalar
-def roller(
-    load: float, diameter: float, arm: float, friction: float, height: float, mate: float
-) -> tuple[float, float, float, float, float, float, float]:
-    """Roller on a plane or on a second roller: its results in order."""
-    radius = diameter / 2
-    return (
-        rolling_moment(load, arm),
-        reduced_friction(arm, height),
-        pull(load, arm, height, friction),
-        rolls(arm, height, friction),
-        friction * load * radius,
-        reduced_radius(radius, mate / 2),
-        rollers_moment(load, arm, radius, mate / 2),
-    )
 
 
 class RollerElement(Element):
@@ -62,9 +44,8 @@ class RollerElement(Element):
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name."""
         height, mate = n.get("pull_height", n["diameter"] / 2), n.get("mate_diameter", math.inf)
-        return self.in_order(
-            over_arrays(roller, n["load"], n["diameter"], n["rolling_arm"], n["friction"], height, mate)
-        )
+        keys = ("load", "diameter", "rolling_arm", "friction")
+        return self.in_order(over_arrays(roller, *(n[key] for key in keys), height, mate))
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """The roller with its forces, and the force that moves it over the arm of rolling friction."""
@@ -72,9 +53,8 @@ class RollerElement(Element):
         arm = np.linspace(0.0, BEYOND * (self.rolling_arm or self.friction * height), PLACES)
         curve = Curve("force that moves it", self.over("rolling_arm", arm)["pull_force"])
         mark = Mark("as given", self.rolling_arm, None)
-        over = Panel(
-            PanelAxis("arm of rolling friction", "m", "e"), PanelAxis("pull", "N", "F"), arm, (curve,), (mark,)
-        )
+        x, y = PanelAxis("arm of rolling friction", "m", "e"), PanelAxis("pull", "N", "F")
+        over = Panel(x, y, arm, (curve,), (mark,))
         r, k = 0.5 * self.diameter, self.rolling_arm
         lines = (
             circle("", r, 1j * r),

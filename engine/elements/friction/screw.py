@@ -5,46 +5,13 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from engine.compiling.decorators import scalar
 from engine.elements.element import Columns, ElementResult, Numbers
 from engine.elements.friction.friction_element import EFFICIENCY, TORQUE, Friction, FrictionElement, Load, Positive
 from engine.graph.over_arrays import over_arrays
-from engine.laws.friction.screws import (
-    collar_moment,
-    flank_friction,
-    locking_friction,
-    lower_efficiency,
-    lower_moment,
-    raise_efficiency,
-    raise_moment,
-    thread_slope,
-)
+from engine.laws.friction.screws import screw
 from engine.parts.skeleton import Angle, Faults, Length
 
 THREAD_ANGLES = {"square": 0.0, "trapezoidal": math.radians(30.0), "metric": math.radians(60.0)}
-
-
-@scalar
-def screw(
-    load: float, diameter: float, lead: float, angle: float, friction: float, collar_diameter: float, collar: float
-) -> tuple[float, float, float, float, float, float, float, float, float]:
-    """Screw with its thrust collar: its results in order."""
-    radius, collar_radius, slope = diameter / 2, collar_diameter / 2, thread_slope(lead, diameter)
-    reduced = flank_friction(friction, angle / 2)
-    held = collar_moment(load, collar_radius, collar)
-    up = raise_moment(load, radius, slope, reduced) + held
-    down = lower_moment(load, radius, slope, reduced) + held
-    return (
-        math.atan(slope),
-        math.atan(reduced),
-        up,
-        down,
-        held,
-        raise_efficiency(load, radius, slope, up),
-        lower_efficiency(load, radius, slope, down),
-        0.0 if down < 0.0 else 1.0,
-        locking_friction(radius, slope, angle / 2, collar_radius, collar),
-    )
 
 
 class ScrewElement(FrictionElement):

@@ -5,23 +5,11 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from engine.compiling.decorators import scalar
 from engine.elements.element import Columns, ElementResult, Numbers
 from engine.elements.friction.friction_element import EFFICIENCY, FORCE, Friction, FrictionElement, Load
 from engine.graph.over_arrays import over_arrays
-from engine.laws.friction.inclines import wedge_drive, wedge_withdraw
+from engine.laws.friction.inclines import wedge
 from engine.parts.skeleton import Angle
-
-
-@scalar
-def wedge(load: float, angle: float, friction: float, base: float, guide: float) -> tuple[float, float, float, float]:
-    """Wedge: its results in order."""
-    slope = math.tan(angle)
-    drive, withdraw = (
-        wedge_drive(load, slope, friction, base, guide),
-        wedge_withdraw(load, slope, friction, base, guide),
-    )
-    return drive, withdraw, load * slope / drive, 0.0 if withdraw < 0.0 else 1.0
 
 
 class WedgeElement(FrictionElement):

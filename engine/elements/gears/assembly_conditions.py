@@ -6,38 +6,14 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.cycle.measured import Measured
-from engine.elements.element import Element, ElementResult, Numbers, Rank
+from engine.elements.element import ElementResult, Numbers, check_result
 from engine.elements.gears.gear_structure import PlanetaryPath
-from engine.elements.gears.tooth_laws import MeshGeometry, TeethInMesh, mesh_geometry, pitch_diameter
-from engine.elements.gears.train_speeds import teeth_of
+from engine.elements.gears.train_variants import MeshSizes, TrainVariants, teeth_of
 from engine.laws.rounding import EPS
 from engine.words.verdicts import Verdict
 
 # Relative difference below which centre distances are equal except for rounding.
 _SAME = 1e-9
-
-
-class MeshSizes(NamedTuple):
-    """Dimensions of a mesh (variants,): normal module and reference diameters [m]; teeth and their geometry.
-
-    In a train without modules, the module is 1 and lengths are in modules.
-    """
-
-    module: np.ndarray
-    diameters: tuple[np.ndarray, np.ndarray]
-    teeth: TeethInMesh
-    geometry: MeshGeometry
-
-    @property
-    def distance(self) -> np.ndarray:
-        """Centre distance [m]."""
-        return self.module * self.geometry.distance
-
-    @property
-    def rolling(self) -> tuple[np.ndarray, np.ndarray]:
-        """Diameters of the operating pitch circles [m]."""
-        first, second = self.geometry.rolling
-        return self.module * first, self.module * second
 
 
 class AssemblyConditions(NamedTuple):
@@ -47,54 +23,26 @@ class AssemblyConditions(NamedTuple):
     results: list[tuple[ElementResult, Measured]]
 
 
-def mesh_sizes(train: Element, n: Numbers) -> dict[str, MeshSizes]:
-    """Dimensions of all meshes, by name."""
-    found = {}
-    for place in train.structure.meshes:
-        z_a, z_b = (n[f"wheels.{wheel}.teeth"] for wheel in place.wheels)
-        helix = n[f"meshes.{place.name}.helix_angle"]
-        # In a train without modules, lengths are in modules.
-        module = n.get(f"meshes.{place.name}.module", n.get("module", np.ones_like(z_a)))
-        shifts = (n[f"wheels.{wheel}.profile_shift"] for wheel in place.wheels)
-        teeth = TeethInMesh(z_a, z_b, place.sense, n[f"meshes.{place.name}.pressure_angle"], helix, *shifts)
-        diameters = pitch_diameter(z_a, module, helix), pitch_diameter(z_b, module, helix)
-        found[place.name] = MeshSizes(module, diameters, teeth, mesh_geometry(teeth))
-    return found
-
-
-def angle_error(size: MeshSizes) -> np.ndarray:
-    """Relative error estimate of quantities that depend on the operating pressure angle; 0 without profile shift."""
-    shifted = size.teeth.first_shift + size.teeth.sense * size.teeth.second_shift != 0.0
-    # The involute function of a small angle is the small difference of its tangent and the angle.
-    return np.where(shifted, 32.0 * EPS * (1.0 + np.tan(size.geometry.angle) ** -2.0), 0.0)
-
-
-def tooth_contact(train: Element, n: Numbers, sizes: dict[str, MeshSizes]) -> np.ndarray:
+def tooth_contact(v: TrainVariants) -> np.ndarray:
     """Verdicts on teeth (variants,): OK, INTERFERES, or CONTACT_BREAKS for a contact ratio below one.
 
     For helical wheels the overlap ratio is included; without a face width they are not checked.
-
-    Parameters
-    ----------
-    train : GearTrain
-    n : mapping of str to ndarray (variants,)
-    sizes : dict of str to MeshSizes
     """
-    interferes = breaks = np.zeros(next(iter(n.values())).size, bool)
-    for name, mesh in train.meshes.items():
-        teeth, geometry, module = sizes[name].teeth, sizes[name].geometry, sizes[name].module
+    interferes = breaks = np.zeros(v.count, bool)
+    for name, mesh in v.train.meshes.items():
+        teeth, geometry, module = v.sizes[name].teeth, v.sizes[name].geometry, v.sizes[name].module
         interferes = interferes | geometry.interferes
-        widths = [n[f"wheels.{wheel}.width"] for wheel in mesh.between if train.wheels[wheel].width is not None]
+        widths = [v.n[f"wheels.{w}.width"] for w in mesh.between if v.train.wheels[w].width is not None]
         width = np.min(widths, axis=0) if widths else np.where(teeth.helix_angle == 0.0, 0.0, np.inf)
         overlap = np.where(teeth.helix_angle == 0.0, 0.0, width * np.sin(teeth.helix_angle) / (np.pi * module))
         breaks = breaks | (sum(geometry.contact) + overlap < 1.0)
     return np.where(interferes, Verdict.INTERFERES, np.where(breaks, Verdict.CONTACT_BREAKS, Verdict.OK))
 
 
-def assembly_conditions(train: Element, n: Numbers, sizes: dict[str, MeshSizes]) -> AssemblyConditions:
+def assembly_conditions(v: TrainVariants) -> AssemblyConditions:
     """Check whether a train can be assembled."""
-    structure, results = train.structure, []
-    verdicts = np.full(next(iter(n.values())).size, Verdict.OK, np.uint8)
+    train, n, sizes, structure, results = v.train, v.n, v.sizes, v.structure, []
+    verdicts = np.full(v.count, Verdict.OK, np.uint8)
 
     def require(met: np.ndarray, otherwise: Verdict) -> None:
         verdicts[~met & (verdicts == Verdict.OK)] = otherwise
@@ -106,15 +54,15 @@ def assembly_conditions(train: Element, n: Numbers, sizes: dict[str, MeshSizes])
     for size in sizes.values():
         # NaN if profile shifts rule out any centre distance.
         require(size.distance > 0, Verdict.DOES_NOT_FIT)
-    require(_equal_modules(train, sizes), Verdict.MODULES_DIFFER)
-    require(_bores_leave_a_rim(train, n, sizes), Verdict.BORE_TOO_LARGE)
+    require(_equal_modules(v), Verdict.MODULES_DIFFER)
+    require(_bores_leave_a_rim(v), Verdict.BORE_TOO_LARGE)
     for one, other in structure.same_distance:
         at, name = (sizes[structure.meshes[j].name].distance for j in (one, other)), structure.meshes[other].name
         first, second = at
         off = (second - first) / first
         require(np.abs(off) <= _SAME, Verdict.AXES_APART)
         words = f"difference of the centre distance of {name} from that of its axes, over it"
-        results.append((ElementResult(f"{name}.distance_error", words, "1", rank=Rank.CHECK), Measured(off, 8.0 * EPS)))
+        results.append((check_result(f"{name}.distance_error", words, "1"), Measured(off, 8.0 * EPS)))
     remainders: dict[str, np.ndarray] = {}
     for path in structure.central_paths:
         if train.shafts[path.carrier].planets is not None:
@@ -123,9 +71,8 @@ def assembly_conditions(train: Element, n: Numbers, sizes: dict[str, MeshSizes])
     for name, left in remainders.items():
         require(left == 0, Verdict.UNEVEN_PLANETS)
         words = f"what is left over where planets spaced equally on {name} need a whole multiple (0 fits)"
-        spacing = ElementResult(f"{name}.spacing_remainder", words, "1", exact=True, rank=Rank.CHECK)
-        results.append((spacing, Measured(left)))
-    for planet, gap in _clearances(train, n, sizes):
+        results.append((check_result(f"{name}.spacing_remainder", words, "1", exact=True), Measured(left)))
+    for planet, gap in _clearances(v):
         require(gap > 0, Verdict.PLANETS_TOUCH)
         words = f"gap between the tips of neighbouring {planet} planets, over the diameter of the tips"
         clearance = ElementResult(f"{planet}.neighbour_clearance", words, "1", None, True)
@@ -133,26 +80,27 @@ def assembly_conditions(train: Element, n: Numbers, sizes: dict[str, MeshSizes])
     return AssemblyConditions(verdicts, results)
 
 
-def _equal_modules(train: Element, sizes: dict[str, MeshSizes]) -> np.ndarray:
+def _equal_modules(v: TrainVariants) -> np.ndarray:
     """Whether all meshes of a wheel have the same module and helix angle."""
     first: dict[str, MeshSizes] = {}
     equal = np.array(True)
-    for name, mesh in train.meshes.items():
+    for name, mesh in v.train.meshes.items():
+        own = v.sizes[name]
         for wheel in mesh.between:
-            known = first.setdefault(wheel, sizes[name])
-            equal = equal & (np.abs(known.module - sizes[name].module) <= _SAME * known.module)
-            equal = equal & (np.abs(known.teeth.helix_angle - sizes[name].teeth.helix_angle) <= _SAME)
+            known = first.setdefault(wheel, own)
+            equal = equal & (np.abs(known.module - own.module) <= _SAME * known.module)
+            equal = equal & (np.abs(known.teeth.helix_angle - own.teeth.helix_angle) <= _SAME)
     return equal
 
 
-def _bores_leave_a_rim(train: Element, n: Numbers, sizes: dict[str, MeshSizes]) -> np.ndarray:
+def _bores_leave_a_rim(v: TrainVariants) -> np.ndarray:
     """Whether the bores of discs are smaller than the root circles of the teeth."""
     left = np.array(True)
-    for name, mesh in train.meshes.items():
-        for wheel, diameter in zip(mesh.between, sizes[name].diameters, strict=True):
-            if train.wheels[wheel].width is not None:
-                root = diameter + (2.0 * n[f"wheels.{wheel}.profile_shift"] - 2.5) * sizes[name].module
-                left = left & (n[f"wheels.{wheel}.bore"] < root)
+    for name, mesh in v.train.meshes.items():
+        for wheel, diameter in zip(mesh.between, v.sizes[name].diameters, strict=True):
+            if v.train.wheels[wheel].width is not None:
+                root = diameter + (2.0 * v.n[f"wheels.{wheel}.profile_shift"] - 2.5) * v.sizes[name].module
+                left = left & (v.n[f"wheels.{wheel}.bore"] < root)
     return left
 
 
@@ -177,12 +125,12 @@ def _spacing_remainder(path: PlanetaryPath, n: Numbers, count: np.ndarray) -> np
     return (np.abs(total) % k).astype(float)
 
 
-def _clearances(train: Element, n: Numbers, sizes: dict[str, MeshSizes]) -> Iterator[tuple[str, np.ndarray]]:
+def _clearances(v: TrainVariants) -> Iterator[tuple[str, np.ndarray]]:
     """Gap between neighbouring planets, relative to their tip diameter: 2a sin(π/k)/d_a − 1."""
-    structure = train.structure
+    structure, sizes = v.structure, v.sizes
     for planet, j in structure.pin_meshes.items():
-        carrier = structure.name_of(structure.meshes[j].carrier)
-        if train.shafts[carrier].planets is None:
+        count = v.planet_sets(structure.meshes[j].carrier)
+        if v.train.shafts[structure.name_of(structure.meshes[j].carrier)].planets is None:
             continue
         tips = []
         for place in structure.meshes:
@@ -190,8 +138,8 @@ def _clearances(train: Element, n: Numbers, sizes: dict[str, MeshSizes]) -> Iter
                 if structure.name_of(shaft) == planet and not (end == 1 and place.sense < 0):
                     size = sizes[place.name]
                     tips.append(size.module * size.geometry.tips[end])
-        chord = 2.0 * sizes[structure.meshes[j].name].distance * np.sin(np.pi / n[f"shafts.{carrier}.planets"])
+        chord = 2.0 * sizes[structure.meshes[j].name].distance * np.sin(np.pi / count)
         with np.errstate(divide="ignore"):
             gap = chord / np.max(tips, axis=0) - 1.0
         # A single planet has no neighbour.
-        yield planet, np.where(n[f"shafts.{carrier}.planets"] < 2, np.inf, gap)
+        yield planet, np.where(count < 2, np.inf, gap)

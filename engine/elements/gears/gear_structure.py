@@ -98,9 +98,8 @@ class GearStructure(NamedTuple):
     def words(self) -> str:
         """The mobility calculation in words."""
         n, p2 = len(self.shafts) - len(self.held), len(self.meshes)
-        return (
-            f"n = {n} shafts that move, p1 = {n} bearings, p2 = {p2} meshes: W = 3·{n} − 2·{n} − {p2} = {self.mobility}"
-        )
+        counts = f"n = {n} shafts that move, p1 = {n} bearings, p2 = {p2} meshes"
+        return f"{counts}: W = 3·{n} − 2·{n} − {p2} = {self.mobility}"
 
     @property
     def planets(self) -> tuple[str, ...]:
@@ -171,9 +170,8 @@ def gear_structure(wheels: Mapping[str, Part], shafts: Mapping[str, Part], meshe
     driven = tuple(name for name, shaft in shafts.items() if shaft.speed is not None)
     unknown = tuple(name for name, shaft in shafts.items() if shaft.moment_follows)
     paths = _central_paths(names, places)
-    structure = GearStructure(
-        names, carriers, places, axes, tuple(same), pins, paths, held, driven, unknown, True, True
-    )
+    roles = held, driven, unknown
+    structure = GearStructure(names, carriers, places, axes, tuple(same), pins, paths, *roles, True, True)
     rank, follow = _generic_ranks(structure)
     if rank < len(places):
         raise TrainRefused(
@@ -196,9 +194,8 @@ def _carriers(shafts: Mapping[str, Part], number: Mapping[str, int]) -> tuple[in
         at, passed = found[i], {i}
         while at != STANDS_STILL:
             if at in passed:
-                raise TrainRefused(
-                    f"shafts.{name}.carrier: {name} would turn in itself; let a carrier turn in the frame"
-                )
+                words = f"{name} would turn in itself; let a carrier turn in the frame"
+                raise TrainRefused(f"shafts.{name}.carrier: {words}")
             passed.add(at)
             at = found[at]
     return tuple(found)

@@ -126,9 +126,8 @@ def mesh_geometry(teeth: TeethInMesh) -> MeshGeometry:
         )
         bases = tuple(number / np.cos(teeth.helix_angle) / np.sqrt(1.0 + t**2) for number in z)
         tips = tuple(base * np.sqrt(1.0 + tangent**2) for base, tangent in zip(bases, tangents, strict=True))
-        reach = tuple(
-            side * number * (tangent - operating) for number, side, tangent in zip(z, sides, tangents, strict=True)
-        )
+        wheels = zip(z, sides, tangents, strict=True)
+        reach = tuple(side * number * (tangent - operating) for number, side, tangent in wheels)
         # Limit of the path of contact: where the line of action is tangent to the other base circle; towards the teeth
         # of a ring there is no such point.
         room = np.inf if sense < 0 else z[1] * operating, z[0] * operating

@@ -6,12 +6,12 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.cycle.measured import Measured, maximum, minimum, where
-from engine.elements.element import Element, ElementResult, Numbers, further
-from engine.elements.gears.assembly_conditions import MeshSizes, angle_error
+from engine.elements.element import Element, ElementResult, further
 from engine.elements.gears.gear_structure import STANDS_STILL
 from engine.elements.gears.tooth_laws import ToothForces, mesh_efficiency, tooth_forces
-from engine.elements.gears.train_inertia import mass_and_inertia, planet_sets
+from engine.elements.gears.train_inertia import mass_and_inertia
 from engine.elements.gears.train_moments import TrainMoments, train_moments
+from engine.elements.gears.train_variants import MeshSizes, TrainVariants, angle_error
 from engine.laws.rounding import EPS
 
 TOOTH_FORCES = ("tangential", "radial", "axial", "normal")
@@ -31,15 +31,15 @@ def pinned_planets(train: Element) -> list[str]:
     return found
 
 
-def mesh_efficiencies(train: Element, n: Numbers, sizes: dict[str, MeshSizes]) -> np.ndarray:
+def mesh_efficiencies(v: TrainVariants) -> np.ndarray:
     """Efficiencies of all meshes with their carriers at rest (meshes, variants)."""
     found = []
-    for place in train.structure.meshes:
-        size, at = sizes[place.name], f"meshes.{place.name}"
-        if train.meshes[place.name].friction is not None:
-            found.append(mesh_efficiency(size.teeth, size.geometry.contact, n[f"{at}.friction"]))
+    for place in v.structure.meshes:
+        size, at = v.sizes[place.name], f"meshes.{place.name}"
+        if v.train.meshes[place.name].friction is not None:
+            found.append(mesh_efficiency(size.teeth, size.geometry.contact, v.n[f"{at}.friction"]))
         else:
-            found.append(n.get(f"{at}.efficiency", np.ones_like(size.module)))
+            found.append(v.n.get(f"{at}.efficiency", np.ones_like(size.module)))
     return np.array(found)
 
 
@@ -51,33 +51,15 @@ class Equilibria(NamedTuple):
     efficiencies: np.ndarray
 
 
-def equilibria(train: Element, n: Numbers, speeds: Measured, sizes: dict[str, MeshSizes]) -> Equilibria:
-    """Equilibrium of a train in both directions of rotation.
-
-    Parameters
-    ----------
-    train : GearTrain
-    n : mapping of str to ndarray (variants,)
-    speeds : Measured (shafts + 1, variants)
-    sizes : dict of str to MeshSizes
-    """
-    efficiencies = mesh_efficiencies(train, n, sizes)
-    both = (train_moments(train, n, speeds, efficiencies, backwards) for backwards in (False, True))
-    return Equilibria(*both, efficiencies)
+def equilibria(v: TrainVariants) -> Equilibria:
+    """Equilibrium of a train in both directions of rotation."""
+    efficiencies = mesh_efficiencies(v)
+    return Equilibria(*(train_moments(v, efficiencies, backwards) for backwards in (False, True)), efficiencies)
 
 
-def load_results(
-    train: Element, n: Numbers, speeds: Measured, sizes: dict[str, MeshSizes], states: Equilibria
-) -> Iterator[tuple[ElementResult, Measured]]:
-    """All results that depend on torques.
-
-    Parameters
-    ----------
-    train, n, speeds, sizes
-        As for `equilibria`.
-    states : Equilibria
-    """
-    structure, state = train.structure, states.forwards
+def load_results(v: TrainVariants, states: Equilibria) -> Iterator[tuple[ElementResult, Measured]]:
+    """All results that depend on torques."""
+    train, structure, speeds, state = v.train, v.structure, v.speeds, states.forwards
     power = state.moments * speeds[:-1]
     for i, name in enumerate(structure.shafts):
         if name in structure.unknown_moments or train.shafts[name].moment is not None:
@@ -99,7 +81,7 @@ def load_results(
     locks = Measured(np.where(state.moves, np.where(back.moves, 0.0, 1.0), np.nan))
     yield ElementResult("self_locking", words, "1", exact=True), locks
     words = "circulating power in the shafts over input power"
-    circulating = _circulating(train, speeds, state, into)
+    circulating = _circulating(v, state, into)
     yield further("circulating_power", words, "1", may_be_undefined=True), circulating
     for j, place in enumerate(structure.meshes):
         name, (a, b), rolling = place.name, place.wheels, state.rolling_powers[j]
@@ -110,12 +92,12 @@ def load_results(
         share = where(into.value > 0, abs(rolling) / into, np.nan)
         yield further(f"{name}.rolling_share", words, "1", may_be_undefined=True), share
         if train.has_modules:
-            forces = _tooth_forces(train, n, (j, sizes[name]), state)
+            forces = _tooth_forces(v, j, state)
             for part in TOOTH_FORCES:
                 words = f"{part} force between the teeth of {name}"
                 yield ElementResult(f"{name}.{part}_force", words, "N"), getattr(forces, part)
     for planet in pinned_planets(train):
-        force = _pin_force(train, n, planet, speeds, sizes, state)
+        force = _pin_force(v, planet, state)
         yield ElementResult(f"{planet}.pin_force", f"force on the bearing of each {planet}", "N"), force
 
 
@@ -130,13 +112,13 @@ def _efficiency(power: Measured) -> Measured:
     return where(into.value > 0, out / into, np.nan)
 
 
-def _circulating(train: Element, speeds: Measured, state: TrainMoments, into: Measured) -> Measured:
+def _circulating(v: TrainVariants, state: TrainMoments, into: Measured) -> Measured:
     """Maximum power through a shaft in excess of the train's input power, relative to it.
 
     A shaft in the frame receives power from outside, from every mesh between axes in the frame, and from every
     planetary stage as a whole.
     """
-    structure, most = train.structure, 0.0
+    structure, most = v.structure, 0.0
     for i in range(len(structure.shafts)):
         if structure.carriers[i] != STANDS_STILL:
             continue
@@ -147,14 +129,14 @@ def _circulating(train: Element, speeds: Measured, state: TrainMoments, into: Me
             for shaft, value in ((place.first, first), (place.second, second), (place.carrier, -first - second)):
                 if shaft == i:
                     parts[stage] = parts.get(stage, 0.0) + value
-        most = maximum(most, sum(maximum(moment * speeds[i], 0.0) for moment in parts.values()))
+        most = maximum(most, sum(maximum(moment * v.speeds[i], 0.0) for moment in parts.values()))
     share = where(into.value > 0, maximum(most / into - 1.0, 0.0), np.nan)
     return where(share.value <= share.error, Measured(0.0 * share.value, share.error), share)
 
 
-def _tooth_forces(train: Element, n: Numbers, mesh: tuple[int, MeshSizes], state: TrainMoments) -> ToothForces:
-    j, size = mesh
-    sets = planet_sets(n, train.structure.name_of(train.structure.meshes[j].carrier))
+def _tooth_forces(v: TrainVariants, j: int, state: TrainMoments) -> ToothForces:
+    place = v.structure.meshes[j]
+    size, sets = v.sizes[place.name], v.planet_sets(place.carrier)
     pulls = (abs(_pull(state, size, j, end)) for end in (0, 1))
     return tooth_forces(maximum(*pulls) / sets, size.geometry.angle, size.teeth)
 
@@ -165,24 +147,22 @@ def _pull(state: TrainMoments, size: MeshSizes, mesh: int, end: int) -> Measured
     return state.tooth_moments[mesh, end] / Measured(radius, (8.0 * EPS + angle_error(size)) * np.abs(radius))
 
 
-def _pin_force(
-    train: Element, n: Numbers, planet: str, speeds: Measured, sizes: dict[str, MeshSizes], state: TrainMoments
-) -> Measured:
+def _pin_force(v: TrainVariants, planet: str, state: TrainMoments) -> Measured:
     """Force on a planet's bearing: tooth forces and centrifugal force."""
-    structure = train.structure
+    structure = v.structure
     i = structure.shafts.index(planet)
     carrier = structure.carriers[i]
-    sets = planet_sets(n, structure.name_of(carrier))
+    sets = v.planet_sets(carrier)
     along, across = 0.0, 0.0
     for j, place in enumerate(structure.meshes):
         if i not in (place.first, place.second):
             continue
-        end, size = (place.first, place.second).index(i), sizes[place.name]
+        end, size = (place.first, place.second).index(i), v.sizes[place.name]
         pull = _pull(state, size, j, end) / sets
         apart = tooth_forces(abs(pull), size.geometry.angle, size.teeth).radial
         across = across + (pull if place.sense < 0 and end == 0 else -pull)
         along = along + (apart if place.sense > 0 else -apart)
-    mass, _ = mass_and_inertia(train, n, planet, sizes)
-    radius = sizes[structure.meshes[structure.pin_meshes[planet]].name].distance
-    along = along + mass * speeds[carrier] ** 2 * radius
+    mass, _ = mass_and_inertia(v, planet)
+    radius = v.sizes[structure.meshes[structure.pin_meshes[planet]].name].distance
+    along = along + mass * v.speeds[carrier] ** 2 * radius
     return Measured(np.hypot(along.value, across.value), along.error + across.error)

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.cycle.measured import Measured
-from engine.elements.element import Element, Numbers
+from engine.elements.element import Element
 from engine.elements.gears.small_systems import solve
-from engine.elements.gears.train_speeds import teeth_of
+from engine.elements.gears.train_variants import TrainVariants, teeth_of
 from engine.laws.rounding import EPS
 
 # Powers below this multiple of the mesh's largest terms are rounding.
@@ -41,9 +41,7 @@ class TrainMoments(NamedTuple):
     moves: np.ndarray
 
 
-def train_moments(
-    train: Element, n: Numbers, speeds: Measured, efficiencies: np.ndarray, backwards: bool = False
-) -> TrainMoments:
+def train_moments(v: TrainVariants, efficiencies: np.ndarray, backwards: bool = False) -> TrainMoments:
     """Torques from equilibrium, with the directions of power flow.
 
     With large losses several sets of directions may be consistent: take the one with output power; if there is none,
@@ -51,21 +49,19 @@ def train_moments(
 
     Parameters
     ----------
-    train : GearTrain
-    n : mapping of str to ndarray (variants,)
-    speeds : Measured (shafts + 1, variants)
+    v : TrainVariants
     efficiencies : ndarray (meshes, variants)
         Efficiencies of the meshes with their carriers at rest.
     backwards : bool
         Whether the train turns backwards under the same torques.
     """
-    structure = train.structure
-    loads = np.zeros((len(structure.shafts), speeds.shape[1]))
+    structure = v.structure
+    loads = np.zeros((len(structure.shafts), v.count))
     for i, name in enumerate(structure.shafts):
-        if train.shafts[name].moment is not None:
-            loads[i] = n[f"shafts.{name}.moment"]
-    teeth = np.array([teeth_of(place, n) for place in structure.meshes])
-    equilibrium = _Equilibrium(train, teeth, -speeds if backwards else speeds, loads, efficiencies)
+        if v.train.shafts[name].moment is not None:
+            loads[i] = v.n[f"shafts.{name}.moment"]
+    teeth = np.array([teeth_of(place, v.n) for place in structure.meshes])
+    equilibrium = _Equilibrium(v.train, teeth, -v.speeds if backwards else v.speeds, loads, efficiencies)
     senses = np.zeros(efficiencies.shape)
     found = equilibrium.solved(senses)
     for _ in range(len(structure.meshes) + 2):
@@ -122,9 +118,8 @@ class _Equilibrium(NamedTuple):
         """Equilibrium if first wheels drive where `senses` is 1, second wheels where −1, without losses where 0."""
         structure = self.train.structure
         count = len(structure.shafts)
-        ends = self.teeth * np.where(
-            np.array([senses < 0, senses > 0]).transpose(1, 0, 2), self.efficiencies[:, None], 1.0
-        )
+        driven = np.stack([senses < 0, senses > 0], axis=1)
+        ends = self.teeth * np.where(driven, self.efficiencies[:, None], 1.0)
         # Action of each mesh on every shaft for a unit tooth force.
         acts = structure.equations(ends).swapaxes(0, 1)[:count]
         unknown = structure.number_of(structure.unknown_moments)

@@ -8,35 +8,29 @@ from collections.abc import Iterator
 import numpy as np
 
 from engine.cycle.measured import Measured
-from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank, further
-from engine.elements.gears.assembly_conditions import (
-    MeshSizes,
-    angle_error,
-    assembly_conditions,
-    mesh_sizes,
-    tooth_contact,
-)
+from engine.elements.element import Answers, Element, ElementResult, Numbers, check_result, further
+from engine.elements.gears.assembly_conditions import assembly_conditions, tooth_contact
 from engine.elements.gears.tooth_laws import minimum_teeth
 from engine.elements.gears.train_inertia import kinetic_energy
 from engine.elements.gears.train_loads import equilibria, load_results
-from engine.elements.gears.train_speeds import basic_ratio, train_speeds
+from engine.elements.gears.train_variants import TrainVariants, angle_error, basic_ratio, train_variants
 from engine.laws.rounding import EPS
 from engine.words.verdicts import Verdict
 
 NamedResults = Iterator[tuple[ElementResult, Measured]]
 
 
-def _of_teeth(train: Element, sizes: dict[str, MeshSizes]) -> NamedResults:
+def _of_teeth(v: TrainVariants) -> NamedResults:
     """Results of the meshing of teeth."""
-    for place in train.structure.meshes:
-        name, (a, b), size = place.name, place.wheels, sizes[place.name]
+    for place in v.structure.meshes:
+        name, (a, b), size = place.name, place.wheels, v.sizes[place.name]
         teeth, geometry, rough = size.teeth, size.geometry, angle_error(size)
         words = f"transverse contact ratio of {name}, of teeth as far as they don't interfere"
         off = (64.0 * EPS + rough) * np.maximum(teeth.first, teeth.second)
         yield ElementResult(f"{name}.contact_ratio", words, "1"), Measured(sum(geometry.contact), off)
         words, off = f"transverse operating pressure angle of {name}", (8.0 * EPS + rough) * geometry.angle
         yield further(f"{name}.operating_pressure_angle", words, "rad"), Measured(geometry.angle, off)
-        if train.has_modules:
+        if v.train.has_modules:
             words, off = f"distance of the axes of {a} and {b}", (8.0 * EPS + rough) * np.abs(size.distance)
             yield ElementResult(f"{name}.centre_distance", words, "m"), Measured(size.distance, off)
         small = a if place.sense < 0 else f"the smaller of {a} and {b}"
@@ -45,15 +39,12 @@ def _of_teeth(train: Element, sizes: dict[str, MeshSizes]) -> NamedResults:
         yield least, Measured(minimum_teeth(teeth))
 
 
-def _of_motion(train: Element, n: Numbers, speeds: Measured, sizes: dict[str, MeshSizes]) -> NamedResults:
+def _of_motion(v: TrainVariants) -> NamedResults:
     """Speeds, ratios, energy."""
-    structure = train.structure
-    mobility = np.full(speeds.shape[1], float(structure.mobility))
-    yield (
-        ElementResult("mobility", "degrees of freedom W = 3n - 2p1 - p2", "1", exact=True, rank=Rank.CHECK),
-        Measured(mobility),
-    )
-    by_name = dict(zip(structure.shafts, speeds, strict=False))
+    train, structure = v.train, v.structure
+    mobility = np.full(v.count, float(structure.mobility))
+    yield check_result("mobility", "degrees of freedom W = 3n - 2p1 - p2", "1", exact=True), Measured(mobility)
+    by_name = dict(zip(structure.shafts, v.speeds, strict=False))
     for name, speed in by_name.items():
         yield ElementResult(f"{name}.speed", f"angular speed of {name}", "rad s-1"), speed
     # Shafts in the frame that are not held: ratios and reduced inertias refer to these.
@@ -68,9 +59,9 @@ def _of_motion(train: Element, n: Numbers, speeds: Measured, sizes: dict[str, Me
                 yield ElementResult(f"{name}.ratio", f"speed of {driver} over that of {name}", "1", None, True), ratio
     for path in structure.central_paths:
         (carrier, a, b, _), words = path, f"speed of {path.begin} over that of {path.end}, seen from {path.carrier}"
-        yield ElementResult(f"{carrier}.basic_ratio_of_{a}_to_{b}", words, "1"), basic_ratio(path, n)
+        yield ElementResult(f"{carrier}.basic_ratio_of_{a}_to_{b}", words, "1"), basic_ratio(path, v.n)
     if train.has_inertia:
-        energy = kinetic_energy(train, n, speeds, sizes)
+        energy = kinetic_energy(v)
         yield further("kinetic_energy", "kinetic energy of all members", "J"), energy
         for name in free:
             words = f"inertia reduced to {name}"
@@ -94,12 +85,12 @@ def train_results(train: Element, n: Numbers) -> tuple[list[tuple[ElementResult,
     verdicts : ndarray (variants,) of uint8
         NOT_FINITE if the given speeds do not determine the others; SELF_LOCKS or STANDS if losses absorb all power.
     """
-    sizes, speeds = mesh_sizes(train, n), train_speeds(train, n)
-    found = list(_of_motion(train, n, speeds, sizes))
-    verdicts = np.where(np.isnan(speeds.value).any(axis=0), Verdict.NOT_FINITE, Verdict.OK).astype(np.uint8)
+    v = train_variants(train, n)
+    found = list(_of_motion(v))
+    verdicts = np.where(np.isnan(v.speeds.value).any(axis=0), Verdict.NOT_FINITE, Verdict.OK).astype(np.uint8)
     if train.has_loads:
-        states = equilibria(train, n, speeds, sizes)
-        found += load_results(train, n, speeds, sizes, states)
+        states = equilibria(v)
+        found += load_results(v, states)
         roles = (train.shafts[name] for name in train.structure.unknown_moments)
         driven = any(shaft.speed is not None and not shaft.loaded for shaft in roles)
         stuck = (verdicts == Verdict.OK) & ~states.forwards.moves
@@ -107,29 +98,23 @@ def train_results(train: Element, n: Numbers) -> tuple[list[tuple[ElementResult,
     return found, verdicts
 
 
-@np.errstate(all="ignore")
-def results_of(train: Element) -> tuple[ElementResult, ...]:
-    """Results of a train, depending on its members."""
-    n = train.own_numbers()
-    sizes = mesh_sizes(train, n)
-    (mobility, *others), _ = train_results(train, n)
-    fit = assembly_conditions(train, n, sizes)
-    every = (mobility, *fit.results, *_of_teeth(train, sizes), *others)
-    return tuple(result for result, _ in every)
+def named_results(train: Element, n: Numbers) -> NamedResults:
+    """All results of a train, whether or not its wheels fit."""
+    v, ((mobility, *others), _) = train_variants(train, n), train_results(train, n)
+    yield from (mobility, *assembly_conditions(v).results, *_of_teeth(v), *others)
 
 
 @np.errstate(all="ignore")
 def train_answers(train: Element, n: Numbers) -> Answers:
     """Results of a gear train with error estimates, and verdicts."""
-    sizes = mesh_sizes(train, n)
-    fit = assembly_conditions(train, n, sizes)
-    contact = tooth_contact(train, n, sizes)
+    v = train_variants(train, n)
+    fit, contact = assembly_conditions(v), tooth_contact(v)
     verdict = np.where(fit.verdicts == Verdict.OK, contact, fit.verdicts).astype(np.uint8)
     here = np.flatnonzero(verdict == Verdict.OK)
     found, verdicts = train_results(train, {key: row[here] for key, row in n.items()})
     # The assembly conditions are also reported for variants that do not fit, to show why.
     values, errors = {}, {}
-    everywhere = (*fit.results, *_of_teeth(train, sizes))
+    everywhere = (*fit.results, *_of_teeth(v))
     for results, where in ((everywhere, slice(None)), (found, here)):
         for result, known in results:
             values[result.name], errors[result.name] = pair = np.full((2, verdict.size), np.nan)

@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.elements.element import Element
-from engine.elements.gears.assembly_conditions import MeshSizes, assembly_conditions, mesh_sizes
+from engine.elements.gears.assembly_conditions import assembly_conditions
 from engine.elements.gears.gear_structure import STANDS_STILL, MeshPlace
-from engine.elements.gears.train_speeds import train_speeds
+from engine.elements.gears.train_variants import MeshSizes, train_variants
 from engine.parts.skeleton import FRAME
 from engine.words.verdicts import Verdict
 
@@ -59,9 +59,9 @@ class VelocityPicture(NamedTuple):
 
 def velocity_picture(train: Element) -> VelocityPicture:
     """Velocity diagram of a gear train."""
-    n = train.own_numbers()
-    structure, sizes = train.structure, mesh_sizes(train, n)
-    speeds = dict(zip((*structure.shafts, FRAME), train_speeds(train, n).value[:, 0].tolist(), strict=True))
+    v = train_variants(train, train.own_numbers())
+    structure, sizes = v.structure, v.sizes
+    speeds = dict(zip((*structure.shafts, FRAME), v.speeds.value[:, 0].tolist(), strict=True))
     heights = _heights(train, sizes)
     axes = {name: heights[structure.axes[name]] for name in structure.shafts if structure.axes[name] in heights}
 
@@ -100,7 +100,7 @@ def velocity_picture(train: Element) -> VelocityPicture:
     for shaft, span in spans.items():
         ends = min(span), max(span)
         lines[shaft] = VelocityLine(ends, (velocity(shaft, ends[0]), velocity(shaft, ends[1])), speeds[shaft])
-    return VelocityPicture(wheels, lines, contacts, axes, Verdict(assembly_conditions(train, n, sizes).verdicts[0]))
+    return VelocityPicture(wheels, lines, contacts, axes, Verdict(assembly_conditions(v).verdicts[0]))
 
 
 def _heights(train: Element, sizes: dict[str, MeshSizes]) -> dict[str, float]:

@@ -8,24 +8,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.decorators import scalar
 from engine.cycle.regula_falsi import regula_falsi
-from engine.elements.element import Columns, Element, Numbers
+from engine.elements.element import Columns, Element, ElementResult, Numbers, further, named_in_order
 from engine.elements.governors.governed_engine import TableThrottle
 from engine.elements.governors.governor_nodes import States, equilibrium_nodes
 from engine.elements.sampled_peak import sampled_peak
 from engine.graph.nodes import Graph, Stage
 from engine.graph.over_arrays import NodesOverArrays, over_arrays
-from engine.laws.governors.equilibrium import insensitivity_by_friction, non_uniformity, speed_with_friction
-from engine.laws.governors.stability import (
-    critical_damping_of_sleeve,
-    critical_inertia_of_engine,
-    governed_polynomial,
-    most_gain,
-    normal_roots,
-    oscillates,
-    vyshnegradsky,
-)
+from engine.laws.governors.equilibrium import non_uniformity, under_friction
+from engine.laws.governors.stability import stability_with_engine
 from engine.laws.rounding import EPS
 from engine.laws.tables import on_piece
 from engine.words.verdicts import Verdict
@@ -36,6 +27,20 @@ SAMPLES, _PIECE_SAMPLES, _INSIDE, _APART = 33, 9, 1e-12, 1e-6
 # Bisections of a bracket down to rounding.
 _HALVINGS = 64
 _TINY = 1e-300
+OF_ENGINE = (
+    ElementResult("working_lift", "lift of the sleeve at the engine's load, after its change", "m"),
+    ElementResult("working_speed", "steady speed of the engine, after the change of load", "rad s-1"),
+    ElementResult("steady_speed_change", "steady change of the engine's speed by the change of load", "rad s-1"),
+    further("vyshnegradsky_x", "Vyshnegradsky's X", "1", None, True),
+    further("vyshnegradsky_y", "Vyshnegradsky's Y", "1", None, True),
+    ElementResult("stable", "engine and governor are stable (1) or hunt (0)", "1", exact=True),
+    ElementResult("gain_margin", "gain of the throttle at which they hunt, over that given", "1", None, True),
+    further("critical_damping", "damping at the sleeve below which they hunt", "N s m-1", None, True),
+    further("critical_inertia", "inertia of the engine below which they hunt", "kg m2", None, True),
+    further("decay_rate", "rate at which the slowest part of a disturbance decays", "s-1", None, True),
+    ElementResult("hunting_frequency", "angular frequency of the oscillation", "rad s-1", None, True),
+    further("oscillates", "a disturbance decays or grows in oscillations (1 or 0)", "1", exact=True),
+)
 
 
 class Marks(NamedTuple):
@@ -312,9 +317,8 @@ def near_equilibrium(g: GovernorVariants, marks: Marks) -> Columns:
     at_low, at_high, first, last, shaky, weak = found.each()
     half = g.at(g.moved(middle, low, "lift", 0.5 * (first.lift + last.lift)), low)
     mean, effort = 0.5 * (first.speed + last.speed), n["speed_change"] * half.sleeve
-    falls, rises, insensitivity = over_arrays(
-        under_friction, n["friction"], first.speed, first.sleeve, last.speed, last.sleeve, weak.sleeve
-    )
+    ends = first.speed, first.sleeve, last.speed, last.sleeve
+    falls, rises, insensitivity = over_arrays(under_friction, n["friction"], *ends, weak.sleeve)
     results = {
         "inner_speed": at_low.speed,
         "outer_speed": at_high.speed,
@@ -349,53 +353,8 @@ def near_equilibrium(g: GovernorVariants, marks: Marks) -> Columns:
         gain = g.throttle(new.lift, at_high.lift)[1]
         numbers = n["engine.inertia"], new.mass, n["damping"], new.stiffness, n["engine.self_regulation"]
         rows = over_arrays(stability_with_engine, *numbers, gain, pull, balls)
-    return results | {
-        "working_lift": new.lift,
-        "working_speed": new.speed / ratio,
-        "steady_speed_change": (new.speed - old.speed) / ratio,
-        **dict(zip(_STABILITY, rows, strict=True)),
-    }
-
-
-_STABILITY = (
-    *("vyshnegradsky_x", "vyshnegradsky_y", "stable", "gain_margin", "critical_damping", "critical_inertia"),
-    *("decay_rate", "hunting_frequency", "oscillates"),
-)
-
-
-@scalar
-def under_friction(
-    friction: float, least: float, least_force: float, greatest: float, greatest_force: float, weakest: float
-) -> tuple[float, float, float]:
-    """Speeds at which the sleeve reaches its lowest and highest position; the maximum insensitivity."""
-    return (
-        speed_with_friction(least, -friction, least_force),
-        speed_with_friction(greatest, friction, greatest_force),
-        insensitivity_by_friction(friction, weakest),
-    )
-
-
-@scalar
-def stability_with_engine(
-    engine: float, mass: float, b: float, stiffness: float, s: float, gain: float, pull: float, balls: float
-) -> tuple[float, float, float, float, float, float, float, float, float]:
-    """Results of the linearized equation of an engine and its governor, as named by `_STABILITY`."""
-    inertia = engine + balls
-    a3, a2, a1, a0 = governed_polynomial(inertia, mass, b, stiffness, s, gain, pull)
-    x, y, time = vyshnegradsky(a3, a2, a1, a0)
-    real, middle, square = normal_roots(x, y)
-    slowest = max(real, middle + max(square, 0.0) ** 0.5)
-    return (
-        x,
-        y,
-        1.0 if x * y > 1.0 else 0.0,
-        most_gain(inertia, mass, b, stiffness, s, pull) / gain,
-        critical_damping_of_sleeve(inertia, mass, stiffness, s, gain, pull),
-        max(critical_inertia_of_engine(mass, b, stiffness, s, gain, pull) - balls, 0.0),
-        -slowest / time,
-        max(-square, 0.0) ** 0.5 / time,
-        1.0 if oscillates(x, y) else 0.0,
-    )
+    steady = new.lift, new.speed / ratio, (new.speed - old.speed) / ratio
+    return results | named_in_order(OF_ENGINE, (*steady, *rows))
 
 
 def search_errors(g: GovernorVariants, marks: Marks, found: Columns) -> Columns:

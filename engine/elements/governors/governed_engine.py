@@ -1,6 +1,6 @@
 """The engine that a governor controls, and its throttle."""
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
@@ -13,16 +13,10 @@ from engine.units.display import quantity_text
 class _Throttle(Part):
     """Engine torque between `full` and `closed`."""
 
+    ascending: ClassVar = {("closed", "full"): "a governor closes the throttle as it lifts the sleeve"}
+
     full: Moment
     closed: Moment = 0.0
-
-    def _faults(self) -> Faults:
-        if not self.full > self.closed:
-            yield (
-                f"full = {quantity_text(self.full, 'N m')} is not above closed = "
-                f"{quantity_text(self.closed, 'N m')}: a governor closes the "
-                "throttle as it lifts the sleeve"
-            )
 
 
 class LinearThrottle(_Throttle):
@@ -79,6 +73,8 @@ class GovernedEngine(Part):
     the mechanism's own.
     """
 
+    needs: ClassVar = {"duration": ("new_load",), "settling_band": ("duration",)}
+
     machine: bool = False
     throttled: tuple[ActionRef, ...] = ()
     inertia: Annotated[Inertia, Field(ge=0)] = 0.0
@@ -95,9 +91,5 @@ class GovernedEngine(Part):
             yield "inertia is missing: give that of the engine, or machine = true for the scene's own"
         if self.throttled and not self.machine:
             yield "throttled names actions of the scene's mechanism: give machine = true, or leave it out"
-
-        if self.duration is not None and self.new_load is None:
-            yield "duration belongs to a change of load: give new_load, or leave duration out"
-        lost = self.gives("settling_band", "throttled")
-        if lost and self.duration is None:
-            yield f"{lost[0]} counts where a change of load is followed: give duration, or leave it out"
+        if self.throttled and self.duration is None:
+            yield "throttled counts where a change of load is followed: give duration, or leave it out"

@@ -7,15 +7,7 @@ from typing import NamedTuple
 
 from engine.elements.element import Element
 from engine.graph.nodes import Graph, Node, Number
-from engine.laws.governors.equilibrium import (
-    controlling_force,
-    equilibrium_speed,
-    holding,
-    moving_inertia,
-    sleeve_equivalent,
-    sleeve_stiffness,
-    stability_margin,
-)
+from engine.laws.governors import equilibrium
 from engine.laws.rounding import EPS
 from engine.laws.tables import Table, in_memory, on_piece, table_segment
 
@@ -52,7 +44,8 @@ def held_by_weights(graph: Graph, link: Linkage, lift: Node) -> Holding:
     mass, sleeve_mass, gravity, preload, stiffness = numbers(graph, *keys)
     ball, weight = mass * gravity, sleeve_mass * gravity
     loads = ball, weight + preload + stiffness * lift, stiffness
-    slope, curvature = graph.apply(holding, *loads, link.rise, link.rise_rate, link.lift_rate, link.lift_rate_rate)
+    rates = link.rise, link.rise_rate, link.lift_rate, link.lift_rate_rate
+    slope, curvature = graph.apply(equilibrium.holding, *loads, *rates)
     whole = weight + abs(preload) + stiffness * (abs(link.height) + abs(link.height - lift))
     return Holding(slope, curvature, 2.0 * ball * abs(link.rise) + whole * abs(link.lift_rate))
 
@@ -110,20 +103,20 @@ def equilibrium_nodes(governor: Element, graph: Graph, x: Node, inner: Node) -> 
     lift = link.height - governor.linkage(graph, inner).height
     slope, curvature, size = governor.held(graph, x, link, lift)
     (mass, sleeve_mass), radius = numbers(graph, "ball_mass", "sleeve_mass"), link.radius
-    force = graph.apply(controlling_force, slope, link.radius_rate)
-    sleeve = graph.apply(sleeve_equivalent, slope, link.lift_rate)
-    margin = graph.apply(stability_margin, *link[:3], slope, curvature)
-    inertia = graph.apply(moving_inertia, mass, sleeve_mass, link.radius_rate, link.rise, link.lift_rate)
+    force = graph.apply(equilibrium.controlling_force, slope, link.radius_rate)
+    sleeve = graph.apply(equilibrium.sleeve_equivalent, slope, link.lift_rate)
+    margin = graph.apply(equilibrium.stability_margin, *link[:3], slope, curvature)
+    inertia = graph.apply(equilibrium.moving_inertia, mass, sleeve_mass, link.radius_rate, link.rise, link.lift_rate)
     return States(
         radius=radius,
         lift=lift,
         force=force,
-        speed=graph.apply(equilibrium_speed, force, mass, radius),
+        speed=graph.apply(equilibrium.equilibrium_speed, force, mass, radius),
         sleeve=sleeve,
         margin=margin,
         lift_rate=link.lift_rate,
         mass=inertia / (link.lift_rate * link.lift_rate),
-        stiffness=graph.apply(sleeve_stiffness, sleeve, margin, radius, link.radius_rate, link.lift_rate),
+        stiffness=graph.apply(equilibrium.sleeve_stiffness, sleeve, margin, radius, link.radius_rate, link.lift_rate),
         balls=2.0 * mass * radius * radius,
         radius_rate=link.radius_rate,
         height=link.height,

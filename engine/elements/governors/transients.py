@@ -16,16 +16,8 @@ from engine.elements.governors.equilibria import GovernorVariants, Marks
 from engine.elements.governors.governed_engine import TableThrottle
 from engine.elements.governors.governor_nodes import by_table, numbers
 from engine.graph.nodes import Given, Graph, Number, Stage
+from engine.laws.governors import motion
 from engine.laws.governors.equilibrium import moving_inertia, speed_with_friction
-from engine.laws.governors.motion import (
-    BEFORE,
-    CURVES,
-    NEIGHBOURS,
-    curves_of_cycle,
-    engine_acceleration,
-    governor_acceleration,
-    moving_inertia_rate,
-)
 from engine.laws.senses import past
 from engine.stepping.recorded import RECORDED, made_steps
 from engine.stepping.records import put, some
@@ -128,7 +120,7 @@ def governed_system(governor: Element, machine: bool) -> tuple[System, Graph, Sl
     change, change_slope, share, other = graph.zero, graph.zero, graph.one, graph.zero
     if machine:
         at = numbers(graph, "curves", "positions", "cycle")
-        change, change_slope, share, other = graph.apply(curves_of_cycle, graph.memory, *at, graph.q)
+        change, change_slope, share, other = graph.apply(motion.curves_of_cycle, graph.memory, *at, graph.q)
     driving = graph.number("moment") - graph.number("fall") * lift
     if isinstance(governor.engine.throttle, TableThrottle):
         driving, _ = by_table(graph, governor.engine.throttle.table, lift)
@@ -139,13 +131,13 @@ def governed_system(governor: Element, machine: bool) -> tuple[System, Graph, Sl
     moment = driving * share - regulation * (speed - mean) - load + other - 0.5 * change_slope * speed * speed
     whirl_rate = 4.0 * ball * link.radius * link.radius_rate
     inertia = graph.number("engine.inertia") + change + square * (2.0 * ball * link.radius * link.radius)
-    rise = graph.apply(engine_acceleration, moment, inertia, square * whirl_rate, velocity, speed)
+    rise = graph.apply(motion.engine_acceleration, moment, inertia, square * whirl_rate, velocity, speed)
     hindered = link.lift_rate * (damping * link.lift_rate * velocity + friction * held.sense)
     pull = 0.5 * square * speed * speed * whirl_rate - slope - hindered
     own = graph.apply(moving_inertia, ball, sleeve, link.radius_rate, link.rise, link.lift_rate)
     rates = (link.radius_rate, link.radius_rate_rate, link.rise, link.rise_rate, link.lift_rate, link.lift_rate_rate)
-    own_rate = graph.apply(moving_inertia_rate, ball, sleeve, *rates)
-    acceleration = graph.apply(governor_acceleration, pull, own, own_rate, velocity)
+    own_rate = graph.apply(motion.moving_inertia_rate, ball, sleeve, *rates)
+    acceleration = graph.apply(motion.governor_acceleration, pull, own, own_rate, velocity)
     steady, band, swift = numbers(graph, "steady", "band", "swift")
     ends = {
         "stalls": speed,
@@ -300,9 +292,9 @@ class _Runs(WalkedRuns):
     def _take_curves(self, cycle: np.ndarray, graph: Graph, stride: int) -> dict[str, np.ndarray]:
         """Load every `stride`-th position of mechanisms' curves into memory; return the numbers that locate them."""
         *curves, length = cycle
-        rows, first = np.array(curves).reshape(CURVES, CYCLE_POSITIONS, -1)[:, ::stride], graph.all_tables
+        rows, first = np.array(curves).reshape(motion.CURVES, CYCLE_POSITIONS, -1)[:, ::stride], graph.all_tables
         positions = rows.shape[1]
-        around = np.arange(-BEFORE, positions + NEIGHBOURS - BEFORE) % positions
+        around = np.arange(-motion.BEFORE, positions + motion.NEIGHBOURS - motion.BEFORE) % positions
         table = rows[:, around].transpose(2, 1, 0)
         self.system.functions = self.system.functions._replace(memory=np.concatenate([first, table.ravel()]))
         begin = first.size + table[0].size * np.arange(length.size)

@@ -11,7 +11,7 @@ from engine.laws.tables import make_table
 from engine.parts.actions import Force, Time
 from engine.parts.formulas.by_formula import ByFormula, FormulaText
 from engine.parts.formulas.expressions import ExpressionError, TextExpression, parse
-from engine.parts.skeleton import AngularSpeed, Faults, Length, Mass, Part, Positive, Speed, quantity
+from engine.parts.skeleton import AngularSpeed, Faults, Length, Mass, NonZero, Part, Positive, Speed, quantity
 from engine.units.dimensions import described
 from engine.units.reading import any_quantity
 from engine.words.glossary import unknown_name_message
@@ -136,7 +136,7 @@ class RunThrough(Part):
     """A rotor whose speed changes with constant acceleration, from the steady vibration at the speed `start` on."""
 
     start: Annotated[AngularSpeed, Field(ge=0)]
-    acceleration: AngularAcceleration
+    acceleration: Annotated[AngularAcceleration, NonZero("the speed must change: give a negative one for a run-down")]
 
 
 Excitation = Annotated[

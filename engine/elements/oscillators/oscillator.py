@@ -7,7 +7,8 @@ import numpy as np
 from pydantic import Field
 
 from engine.elements.compliances.stiffnesses import cantilever_stiffness
-from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, nudged
+from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, named_in_order, nudged
+from engine.elements.oscillators import one_mass, over_time
 from engine.elements.oscillators.excitations import (
     CantileverSpring,
     Excitation,
@@ -17,28 +18,8 @@ from engine.elements.oscillators.excitations import (
     RunThrough,
     SupportOverTime,
 )
-from engine.elements.oscillators.one_mass import (
-    decrement_of_ratio,
-    dynamic_factor,
-    free_motion,
-    greatest_displacement,
-    phase_lag,
-    ratio_from_absorption,
-    ratio_from_decrement,
-    resonance_factor,
-    resonance_ratio,
-    support_resonance_ratio,
-    transmissibility,
-    transmission_lag,
-)
-from engine.elements.oscillators.over_time import (
-    OVER_TIME_RESULTS,
-    PIECES,
-    oscillator_history,
-    over_time_columns,
-)
 from engine.elements.oscillators.run_through import run_through_motion, run_through_peak
-from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.elements.panels import SPEED, TIME, Curve, Mark, Panel, PanelAxis
 from engine.laws.rounding import EPS
 from engine.parts.actions import Damping, Stiffness
 from engine.parts.skeleton import Faults, Mass, Number
@@ -51,6 +32,7 @@ _Constants = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 _INSTANTS = 2001
 _RATIOS, _WIDEST = (0.05, 0.1, 0.2, 0.5), 3.0
 _LET_GO = 1e-3
+DISPLACEMENT = PanelAxis("displacement", "m", "x")
 # Variants per block for formulas, each of which expands to thousands of rows.
 _FORMULA_BLOCK = 32
 _CONSTANTS = (
@@ -118,8 +100,6 @@ class OscillatorElement(Element):
             yield "run_through needs a rotor: give excitation with type = 'unbalance'"
         if isinstance(self.excitation, OverTime) and self.start is not None and self.start.time != 0.0:
             yield "start.time belongs to a free motion: under an excitation over time give excitation.time"
-        if self.run_through is not None and self.run_through.acceleration == 0:
-            yield "run_through.acceleration = 0: the speed must change; negative for a run-down"
 
     @property
     def variants_at_once(self) -> int:
@@ -130,7 +110,7 @@ class OscillatorElement(Element):
     def results(self) -> tuple[ElementResult, ...]:
         """Results for the start, excitation and passage given."""
         if isinstance(self.excitation, OverTime):
-            return _CONSTANTS + OVER_TIME_RESULTS
+            return _CONSTANTS + over_time.OVER_TIME_RESULTS
         found = _CONSTANTS
         found += _FREE if self.start is not None else ()
         found += _FORCED if self.excitation is not None else ()
@@ -140,27 +120,16 @@ class OscillatorElement(Element):
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants; infinite at an undamped resonance, NaN where undefined."""
         stiffness, frequency, ratio, damping = constants = _constants(self, n)
-        found = {
-            "stiffness": stiffness,
-            "natural_frequency": frequency,
-            "damping": damping,
-            "damping_ratio": ratio,
-            "damped_frequency": frequency * np.sqrt(np.where(ratio < 1.0, (1.0 - ratio) * (1.0 + ratio), math.nan)),
-            "decrement": decrement_of_ratio(ratio),
-            "energy_absorption": 2.0 * math.tau * ratio,
-        }
+        damped = frequency * np.sqrt(np.where(ratio < 1.0, (1.0 - ratio) * (1.0 + ratio), math.nan))
+        decrement, absorption = one_mass.decrement_of_ratio(ratio), 2.0 * math.tau * ratio
+        found = named_in_order(_CONSTANTS, (stiffness, frequency, damping, ratio, damped, decrement, absorption))
         if isinstance(self.excitation, OverTime):
-            return found | over_time_columns(self.excitation, n, stiffness, ratio)[0]
+            return found | over_time.over_time_columns(self.excitation, n, stiffness, ratio)[0]
         if self.start is not None:
             start = n["start.displacement"], n["start.velocity"]
-            greatest, when = greatest_displacement(frequency, ratio, *start)
-            moved, velocity = free_motion(frequency, ratio, *start, n["start.time"])
-            found |= {
-                "free_greatest": greatest,
-                "free_greatest_at": when,
-                "free_displacement": moved,
-                "free_velocity": velocity,
-            }
+            greatest, when = one_mass.greatest_displacement(frequency, ratio, *start)
+            moved, velocity = one_mass.free_motion(frequency, ratio, *start, n["start.time"])
+            found |= named_in_order(_FREE, (greatest, when, moved, velocity))
         if self.excitation is not None:
             found |= _forced(self, n, constants)
         if self.run_through is not None:
@@ -178,7 +147,7 @@ class OscillatorElement(Element):
                 errors[result.name] += 4.0 * EPS * turned * np.abs(found[result.name])
         if isinstance(self.excitation, OverTime):
             stiffness, _, ratio, _ = _constants(self, n)
-            coarse, carried = over_time_columns(self.excitation, n, stiffness, ratio, PIECES // 2)
+            coarse, carried = over_time.over_time_columns(self.excitation, n, stiffness, ratio, over_time.PIECES // 2)
             for name, size in carried.items():
                 errors[name] += ROUNDING * EPS * size
             for name, values in coarse.items() if self.excitation.formula is not None else ():
@@ -201,19 +170,16 @@ class OscillatorElement(Element):
         return tuple(made)
 
     def _over_time(self) -> tuple[Panel, ...]:
-        n, own, x = self.own_numbers(), self.own_values(), PanelAxis("time", "s", "t")
-        time, *rows = oscillator_history(self.excitation, n, self.values(n), 2 * _INSTANTS)
-        drives = (
-            PanelAxis("motion of the support", "m", "y")
-            if isinstance(self.excitation, SupportOverTime)
-            else PanelAxis("force", "N", "F")
-        )
-        axes = drives, PanelAxis("displacement", "m", "x"), PanelAxis("spring force", "N", "F_s")
+        n, own = self.own_numbers(), self.own_values()
+        time, *rows = over_time.oscillator_history(self.excitation, n, self.values(n), 2 * _INSTANTS)
+        of_support = isinstance(self.excitation, SupportOverTime)
+        drives = PanelAxis("motion of the support", "m", "y") if of_support else PanelAxis("force", "N", "F")
+        axes = drives, DISPLACEMENT, PanelAxis("spring force", "N", "F_s")
         peaks, made = (None, "greatest_displacement_at", "spring_force_at"), []
         for y, row, key in zip(axes, rows, peaks, strict=True):
             at = own.get(key, math.nan)
             peak = [Mark("", at, float(np.interp(at, time, row)))] if math.isfinite(at) else []
-            made.append(Panel(x, y, time, (Curve("", row),), [*peak, Mark("", None, 0.0)]))
+            made.append(Panel(TIME, y, time, (Curve("", row),), [*peak, Mark("", None, 0.0)]))
         return tuple(made)
 
     def _free(self) -> Panel:
@@ -231,9 +197,7 @@ class OscillatorElement(Element):
             curves += [Curve("", sign * size * np.exp(-beta * time), True) for sign in (1, -1)]
         marks = [Mark("", None, 0.0)]
         marks += [Mark("", self.start.time, own["free_displacement"])] if self.start.time else []
-        return Panel(
-            PanelAxis("time", "s", "t"), PanelAxis("displacement", "m", "x"), time, curves, marks, "Free motion"
-        )
+        return Panel(TIME, DISPLACEMENT, time, curves, marks, "Free motion")
 
     def _forced(self) -> Panel:
         own = self.own_values()
@@ -248,15 +212,8 @@ class OscillatorElement(Element):
         marks = (Mark("as given", own["frequency_ratio"], own["dynamic_factor"]),)
         limits = 0.0, 1.1 * max(min(np.nanmax(factor), 12.0), 2.0)
         title = f"Forced (grey: ζ = {', '.join(f'{r:g}' for r in _RATIOS)})"
-        return Panel(
-            PanelAxis("frequency ratio", "1", "η"),
-            PanelAxis("dynamic factor", "1", "D"),
-            eta,
-            curves,
-            marks,
-            title,
-            limits,
-        )
+        axes = PanelAxis("frequency ratio", "1", "η"), PanelAxis("dynamic factor", "1", "D")
+        return Panel(*axes, eta, curves, marks, title, limits)
 
     def _through(self) -> Panel:
         own, run = self.own_values(), self.run_through
@@ -271,12 +228,9 @@ class OscillatorElement(Element):
         top = own["run_through_amplitude"]
         # The undamped steady vibration is unbounded.
         limits = (0.0, 1.6 * top) if math.isfinite(top) else None
-        x, y, marks = (
-            PanelAxis("speed", "rad s-1", "ω"),
-            PanelAxis("amplitude", "m", "A"),
-            (Mark("", own["run_through_speed"], top),),
-        )
-        return Panel(x, y, speed[kept], curves, marks, "Through the resonance", limits)
+        marks = (Mark("", own["run_through_speed"], top),)
+        amplitude = PanelAxis("amplitude", "m", "A")
+        return Panel(SPEED, amplitude, speed[kept], curves, marks, "Through the resonance", limits)
 
 
 def _constants(element: OscillatorElement, n: Numbers) -> _Constants:
@@ -299,9 +253,9 @@ def _damping_ratio(n: Numbers, mass: np.ndarray, frequency: np.ndarray) -> np.nd
     if "damping" in n:
         return n["damping"] / (2.0 * mass * frequency)
     if "decrement" in n:
-        return ratio_from_decrement(n["decrement"])
+        return one_mass.ratio_from_decrement(n["decrement"])
     if "energy_absorption" in n:
-        return ratio_from_absorption(n["energy_absorption"])
+        return one_mass.ratio_from_absorption(n["energy_absorption"])
     return n.get("damping_ratio", np.zeros_like(mass))
 
 
@@ -310,8 +264,8 @@ def _forced(element: OscillatorElement, n: Numbers, constants: _Constants) -> Co
     stiffness, frequency, ratio, damping = constants
     speed = n["excitation.speed"]
     eta = speed / frequency
-    lag, factor = phase_lag(eta, ratio), dynamic_factor(eta, ratio)
-    best, greatest = resonance_ratio(ratio), resonance_factor(ratio)
+    lag, factor = one_mass.phase_lag(eta, ratio), one_mass.dynamic_factor(eta, ratio)
+    best, greatest = one_mass.resonance_ratio(ratio), one_mass.resonance_factor(ratio)
     match element.excitation.type:
         case "force":
             unit = n["excitation.amplitude"] / stiffness
@@ -321,25 +275,20 @@ def _forced(element: OscillatorElement, n: Numbers, constants: _Constants) -> Co
                 factor, best = eta**2 * factor, 1.0 / best
         case "support_motion":
             unit = n["excitation.amplitude"]
-            factor, lag = transmissibility(eta, ratio), transmission_lag(eta, ratio)
-            best = support_resonance_ratio(ratio)
-            greatest = transmissibility(best, ratio)
+            factor, lag = one_mass.transmissibility(eta, ratio), one_mass.transmission_lag(eta, ratio)
+            best = one_mass.support_resonance_ratio(ratio)
+            greatest = one_mass.transmissibility(best, ratio)
     amplitude = unit * factor
     # Spring and damper are stretched by the motion relative to the support.
-    stretch = eta**2 * dynamic_factor(eta, ratio) * unit if element.excitation.type == "support_motion" else amplitude
+    stretch = amplitude
+    if element.excitation.type == "support_motion":
+        stretch = eta**2 * one_mass.dynamic_factor(eta, ratio) * unit
     with np.errstate(invalid="ignore"):
         # Without a damper the power is 0 even at infinite amplitude.
         power = np.where(damping > 0.0, 0.5 * damping * (speed * stretch) ** 2, 0.0)
-    return {
-        "frequency_ratio": eta,
-        "dynamic_factor": factor,
-        "amplitude": amplitude,
-        "phase_lag": lag,
-        "transmitted_force": stiffness * np.hypot(1.0, 2.0 * ratio * eta) * stretch,
-        "dissipated_power": power,
-        "resonance_speed": best * frequency,
-        "resonance_amplitude": unit * greatest,
-    }
+    transmitted = stiffness * np.hypot(1.0, 2.0 * ratio * eta) * stretch
+    at_resonance = best * frequency, unit * greatest
+    return named_in_order(_FORCED, (eta, factor, amplitude, lag, transmitted, power, *at_resonance))
 
 
 def _run_through(n: Numbers, frequency: np.ndarray, ratio: np.ndarray) -> Columns:
@@ -347,10 +296,5 @@ def _run_through(n: Numbers, frequency: np.ndarray, ratio: np.ndarray) -> Column
     peak, time = run_through_peak(frequency, ratio, start, acceleration)
     unit = n["excitation.mass"] * n["excitation.radius"] / n["mass"]
     with np.errstate(invalid="ignore"):
-        share = peak / resonance_factor(ratio)
-    return {
-        "run_through_amplitude": unit * peak,
-        "run_through_speed": start + acceleration * time,
-        "run_through_time": time,
-        "run_through_share": share,
-    }
+        share = peak / one_mass.resonance_factor(ratio)
+    return named_in_order(_THROUGH, (unit * peak, start + acceleration * time, time, share))

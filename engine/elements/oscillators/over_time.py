@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from engine.elements.element import Columns, ElementResult, Numbers
+from engine.elements.element import Columns, ElementResult, Numbers, named_in_order
 from engine.elements.oscillators.excitations import OverTime, SupportOverTime
 from engine.elements.oscillators.forced_pieces import Oscillators, Response, follow_pieces
 
@@ -88,15 +88,8 @@ def over_time_columns(
         factor = np.where(at_rest > 0.0, found.displacement / at_rest, math.nan)
         carried = found.rounded / 4.0
         rate = carried * np.sqrt(stiffness / n["mass"]) * np.maximum(1.0, 2.0 * ratio)
-    columns = {
-        "greatest_displacement": found.displacement,
-        "greatest_displacement_at": found.displacement_at,
-        "spring_force": stiffness * found.stretch,
-        "spring_force_at": found.stretch_at,
-        "dynamic_factor": factor,
-        "end_displacement": found.end,
-        "end_velocity": found.end_velocity,
-    }
+    peaks = found.displacement, found.displacement_at, stiffness * found.stretch, found.stretch_at
+    columns = named_in_order(OVER_TIME_RESULTS, (*peaks, factor, found.end, found.end_velocity))
     sizes = {
         "greatest_displacement": carried,
         "spring_force": stiffness * carried,

@@ -14,6 +14,7 @@ Efficient computation of the complex error function, SIAM J. Numer. Anal. 7 (197
 """
 
 import math
+from functools import partial
 
 import numpy as np
 from scipy.special import wofz
@@ -113,12 +114,8 @@ def run_through_peak(
         crossed = (frequency - start) / acceleration
         unit = 1.0 / np.sqrt(np.abs(acceleration))
     valid = (2.0 * ratio**2 < 1.0) & (crossed >= 0.0) & np.isfinite(crossed)
-    frequency, ratio, start, acceleration, crossed, unit = (
-        np.where(valid, a, usual)
-        for a, usual in zip(
-            (frequency, ratio, start, acceleration, crossed, unit), (1.0, 0.1, 0.0, 0.1, 10.0, 1.0), strict=True
-        )
-    )
+    given, usual = (frequency, ratio, start, acceleration, crossed, unit), (1.0, 0.1, 0.0, 0.1, 10.0, 1.0)
+    frequency, ratio, start, acceleration, crossed, unit = map(partial(np.where, valid), given, usual)
     # With strong damping for the acceleration, the resonance lasts longer than the beats: 2 β/α.
     lasts = np.maximum(1.0, 2.0 * ratio * frequency * unit)
     begin = np.maximum(crossed - _BEFORE * lasts * unit, 0.0)

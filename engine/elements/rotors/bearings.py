@@ -5,8 +5,6 @@ Arrays have any axes and are broadcast.
 Source: K. V. Frolov et al., Theory of Mechanisms and Machines (unbalance of rotors).
 """
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -14,14 +12,7 @@ from engine.elements.rotors.unbalance import Resultant, unbalance_in_two_planes
 from engine.parts.skeleton import STANDARD_GRAVITY
 
 
-class BearingForces(NamedTuple):
-    """Forces of the rotor on its first and second bearing [N]."""
-
-    first: np.ndarray
-    second: np.ndarray
-
-
-def rotating_forces(rotor: Resultant, first: ArrayLike, second: ArrayLike, omega: ArrayLike) -> BearingForces:
+def rotating_forces(rotor: Resultant, first: ArrayLike, second: ArrayLike, omega: ArrayLike) -> np.ndarray:
     """Forces that rotate with the rotor: omega² times its unbalance in the planes of the bearings.
 
     Parameters
@@ -34,16 +25,15 @@ def rotating_forces(rotor: Resultant, first: ArrayLike, second: ArrayLike, omega
 
     Returns
     -------
-    BearingForces
-        Complex, in the rotor's axes [N]; infinite or NaN if both bearings are at the same position.
+    ndarray of complex (2, ...)
+        In the rotor's axes [N]; infinite or NaN if both bearings are at the same position.
     """
-    square = np.square(omega)
-    return BearingForces(*(square * part for part in unbalance_in_two_planes(rotor, first, second)))
+    return np.square(omega) * np.array(unbalance_in_two_planes(rotor, first, second))
 
 
 def static_forces(
     mass: ArrayLike, centre: ArrayLike, first: ArrayLike, second: ArrayLike, gravity: ArrayLike = STANDARD_GRAVITY
-) -> BearingForces:
+) -> np.ndarray:
     """Weight carried by each bearing of a horizontal rotor.
 
     Parameters
@@ -57,15 +47,15 @@ def static_forces(
 
     Returns
     -------
-    BearingForces
+    ndarray (2, ...)
         Downwards [N]; negative if an overhung rotor lifts its shaft off the far bearing.
     """
     weight = np.multiply(mass, gravity)
     with np.errstate(divide="ignore", invalid="ignore"):
         span = np.subtract(second, first)
-        return BearingForces(weight * np.subtract(second, centre) / span, weight * np.subtract(centre, first) / span)
+        return np.array([weight * np.subtract(second, centre) / span, weight * np.subtract(centre, first) / span])
 
 
-def peak_forces(rotating: BearingForces, static: BearingForces) -> BearingForces:
+def peak_forces(rotating: np.ndarray, static: np.ndarray) -> np.ndarray:
     """Peak forces over a turn, when the rotating force points along the weight [N]."""
-    return BearingForces(*(np.abs(r) + np.abs(s) for r, s in zip(rotating, static, strict=True)))
+    return np.abs(rotating) + np.abs(static)

@@ -16,7 +16,7 @@ from pydantic import Field
 
 from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers, Rank, further, nudged
 from engine.elements.panels import Curve, Panel, PanelAxis
-from engine.elements.rotors.bearings import BearingForces, peak_forces, rotating_forces, static_forces
+from engine.elements.rotors.bearings import peak_forces, rotating_forces, static_forces
 from engine.elements.rotors.correction import correct, corrected_unbalance, misplaced_share
 from engine.elements.rotors.grades import grade_needed, grade_reached, permissible_unbalance, tolerance_shares
 from engine.elements.rotors.hole_pattern import PatternError, best_holes
@@ -171,19 +171,15 @@ class RotorElement(Element):
         about_plane = f"Moments about plane {names[len(self.unbalances)]}"
         limits = max(left[1].min(), 1e-3 * allowed.min()) / 3.0, 20.0 * max(left[0].max(), allowed.max())
         at_bearings = Panel(x, y, np.arange(2.0), bars, (), "At the bearings", limits, "bars", ("first", "second"))
-        return (
-            vector_polygon(names, vectors, len(planes[0]), "Unbalances", "kg m"),
-            vector_polygon(names, vectors * arms, len(planes[0]), about_plane, "kg m2"),
-            at_bearings,
-        )
+        forces = vector_polygon(names, vectors, len(planes[0]), "Unbalances", "kg m")
+        return forces, vector_polygon(names, vectors * arms, len(planes[0]), about_plane, "kg m2"), at_bearings
 
 
 def _hole_results(name: str, plane: CorrectionPlane) -> Iterator[ElementResult]:
     yield ElementResult(f"{name}.pieces", f"pieces added in plane {name}", "1", exact=True)
     for k in range(1, plane.used + 1):
-        yield ElementResult(
-            f"{name}.hole_{k}", f"hole {k} used in plane {name}, counted from 1 (0 for none)", "1", exact=True
-        )
+        words = f"hole {k} used in plane {name}, counted from 1 (0 for none)"
+        yield ElementResult(f"{name}.hole_{k}", words, "1", exact=True)
         yield ElementResult(f"{name}.pieces_{k}", f"pieces in hole {k} used in plane {name}", "1", exact=True)
 
 
@@ -286,5 +282,5 @@ def _holes_used(filled: np.ndarray, used: int) -> tuple[np.ndarray, np.ndarray]:
     return np.where(pieces > 0, order + 1, 0), pieces
 
 
-def _named(forces: BearingForces, ending: str) -> Columns:
-    return {f"first_{ending}": np.abs(forces.first), f"second_{ending}": np.abs(forces.second)}
+def _named(forces: np.ndarray, ending: str) -> Columns:
+    return {f"{side}_{ending}": np.abs(row) for side, row in zip(_SIDES, forces, strict=True)}

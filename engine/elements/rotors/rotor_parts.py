@@ -1,7 +1,7 @@
 """Parts of a rotor: masses off its axis, correction planes."""
 
 import math
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
@@ -30,6 +30,8 @@ class CorrectionPlane(Part):
     the angle an error up to `angle_error`, both of either sign.
     """
 
+    together: ClassVar = (("holes", "piece"),)
+
     position: Length
     radius: Positive
     holes: Annotated[Number, Field(ge=1)] | None = None
@@ -41,8 +43,6 @@ class CorrectionPlane(Part):
     angle_error: Annotated[Angle, Field(ge=0, le=math.pi)] = 0.0
 
     def _faults(self) -> Faults:
-        if (self.holes is None) != (self.piece is None):
-            yield "holes and piece (the mass of one) belong together: give both, or neither"
         if self.holes is not None:
             if self.holes != int(self.holes):
                 yield f"holes = {self.holes:g}: give a whole number"

@@ -18,7 +18,7 @@ from engine.elements.rotors.knife_edges import KNIFE_EDGES, on_knife_edges
 from engine.elements.rotors.rotor_parts import OffAxis
 from engine.elements.rotors.unbalance import vector_polygon
 from engine.laws.rounding import EPS
-from engine.parts.skeleton import AngularSpeed, Faults, Length, Mass, Name
+from engine.parts.skeleton import AngularSpeed, Length, Mass, Name
 
 
 class StaticRotor(Element):
@@ -28,6 +28,7 @@ class StaticRotor(Element):
     friction, `rolling_arm`, friction hides a part of the unbalance.
     """
 
+    needs: ClassVar = {"rolling_arm": ("mass",)}
     picture: ClassVar = "plan"
     RESULTS: ClassVar = (
         ElementResult("unbalance", "resultant unbalance", "kg m"),
@@ -45,10 +46,6 @@ class StaticRotor(Element):
     mass: Annotated[Mass, Field(gt=0)] | None = None
     rolling_arm: Annotated[Length, Field(gt=0)] | None = None
     speed: Annotated[AngularSpeed, Field(gt=0)] | None = None
-
-    def _faults(self) -> Faults:
-        if self.rolling_arm is not None and self.mass is None:
-            yield "rolling_arm needs the rotor's mass, which presses it on the knife edges: give mass"
 
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name."""

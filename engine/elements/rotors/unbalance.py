@@ -136,10 +136,8 @@ def kind(rotor: Resultant, centre: ArrayLike, unbalance_tolerance: float, moment
     has_static, has_couple = np.abs(static) > unbalance_tolerance, np.abs(couple) > moment_tolerance
     # Resultant and couple are in one plane through the axis if the couple has no component across the resultant.
     across = np.abs((np.conj(static) * couple).imag) > moment_tolerance * np.abs(static)
-    both = np.where(across, Kind.DYNAMIC, Kind.QUASI_STATIC)
-    return np.where(
-        has_static, np.where(has_couple, both, Kind.STATIC), np.where(has_couple, Kind.COUPLE, Kind.BALANCED)
-    )
+    both, without = np.where(across, Kind.DYNAMIC, Kind.QUASI_STATIC), np.where(has_couple, Kind.COUPLE, Kind.BALANCED)
+    return np.where(has_static, np.where(has_couple, both, Kind.STATIC), without)
 
 
 def single_plane(rotor: Resultant) -> np.ndarray:

@@ -6,7 +6,7 @@ import numpy as np
 
 from engine.cycle.measured import Measured, measured, stacked
 from engine.elements.element import Element, Numbers
-from engine.elements.engines.made_engine import ROUNDED_ORDERS, engine_torque
+from engine.elements.engines.engine_torque import ROUNDED_ORDERS, engine_torque
 from engine.elements.torsional_trains.reduced_train import ReducedTrain
 from engine.laws.rounding import EPS
 

@@ -71,10 +71,8 @@ def natural_vibration(train: ReducedTrain, count: int) -> NaturalVibration:
     frequencies = np.sqrt(squares)
     errors = frequencies * (rounded + ENCLOSED)
     mode_errors = _mode_errors(train, squares, modes, rounded)
-    mixed = np.isnan(mode_errors)
-    return NaturalVibration(
-        frequencies[:count], errors[:count], np.where(mixed, math.nan, modes)[:count], mode_errors[:count]
-    )
+    modes = np.where(np.isnan(mode_errors), math.nan, modes)
+    return NaturalVibration(*(row[:count] for row in (frequencies, errors, modes, mode_errors)))
 
 
 def _mode_errors(train: ReducedTrain, squares: np.ndarray, modes: np.ndarray, rounded: np.ndarray) -> np.ndarray:

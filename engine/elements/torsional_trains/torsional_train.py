@@ -9,24 +9,77 @@ import numpy as np
 from pydantic import Field
 
 from engine.cycle.measured import Measured, maximum, measured, where
-from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank, further
+from engine.elements.compliances.elastic_parts import ElasticPart
+from engine.elements.element import Answers, Element, ElementResult, Numbers, check_result, further
 from engine.elements.engines.engine import OF_SHAKING, EngineElement
-from engine.elements.panels import Panel
+from engine.elements.panels import SPEED, Curve, Mark, Panel, PanelAxis
 from engine.elements.torsional_trains.excitation import TrainExcitation, excitation_orders, train_excitation
 from engine.elements.torsional_trains.forced_vibration import ForcedVibration, forced_vibration, under_mean_moments
 from engine.elements.torsional_trains.natural_frequencies import NaturalVibration, natural_vibration
 from engine.elements.torsional_trains.order_sums import extremes_of_orders
 from engine.elements.torsional_trains.reduced_train import ReducedTrain, reduced_train
 from engine.elements.torsional_trains.train_layout import FRAME_END, Joint, TrainLayout, train_layout
-from engine.elements.torsional_trains.train_panels import train_panels
-from engine.elements.torsional_trains.train_parts import HarmonicMoment, TrainGear, TrainMass, TrainShaft
 from engine.laws.rounding import EPS
-from engine.parts.skeleton import AngularSpeed, Faults, Name
+from engine.parts.actions import Moment, TorsionalDamping, TorsionalStiffness
+from engine.parts.skeleton import Angle, AngularSpeed, Faults, Inertia, Name, NonZero, Number, Part
 from engine.words.verdicts import Verdict
 
 MOST_MASSES = 1000
 # Complex array elements in memory at a time.
 _BLOCK = 2**17
+# Most modes and orders in one diagram; highest speed drawn, relative to the train's speed.
+_MOST_MODES, _MOST_ORDERS, _FASTEST = 6, 16, 1.5
+# An order gets a dot if its work on a mode is above this fraction of the maximum.
+_FELT = 0.05
+_HERTZ = 1.0 / math.tau
+
+
+_TURNS = NonZero("ends with the ratio 0 would not turn together: give the speed of the second over that of the first")
+
+
+class TrainMass(Part):
+    """A rigid disc, wheel, rotor or throw; `damping` relative to the frame."""
+
+    inertia: Annotated[Inertia, Field(gt=0)] | None = None
+    damping: Annotated[TorsionalDamping, Field(ge=0)] = 0.0
+
+
+class TrainShaft(Part):
+    """A shaft between two masses, or a mass and the `frame`; its stiffness is given, or that of its parts in series.
+
+    Stiffness and damping are about the axis of the first end. `ratio` is the speed of the second end over that of the
+    first, if the parts include elastic teeth or belts. `energy_absorption` is the fraction of the maximum energy
+    dissipated in a cycle.
+    """
+
+    one_of: ClassVar = (("stiffness", "parts"),)
+
+    between: tuple[Name, Name]
+    stiffness: Annotated[TorsionalStiffness, Field(gt=0)] | None = None
+    parts: Annotated[dict[Name, ElasticPart], Field(min_length=1)] | None = None
+    damping: Annotated[TorsionalDamping, Field(ge=0)] | None = None
+    energy_absorption: Annotated[Number, Field(ge=0)] | None = None
+    ratio: Annotated[Number, _TURNS] = 1.0
+
+    def _faults(self) -> Faults:
+        if self.parts is not None and (self.damping is not None or self.energy_absorption is not None):
+            yield "the parts have their own dampers: give damping or energy_absorption to them"
+
+
+class TrainGear(Part):
+    """Rigid gears; `ratio` is the speed of the second mass over that of the first, negative for external gears."""
+
+    between: tuple[Name, Name]
+    ratio: Annotated[Number, _TURNS]
+
+
+class HarmonicMoment(Part):
+    """A torque on a mass, amplitude · cos(order · Ω t + phase), with Ω the `speed`; order 0 is a mean torque."""
+
+    on: Name
+    order: Annotated[float, Field(ge=0, le=1000)]
+    amplitude: Moment
+    phase: Angle = 0.0
 
 
 class TorsionalTrain(Element):
@@ -160,7 +213,14 @@ class TorsionalTrain(Element):
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Modes along the train, and the Campbell diagram."""
-        return train_panels(self, self.own_numbers() | dict(given or {}))
+        n = self.own_numbers() | dict(given or {})
+        reduced = reduced_train(self, n)
+        natural = natural_vibration(reduced, self.reported_modes)
+        modes = _modes(self, reduced, natural)
+        if not self.is_excited:
+            return (modes,)
+        excitation = train_excitation(self, reduced, n)
+        return (modes, _campbell(excitation, natural)) if excitation.orders else (modes,)
 
     def machine_needed(self) -> tuple[str, str]:
         """A rotating crank, if the machine excites the train."""
@@ -170,24 +230,20 @@ class TorsionalTrain(Element):
 
 
 def _results(train: TorsionalTrain) -> Iterator[ElementResult]:
-    yield ElementResult(
-        "rigid_body_modes", "natural frequencies of zero: the whole train turns", "1", exact=True, rank=Rank.CHECK
-    )
+    yield check_result("rigid_body_modes", "natural frequencies of zero: the whole train turns", "1", exact=True)
     modes = range(1, train.reported_modes + 1)
     for k in modes:
         yield ElementResult(f"frequency_{k}", f"natural frequency {k} above zero", "rad s-1")
     for k in modes:
         for mass in train.masses:
-            yield further(
-                f"mode_{k}.{mass}", f"amplitude of {mass} in mode {k}, over the maximum of all", "1", None, True
-            )
+            words = f"amplitude of {mass} in mode {k}, over the maximum of all"
+            yield further(f"mode_{k}.{mass}", words, "1", None, True)
     if not train.is_excited:
         return
     if excitation_orders(train):
         for k in modes:
-            yield ElementResult(
-                f"margin_{k}", f"distance of the nearest order from natural frequency {k}, over it", "1"
-            )
+            words = f"distance of the nearest order from natural frequency {k}, over it"
+            yield ElementResult(f"margin_{k}", words, "1")
             yield ElementResult(f"nearest_order_{k}", f"order nearest to natural frequency {k}", "1", exact=True)
     for shaft in train.shafts:
         yield further(f"{shaft}.mean_moment", f"mean torque of {shaft}, at its first end", "N m")
@@ -297,3 +353,51 @@ def _range(orders: tuple[float, ...], amplitudes: Measured) -> tuple[Measured, M
     error = (np.where(infinite, 0.0, amplitudes.error) + rounded).sum(axis=0)
     least, greatest = (Measured(found, error) for found in extremes_of_orders(orders, sound))
     return where(infinite, measured(-math.inf), least), where(infinite, measured(math.inf), greatest)
+
+
+def _modes(train: TorsionalTrain, reduced: ReducedTrain, natural: NaturalVibration) -> Panel:
+    """Modes, linear along each shaft; shaft length is drawn in proportion to compliance, plus a visible minimum."""
+    layout, parents = train.layout, reduced.parents
+    compliance = 1.0 / reduced.stiffnesses[1:, 0]
+    places = np.zeros(len(parents))
+    for node in range(1, len(parents)):
+        places[node] = places[parents[node]] + 0.25 + 0.75 * compliance[node - 1] / compliance.max()
+    names = ["\n".join(m for m, at in layout.node_of.items() if at == k) for k in range(len(places))]
+    # Both ends of each shaft, and a gap after it.
+    ends = np.array([(parents[node], node, node) for node in range(1, len(places))] or [(0, 0, 0)]).ravel()
+    gap = np.arange(ends.size) % 3 == 2
+    curves, marks = [], [Mark("", None, 0.0)]
+    for k in range(min(len(natural.frequencies), _MOST_MODES)):
+        mode, words = natural.modes[k, :, 0], f"{k + 1}: {natural.frequencies[k, 0] * _HERTZ:.4g} Hz"
+        if np.isnan(mode).any():
+            words += ", mode not determined"
+        shape = mode / mode[np.abs(mode).argmax()]
+        curves.append(Curve(words, np.where(gap, np.nan, shape[ends]), places=places[ends]))
+    free = "it turns freely" if layout.is_free else "held to the frame"
+    axes, title = (PanelAxis("", "1"), PanelAxis("relative amplitude", "1", "θ")), f"Modes along the train ({free})"
+    return Panel(*axes, places, curves, marks, title, names=names)
+
+
+def _campbell(excitation: TrainExcitation, natural: NaturalVibration) -> Panel:
+    """Natural frequencies as horizontal lines, orders as rays, dots where an order excites a mode at resonance."""
+    speed, orders = float(excitation.speed[0]), np.array(excitation.orders)
+    fastest, levels = _FASTEST * speed, natural.frequencies[:_MOST_MODES, 0]
+    top = 1.15 * max(levels[levels <= orders.max() * fastest], default=levels[0])
+    # Work of each order on each mode, |Σ q M_h|, relative to the maximum over the orders.
+    work = np.abs(np.nan_to_num(natural.modes[: len(levels), :, 0], nan=1.0) @ excitation.moments.value[:, :, 0])
+    most = work.max(axis=1, keepdims=True)
+    felt = work >= _FELT * np.where(most > 0.0, most, 1.0)
+    seen = levels < top
+    both = np.array([0.0, fastest])
+    curves = [Curve(f"mode {k + 1}", np.full(2, level * _HERTZ)) for k, level in enumerate(levels[seen])]
+    strongest = np.argsort(-(work / np.where(most > 0.0, most, 1.0))[seen].max(axis=0), kind="stable")[:_MOST_ORDERS]
+    for order in np.sort(orders[strongest]):
+        ends = np.array([0.0, min(fastest, top / order)])
+        curves.append(Curve(f"{order:g}", order * ends * _HERTZ, True, ends))
+    marks = [Mark("as given", speed, None)]
+    for k, i in zip(*np.nonzero(felt & seen[:, None]), strict=True):
+        if i in strongest and levels[k] < orders[i] * fastest:
+            marks.append(Mark("", levels[k] / orders[i], levels[k] * _HERTZ))
+    axes = SPEED, PanelAxis("frequency", "Hz", "f")
+    title, limits = "Campbell diagram (rays: orders; dots: excited)", (0.0, 1.05 * top * _HERTZ)
+    return Panel(*axes, both, curves, marks, title, limits)

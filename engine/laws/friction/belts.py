@@ -9,6 +9,7 @@ Sources: L. Euler, 1769; R. S. Khurmi and J. K. Gupta, Theory of Machines, chapt
 import math
 
 from engine.compiling.decorators import scalar
+from engine.laws.friction.guides import vee_friction
 
 
 @scalar
@@ -138,3 +139,26 @@ def shaft_force(tight: float, slack: float, wrap: float) -> float:
     # The half angle avoids cancellation where the strands nearly balance.
     sine = math.sin(wrap / 2)
     return math.sqrt((tight - slack) * (tight - slack) + 4 * tight * slack * sine * sine)
+
+
+@scalar
+def belt(
+    diameter: float, wrap: float, friction: float, groove: float, tension: float, moment: float, q: float, speed: float
+) -> tuple[float, float, float, float, float, float, float, float]:
+    """Belt with a given tension, or with a given moment if the tension is NaN: its results in order."""
+    radius, reduced = diameter / 2, vee_friction(friction, groove / 2)
+    centrifugal = centrifugal_tension(q, speed)
+    tight = tight_tension(moment, centrifugal, reduced, wrap, radius) if math.isnan(tension) else tension
+    carried = belt_moment(tight, centrifugal, reduced, wrap, radius)
+    pressing = max(tight - centrifugal, 0.0)
+    slack = pressing * slack_share(reduced, wrap)
+    return (
+        tension_ratio(reduced, wrap),
+        tight,
+        tight - pressing * gripped_share(reduced, wrap),
+        carried,
+        shaft_force(pressing, slack, wrap),
+        carried / radius * speed,
+        centrifugal,
+        speed_of_most_power(tight, q),
+    )

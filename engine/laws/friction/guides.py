@@ -119,3 +119,23 @@ def overhung_drive(resistance: float, normal: float, overhang: float, half_lengt
     if left <= 0.0:
         return math.inf
     return max(resistance + friction * abs(normal), resistance / left)
+
+
+@scalar
+def guide(
+    load: float, resistance: float, overhang: float, length: float, friction: float, vee: float, factor: float
+) -> tuple[float, float, float, float, float, float, float, float]:
+    """Slider on its guide: its results in order."""
+    half, reduced = length / 2, factor * vee_friction(friction, vee / 2)
+    drive = overhung_drive(resistance, load, overhang, half, reduced)
+    front, rear = edge_forces(load, drive * overhang, half)
+    return (
+        reduced,
+        drive,
+        slider_friction(load, drive * overhang, half, reduced),
+        front,
+        rear,
+        tilts(load, drive * overhang, half),
+        jamming_overhang(half, reduced),
+        resistance / drive,
+    )

@@ -162,3 +162,30 @@ def wedge_withdraw(load: float, slope: float, friction: float, base_friction: fl
     """
     thrust = push_down(1.0, slope, friction)
     return load * (thrust + base_friction) / (1 + guide_friction * abs(thrust))
+
+
+@scalar
+def wedge(load: float, angle: float, friction: float, base: float, guide: float) -> tuple[float, float, float, float]:
+    """Wedge: its results in order."""
+    slope = math.tan(angle)
+    drive, withdraw = (
+        wedge_drive(load, slope, friction, base, guide),
+        wedge_withdraw(load, slope, friction, base, guide),
+    )
+    return drive, withdraw, load * slope / drive, 0.0 if withdraw < 0.0 else 1.0
+
+
+@scalar
+def incline(
+    load: float, angle: float, friction: float, static: float, pull_angle: float
+) -> tuple[float, float, float, float, float, float]:
+    """Incline: its results in order."""
+    up = incline_up(load, angle, friction, pull_angle)
+    return (
+        math.atan(friction),
+        up,
+        incline_up(load, angle, static, pull_angle),
+        incline_down(load, angle, friction, pull_angle),
+        load * math.sin(angle) / (up * math.cos(pull_angle)),
+        self_locking(math.tan(angle), static),
+    )

@@ -55,3 +55,10 @@ def journal_moment(reaction: float, radius: float, friction: float, factor: floa
         [N·m], against the rotation.
     """
     return abs(reaction) * friction_circle(radius, friction, factor)
+
+
+@scalar
+def journal(load: float, diameter: float, friction: float, factor: float, speed: float) -> tuple[float, float, float]:
+    """Journal: its results in order."""
+    moment = journal_moment(load, diameter / 2, friction, factor)
+    return friction_circle(diameter / 2, friction, factor), moment, moment * abs(speed)

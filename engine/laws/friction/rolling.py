@@ -99,3 +99,20 @@ def rollers_moment(normal: float, arm: float, radius: float, mate_radius: float)
         [N·m].
     """
     return rolling_moment(normal, arm) * abs(1 + radius / mate_radius)
+
+
+@scalar
+def roller(
+    load: float, diameter: float, arm: float, friction: float, height: float, mate: float
+) -> tuple[float, float, float, float, float, float, float]:
+    """Roller on a plane or on a second roller: its results in order."""
+    radius = diameter / 2
+    return (
+        rolling_moment(load, arm),
+        reduced_friction(arm, height),
+        pull(load, arm, height, friction),
+        rolls(arm, height, friction),
+        friction * load * radius,
+        reduced_radius(radius, mate / 2),
+        rollers_moment(load, arm, radius, mate / 2),
+    )

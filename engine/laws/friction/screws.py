@@ -140,3 +140,26 @@ def locking_friction(radius: float, slope: float, half_angle: float, collar_radi
     """
     held = collar * collar_radius / radius
     return math.cos(half_angle) * push_down(1.0, held, slope) if slope > held else 0.0
+
+
+@scalar
+def screw(
+    load: float, diameter: float, lead: float, angle: float, friction: float, collar_diameter: float, collar: float
+) -> tuple[float, float, float, float, float, float, float, float, float]:
+    """Screw with its thrust collar: its results in order."""
+    radius, collar_radius, slope = diameter / 2, collar_diameter / 2, thread_slope(lead, diameter)
+    reduced = flank_friction(friction, angle / 2)
+    held = collar_moment(load, collar_radius, collar)
+    up = raise_moment(load, radius, slope, reduced) + held
+    down = lower_moment(load, radius, slope, reduced) + held
+    return (
+        math.atan(slope),
+        math.atan(reduced),
+        up,
+        down,
+        held,
+        raise_efficiency(load, radius, slope, up),
+        lower_efficiency(load, radius, slope, down),
+        0.0 if down < 0.0 else 1.0,
+        locking_friction(radius, slope, angle / 2, collar_radius, collar),
+    )

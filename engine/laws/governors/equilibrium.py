@@ -145,3 +145,15 @@ def moving_inertia(
 def non_uniformity(slowest: float, fastest: float, mean: float) -> float:
     """Degree of non-uniformity δ = (ω_max − ω_min)/ω_m of the speeds at which a governor is in equilibrium."""
     return (fastest - slowest) / mean
+
+
+@scalar
+def under_friction(
+    friction: float, least: float, least_force: float, greatest: float, greatest_force: float, weakest: float
+) -> tuple[float, float, float]:
+    """Speeds at which the sleeve reaches its lowest and highest position; the maximum insensitivity."""
+    return (
+        speed_with_friction(least, -friction, least_force),
+        speed_with_friction(greatest, friction, greatest_force),
+        insensitivity_by_friction(friction, weakest),
+    )

@@ -176,3 +176,30 @@ def critical_inertia_of_engine(
     if discriminant < 0.0:
         return 0.0
     return (needed + math.sqrt(discriminant)) / (2.0 * square)
+
+
+@scalar
+def stability_with_engine(
+    engine: float, mass: float, b: float, stiffness: float, s: float, gain: float, pull: float, balls: float
+) -> tuple[float, float, float, float, float, float, float, float, float]:
+    """Results of the linearized equation of an engine and its governor.
+
+    Vyshnegradsky's X and Y; 1 if stable; gain margin; critical damping and inertia; rate of decay; angular frequency; 1
+    if disturbances oscillate.
+    """
+    inertia = engine + balls
+    a3, a2, a1, a0 = governed_polynomial(inertia, mass, b, stiffness, s, gain, pull)
+    x, y, time = vyshnegradsky(a3, a2, a1, a0)
+    real, middle, square = normal_roots(x, y)
+    slowest = max(real, middle + max(square, 0.0) ** 0.5)
+    return (
+        x,
+        y,
+        1.0 if x * y > 1.0 else 0.0,
+        most_gain(inertia, mass, b, stiffness, s, pull) / gain,
+        critical_damping_of_sleeve(inertia, mass, stiffness, s, gain, pull),
+        max(critical_inertia_of_engine(mass, b, stiffness, s, gain, pull) - balls, 0.0),
+        -slowest / time,
+        max(-square, 0.0) ** 0.5 / time,
+        1.0 if oscillates(x, y) else 0.0,
+    )

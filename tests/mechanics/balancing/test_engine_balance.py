@@ -25,8 +25,8 @@ from engine.elements.engines.engine_layout import (
     v_engine,
     w_engine,
 )
+from engine.elements.engines.engine_torque import ROUNDED_ORDERS
 from engine.elements.engines.harmonics import crank_masses, piston_harmonics
-from engine.elements.engines.made_engine import ROUNDED_ORDERS
 from engine.elements.engines.shafts import crankshaft_counterweights, remaining_shaking
 from engine.elements.engines.shaking import SHAKING_ORDERS, engine_shaking
 

@@ -254,11 +254,11 @@ def test_bank_angle_at_which_the_order_cannot_fire__has_no_torque_but_forces():
     [
         ({"gudgeon_offset": 0.14}, "longer than 145.6 mm, for half the stroke and gudgeon_offset across it"),
         ({"knuckle_radius": 0.05}, "knuckle_radius and link_rod belong together"),
-        ({"link_rod_mass": 0.2}, "link rods need knuckle_radius and link_rod"),
+        ({"link_rod_mass": 0.2}, "link_rod_mass has no meaning without knuckle_radius"),
         ({"knuckle_radius": 0.05, "link_rod": 0.1}, "goes with layout = 'radial'; the layout is 'in-line'"),
         ({**STAR, "gas": GAS}, "leave out gas, or the link rods"),
         ({**STAR, "master_cylinder": 6}, "master_cylinder = 6: there are 5 cylinders"),
-        ({"firing_order": (1, 3, 4, 2)}, "which needs gas"),
+        ({"firing_order": (1, 3, 4, 2)}, "firing_order has no meaning without gas: give gas"),
         ({"gas": GAS, "firing_order": (1, 4, 2, 3)}, "1-3-4-2 fires evenly"),
         ({"gas": GAS, "throws": (0.0, 1.0, 2.0, 3.0)}, "firing_order is missing, and these throws allow no even one"),
     ],

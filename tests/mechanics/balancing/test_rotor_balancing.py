@@ -64,7 +64,7 @@ def test_rotor_of_the_source__pulls_with_1000_newton_ten_times_its_weight():
     forces = rotating_forces(resultant_unbalance([u], [0.5]), 0.0, 1.0, 1000.0)
     # Two products and a quotient.
     assert abs(sum(forces)) == pytest.approx(1000.0, rel=4 * EPS)
-    assert abs(forces.first) == pytest.approx(500.0, rel=4 * EPS)
+    assert abs(forces[0]) == pytest.approx(500.0, rel=4 * EPS)
     assert abs(sum(forces)) / sum(static_forces(10.0, 0.5, 0.0, 1.0)) == pytest.approx(10.2, abs=0.01)
 
 

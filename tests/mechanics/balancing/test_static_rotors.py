@@ -52,5 +52,5 @@ def test_masses_that_cancel__leave_nothing_and_no_direction():
 
 
 def test_friction_on_knife_edges__without_a_mass_is_refused():
-    with pytest.raises(SceneError, match="rolling_arm needs the rotor's mass"):
+    with pytest.raises(SceneError, match="rolling_arm has no meaning without mass: give mass"):
         asked({"it": {k: v for k, v in DISC.items() if k != "mass"}})

@@ -40,8 +40,8 @@ from sweeps.text.scene_text import read_scene, write_scene
         (KNIFE, {"line_contact": {"width": "5 mm"}}, "line_contact"),
         (FLAT, {"follower__offset": "2 mm"}, "offset = 0 for a flat face"),
         (FLAT, {"limits": {"pressure_angle": "30 deg"}}, "a flat face has none"),
-        (ARM, {"follower__arm": None}, "arm is the distance"),
-        (ROLLER, {"follower__friction": 0.1}, "give all three, or none"),
+        (ARM, {"follower__arm": None}, "arm is missing"),
+        (ROLLER, {"follower__friction": 0.1}, "give all, or none"),
         (
             FLAT,
             {"sections": None, "table": {"over_angle": ["0 deg", "90 deg", "80 deg"], "lift": ["0 mm"] * 3}},

@@ -129,7 +129,7 @@ def test_parts_vary_by_their_paths():
 @pytest.mark.parametrize(
     ("part", "said"),
     [
-        (SHAFT | {"bore": 0.05}, "less than the diameter"),
+        (SHAFT | {"bore": 0.05}, "diameter = 50 mm is not above bore = 50 mm"),
         (COUPLING | {"stiffness": -1.0}, "greater than 0"),
         (COUPLING | {"damping": 1.0, "energy_absorption": 0.1}, "give one of damping, energy_absorption"),
         ({"type": "series", "parts": {"a": COUPLING}, "damping": 1.0}, "give it to them"),

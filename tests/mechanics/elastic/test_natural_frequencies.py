@@ -177,7 +177,7 @@ DAMPED_PARTS = {
         ({"gears": {"g": {"between": ["m0", "m2"], "ratio": 2.0}}}, "closes a loop"),
         ({"gears": {"s0": {"between": ["m0", "m2"], "ratio": 2.0}}}, "names of their own"),
         ({"gears": {"g": {"between": ["m0", "frame"], "ratio": 2.0}}}, "of a gear both"),
-        ({"gears": {"g": {"between": ["m0", "m1"], "ratio": 0.0}}}, "speed of the second mass over that of the first"),
+        ({"gears": {"g": {"between": ["m0", "m1"], "ratio": 0.0}}}, "speed of the second over that of the first"),
         ({"shafts": {"a": {"between": ["m0", "m1"]}}}, "give stiffness or parts"),
         ({"shafts": {"a": {"between": ["m0", "m1"], "stiffness": -2.0}}}, "greater than 0"),
         ({"masses": {"m0": {"inertia": 0.0}}}, "greater than 0"),

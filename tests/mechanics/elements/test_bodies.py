@@ -188,7 +188,7 @@ def test_stresses_of_the_spinning_wheel__carry_its_centrifugal_forces(bore, shar
         ({"type": "tilted_body", "mass": 1.0}, "all three of one"),
         ({"type": "tilted_body", "mass": 1.0, "semi_axis_x": 1.0, "inertia_x": 1.0}, "all three of one"),
         (LEVER | {"start_radius": 0.5}, "is not above start_radius"),
-        (WOUND | {"bore": 0.2}, "give them ascending"),
+        (WOUND | {"bore": 0.2}, "is not above bore"),
         (WOUND | {"strength": 2e8}, "would tear"),
     ],
 )

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from element_samples import BELT, EVERY, GUIDE, JACK, one, scene
+from element_samples import BELT, EVERY, GUIDE, JACK, WOUND, asked, one, scene
 from machines import slider_crank
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -110,7 +110,7 @@ def test_wrong_text__is_refused_with_the_mend(old, new, words):
     [
         (BELT, {"moment": 3.0}, "give tension or moment, one of the two"),
         (BELT, {"linear_density": 0.2}, "give speed"),
-        (GUIDE, {"form": "vee"}, "vee_angle goes with form = 'vee'"),
+        (GUIDE, {"form": "vee"}, "vee_angle is missing: form = 'vee' needs it"),
         (GUIDE, {"vee_angle": 1.0}, "vee_angle goes with form = 'vee'"),
         (JACK, {"thread_angle": 0.5}, "one of the two"),
     ],
@@ -208,3 +208,27 @@ def test_plot_of_a_sweep_of_elements__has_the_best_one_over_its_friction(result)
     made = result_pictures(result)
     assert [path.name for path in made] == ["screw_jack.png", "screw_jack_best_jack_friction.png"]
     assert all(path.stat().st_size > 10_000 for path in made)
+
+
+CAR = {"type": "car", "speed": 20.0, "friction": 0.7, "wheelbase": 2.5, "rear_distance": 1.2, "height": 0.5}
+GEARED = {
+    "type": "torsional_train",
+    "masses": {name: {"inertia": 1.0} for name in "abc"},
+    "shafts": {"s": {"between": ["a", "b"], "stiffness": 1e4}},
+    "gears": {"g": {"between": ["b", "c"], "ratio": 2.0}},
+}
+
+
+@pytest.mark.parametrize(
+    ("element", "name", "key", "values"),
+    [
+        (WOUND | {"strength": 4e8}, "energy", "winding_stress", [3e8, 5e8]),
+        (WOUND | {"strength": 4e8}, "energy", "strength", [4e8, 3e8]),
+        (CAR, "deceleration", "rear_distance", [1.2, 2.5]),
+        (GEARED, "frequency_1", "gears__g__ratio", [2.0, 0.0]),
+    ],
+)
+def test_what_a_scene_refuses__is_outside_the_limits_in_a_variant(element, name, key, values):
+    found, outcome = asked({"it": element}, f"it.{name}", **{f"it__{key}": values})
+    assert list(outcome.status) == [Verdict.OK, Verdict.OUTSIDE_LIMITS]
+    assert np.isfinite(found[0]).tolist() == [True, False]

@@ -217,5 +217,5 @@ def test_solid_disc_and_thin_ring__burst_at_a_third_and_at_all_of_the_rims_stres
 
 @pytest.mark.parametrize(("kind", "key"), [("mean rim", "diameter"), ("rim", "mean_diameter")])
 def test_diameter_of_another_kind_of_wheel__is_refused(kind, key):
-    with pytest.raises(ValueError, match=f"{key} doesn't belong to a wheel of type {kind!r}; give"):
+    with pytest.raises(ValueError, match=f"{key} goes with type = .*; the type is {kind!r}"):
         WheelForm.model_validate({"type": kind, key: 1.0})

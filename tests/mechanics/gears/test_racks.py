@@ -138,7 +138,10 @@ def test_wrong_racks__are_refused_in_words(data, changes, told):
 
 @pytest.mark.parametrize(
     ("changes", "told"),
-    [({"pinions__gear__guide": "up"}, "give either rack"), ({"pinions__gear__radius": 0}, "moves no rack")],
+    [
+        ({"pinions__gear__guide": "up"}, "give rack or guide, one of the two"),
+        ({"pinions__gear__radius": 0}, "moves no rack"),
+    ],
 )
 def test_pinions_without_sense__are_refused(changes, told):
     with pytest.raises(ValueError, match=told):

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from exact import table_value
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
@@ -19,14 +20,13 @@ from engine.laws.tables import (
     make_table,
     periods_before,
     table_segment,
-    table_value,
 )
 
 EPS = np.finfo(float).eps
 
 
 def values(table, x):
-    return np.array([table_value(*table, float(u)) for u in x])
+    return table_value(table, x)
 
 
 def segment_value(left: float, c3: float, c2: float, c1: float, c0: float, x: float) -> float:
@@ -179,7 +179,7 @@ def test_rounded_period__closes():
 @pytest.mark.parametrize("period", [0.0, 4.0])
 def test_unknown_x__gives_nan(period):
     table = make_table([0.0, 1.0, 4.0], [1.0, 2.0, 1.0], "spline", period=period)
-    assert math.isnan(table_value(*table, math.nan))
+    assert math.isnan(table_value(table, math.nan))
 
 
 @pytest.mark.parametrize(

@@ -207,7 +207,7 @@ def test_laws_without_meaning__are_refused_in_words(scene, changes, told):
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
-        ({"inputs__second__travel": 0.1}, "give either period"),
+        ({"inputs__second__travel": 0.1}, "period and travel are given"),
         ({"inputs__second__drive": "crank"}, "follows the crank angle, not time"),
     ],
 )

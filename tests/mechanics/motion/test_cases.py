@@ -6,12 +6,12 @@ from itertools import pairwise
 import mpmath
 import numpy as np
 import pytest
-from exact import EPS
+from exact import EPS, table_value
 from mpmath import mpf
 from mpmath.calculus.quadrature import GaussLegendre
 
 from engine import Machine, Scene, Verdict
-from engine.laws.tables import make_table, table_value
+from engine.laws.tables import make_table
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import regime_text
 from engine.parts.motor_constants import kloss_constants
@@ -342,7 +342,7 @@ def test_moment_over_time__is_its_impulse(interpolation, outside):
     table = make_table(times, values, interpolation, outside=outside)
 
     def push(instants):
-        return 1.5 * table_value(*table, instants)
+        return 1.5 * table_value(table, instants)
 
     def speed(t, omega0, begin):
         impulse = sum(h @ push(x) for x, h in pieces(times, begin, t))

@@ -633,7 +633,7 @@ def test_what_has_no_meaning__is_refused(change, message):
     ("change", "message"),
     [
         ({"over_time": [0.0, 1.0]}, "over_time and share belong together"),
-        ({"over_time": [0.0, 1.0], "share": [0.0, 1.0], "engagement": 1.0}, "give one of the two"),
+        ({"over_time": [0.0, 1.0], "share": [0.0, 1.0], "engagement": 1.0}, "engagement and over_time are given"),
         ({"over_time": [1.0, 0.5], "share": [0.0, 1.0]}, "must rise from 0 s"),
     ],
 )

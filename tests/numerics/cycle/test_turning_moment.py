@@ -6,12 +6,13 @@ from itertools import pairwise
 import mpmath
 import numpy as np
 import pytest
+from exact import table_value
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from engine.cycle.turning_moment import fluctuation, turning_moment_from_areas, turning_moment_from_table
-from engine.laws.tables import TableError, make_table, table_value
+from engine.laws.tables import TableError, make_table
 
 EPS = 2.3e-16
 TURN = 2 * math.pi
@@ -29,7 +30,7 @@ def work_by_sampling(phi, moment, interpolation, samples):
     """Excess work of a table: a fine midpoint sum of its values."""
     table = make_table(phi, moment, interpolation, TURN)
     middles = (np.arange(samples) + 0.5) * (TURN / samples)
-    values = table_value(*table, middles)
+    values = table_value(table, middles)
     work = np.concatenate(([0.0], np.cumsum(values - values.mean()))) * (TURN / samples)
     return values.mean(), np.ptp(work)
 

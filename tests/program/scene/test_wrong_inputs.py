@@ -138,7 +138,7 @@ table not sorted | GOOD | "1 mm", "8 mm" | "8 mm", "1 mm" | 43: forces.punch | r
 table not equal | GOOD | "1 mm", "8 mm" | "1 mm" | 43: forces.punch | 2 rows | has 3
 mass and density | GOOD | density = | mass = "1 kg"\ndensity = | 38: bodies.bar | either mass or density
 inertia and shape | GOOD | density = | inertia = "1 kg m2"\ndensity = | 38: bodies.bar | give one of
-start alone | GOOD | "60 rpm" | "60 rpm"\nstart = "0 deg" | 15: input | start and stop | full revolutions
+start alone | GOOD | "60 rpm" | "60 rpm"\nstart = "0 deg" | 15: input | start and stop | give both, or neither
 flywheel without a cycle | GOOD | "60 rpm" | "60 rpm"\nstart = "0 deg"\nstop = "9 deg" | 66: flywheel | turns fully
 revolutions | GOOD | "60 rpm" | "60 rpm"\nrevolutions = 0 | 21: input.revolutions | 0 | at least 1
 mode | GOOD | inner = "C" | inner = "C"\nmode = 0 | 31: groups.press.mode | 1 or -1

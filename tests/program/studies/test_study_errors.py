@@ -70,8 +70,13 @@ def test_error_in_a_scene_inside_the_study__names_its_line_there(study_folder):
 @each(
     "added, path, value, words",
     [
-        ('[flywheel.wheel]\ntype = "disc"\n', "flywheel.wheel.width_ratio", "0.3", "belongs to a wheel of type"),
-        ('[shafts.s]\ngeared_to = "crank"\nratio = 2\n', "shafts.s.phase", '"10 deg"', "without a pivot"),
+        (
+            '[flywheel.wheel]\ntype = "disc"\n',
+            "flywheel.wheel.width_ratio",
+            "0.3",
+            "width_ratio goes with type = 'mean rim'",
+        ),
+        ('[shafts.s]\ngeared_to = "crank"\nratio = 2\n', "shafts.s.phase", '"10 deg"', "without pivot"),
         ('[springs.s]\nbetween = ["O", "B"]\ndamping = "10 N s/m"\n', "springs.s.free_length", '"1 m"', "stiffness"),
     ],
 )

@@ -317,7 +317,7 @@ def test_friction__is_settled_in_the_groups_that_are_asked_alone():
         ({"pair": "drive.second", "coefficient": 0.1, "diameter": 0.1}, "friction.x.diameter.*leave it out"),
         ({"pair": "drive.second"}, "give coefficient or material"),
         ({"pair": "drive.second", "material": "cheese"}, "cheese.*known are.*steel on steel"),
-        ({"pair": "drive.second", "coefficient": 0.1, "form": "vee"}, "vee_angle goes with"),
+        ({"pair": "drive.second", "coefficient": 0.1, "form": "vee"}, "vee_angle is missing"),
         ({"pair": "drive.second", "coefficient": 0.1, "stribeck_speed": 1.0}, "belong together"),
     ],
 )

@@ -78,8 +78,8 @@ def test_steep_motor__gets_a_verdict_and_as_short_steps_as_it_needs():
 @pytest.mark.parametrize(
     ("regime", "words"),
     [
-        ({"only": "dc", "cycles": 1.0, "method": "rk4"}, "go together"),
-        ({"only": "dc", "cycles": 1.0, "steps_per_turn": 64}, "go together"),
+        ({"only": "dc", "cycles": 1.0, "method": "rk4"}, "belong together"),
+        ({"only": "dc", "cycles": 1.0, "steps_per_turn": 64}, "belong together"),
         ({"only": "dc", "cycles": 1.0, "method": "rk5", "steps_per_turn": 64}, "'rk4'"),
         ({"only": "dc", "cycles": 1.0, "method": "rk4", "steps_per_turn": 4}, "must be at least 8"),
         ({"only": "by_time", "cycles": 1.0, "method": "rk4", "steps_per_turn": 64}, "moments that depend on time"),

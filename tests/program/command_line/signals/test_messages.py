@@ -87,7 +87,7 @@ def test_mode_that_no_point_selects__is_told_with_the_file(command, tmp_path, mo
 @pytest.mark.parametrize(
     ("addition", "words"),
     [
-        (COMPRESSOR.replace("1 bar", "8 bar"), "suction must be below discharge"),
+        (COMPRESSOR.replace("1 bar", "8 bar"), "discharge = 700 kPa is not above suction = 800 kPa"),
         ('\n[shafts.s]\ngeared_to = "crank"\nratio = 0\n', "shafts.s.ratio: a shaft with the ratio 0"),
         (TABLE.replace("360 deg", "400 deg"), "row 3: over_angle [deg] = 400 is more than one period (360) after"),
         (TABLE, "moments.cam.moment: row 3: moment = 3 one period after the first row, whose moment = 0; make them"),
