@@ -16,9 +16,9 @@ from engine.graph.nodes import Held, Node, Return, Stage, reached
 from engine.laws.elementary import angle_of, direction_of, exponential, logarithm, power
 from engine.laws.senses import angle_on_side, either, exceeds, kept_positive, quotient, sense, side
 from engine.laws.tables import cycles_before
-from engine.mechanism.acting import Characteristic
 from engine.mechanism.actions.paths import Along, input_sense, time_per_input, uniform_time
 from engine.mechanism.kinematics import Kinematics
+from engine.mechanism.link_loads import Characteristic
 from engine.parts.formulas.expressions import TextOperation, TextQuantity, Tree, evaluate_tree, names_in_tree
 from engine.parts.formulas.speed_powers import NoPowerError, powers_of_speed
 from engine.parts.skeleton import CrankInput
