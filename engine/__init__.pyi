@@ -60,7 +60,6 @@ from engine.elements.torsional_trains.torsional_train import TorsionalTrain
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.tables import TableError
-from engine.machine.assembly_modes import assembly_modes, assembly_ranges, near_of_variant
 from engine.machine.balancing.counterweights import BalancedMachine, BalanceError, CounterweightPlace, balance
 from engine.machine.checks import full_names
 from engine.machine.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
@@ -71,6 +70,7 @@ from engine.machine.drives.governed_scene import governed_scene
 from engine.machine.elements.elements_alone import ElementsAlone, made_ready
 from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine, numbers_for_trains, seconds_of_runs
 from engine.machine.machine import OF_ACCURACY as ACCURACY_SUMMARIES
+from engine.machine.one_machine.assembly_modes import assembly_modes, assembly_ranges, near_of_variant
 from engine.machine.one_machine.history import History, history, history_fields
 from engine.machine.one_machine.moving_machine import Motions, MovingMachine, NowhereDefinedError
 from engine.machine.one_machine.warned_machine import summaries_for_warnings, warnings_from_numbers, warnings_in_words

@@ -24,15 +24,7 @@ from engine.machine.checks import (
     size_remarks,
 )
 from engine.machine.elements.asked_elements import AskedElements, element_summaries
-from engine.machine.first_failure import (
-    Failures,
-    curves_of,
-    ends_of,
-    failures_of,
-    failures_within,
-    first_failure,
-)
-from engine.machine.kept_fields import NONE, KeptFields, field_node
+from engine.machine.judgement import judge_cycles, judge_runs
 from engine.machine.measuring import MeasuredCycles, Measuring
 from engine.machine.results import AskError, Outcome, asked_text, blank, field_room, front_of
 from engine.mechanism.mechanics import Mechanics
@@ -296,8 +288,11 @@ class Machine:
         return {name: curve for name, curve in self._curves.items() if name not in self._followed}
 
     @cached_property
-    def _kept(self) -> KeptFields:
-        return curves_of(self._measuring, list(self._kept_curves.values()), self.dtype)
+    def _kept(self) -> "machine.kept_fields.KeptFields":
+        measuring = self._measuring
+        return machine.kept_fields.KeptFields(
+            list(self._kept_curves.values()), measuring.functions, self.dtype, measuring.title
+        )
 
     @cached_property
     def _harmonics(self) -> list[Expression]:
@@ -312,7 +307,7 @@ class Machine:
         expressions = [summary.expression() for summary in self._summaries.values()]
         expressions += self._harmonics
         followed, grid = list(self._followed.values()), (self.positions, self.nodes.size)
-        kept = [field_node(c) for c in self._kept_curves.values()]
+        kept = [machine.kept_fields.field_node(c) for c in self._kept_curves.values()]
         return Measuring(self.mechanics, expressions, kept, followed, grid, self.accuracy, self._moving)
 
     @cached_property
@@ -488,8 +483,7 @@ class Machine:
         self._measuring.fill_found(table, answers.outcome.landmarks)
         if self._fields:
             undefined |= ~self._keep(room, keep, table, answers)
-        self._judge(outcome, keep, table, answers, undefined)
-        self._blame_modes(outcome, keep, numbers)
+        judge_cycles(self._measuring, numbers, table, answers, undefined, outcome, keep)
         failed = keep[outcome.status[keep] != Verdict.OK]
         if failed.size:
             for name in self._summaries:
@@ -518,37 +512,16 @@ class Machine:
         moved, answers = keep[ready], self.regimes.answers(numbers.of_variants(ready), ready.size)
         verdict = answers.verdict.copy()
         if failing.any():
-            some = np.flatnonzero(failing[ready])
-            own = numbers.of_variants(ready[some])
-            rounding = np.zeros(ready.size)
-            verdict[some], rounding[some] = self._judge_runs(
-                outcome, moved[some], own, verdict[some], answers.covered[:, :, some]
-            )
+            some, rounding = np.flatnonzero(failing[ready]), np.zeros(ready.size)
+            own, covered = numbers.of_variants(ready[some]), answers.covered[:, :, some]
+            rounding[some] = judge_runs(self._measuring, own, covered, verdict[some], outcome, moved[some])
+            verdict[some] = outcome.status[moved[some]]
             answers = answers.judged(verdict != answers.verdict, rounding)
         outcome.status[moved] = verdict
         for name, value in answers.values.items():
             outcome.summaries[name][moved], outcome.errors[name][moved] = value, answers.errors[name]
         for name, rows in answers.fields.items():
             outcome.fields[name][moved], outcome.errors[name][moved] = rows, answers.errors[name]
-
-    def _judge_runs(
-        self, outcome: Outcome, who: np.ndarray, numbers: Numbers, verdict: np.ndarray, covered: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Verdict on variants that fail somewhere on the cycle: that of their runs, if no run reaches the failure.
-
-        `covered` is as in `RegimeAnswers`. A run that becomes infinite or NaN has failed at a position of the cycle.
-        Also returns the rounding error of accelerations in the runs.
-        """
-        rounding = np.zeros(who.size)
-        stays = verdict == Verdict.NOT_FINITE
-        clear = who[~stays]
-        outcome.status[clear], outcome.status_group[clear], outcome.status_at[clear] = verdict[~stays], -1, np.nan
-        # The first run that fails gives the verdict.
-        for positions in covered[::-1]:
-            failures = failures_within(self._measuring, numbers, positions)
-            rounding = np.fmax(rounding, failures.rounding)
-            self._blame_for(outcome, who, failures)
-        return outcome.status[who], rounding
 
     @property
     def _runs_alone_count(self) -> bool:
@@ -565,7 +538,7 @@ class Machine:
         rows, finite = [places[name] for name in self._kept_curves], np.ones(keep.size, bool)
         if rows:
             own = room if len(rows) == len(room) else np.empty((len(rows), *room.shape[1:]), self.dtype)
-            ends = ends_of(self._measuring) if self._ranges_vary else NONE
+            ends = self._measuring.ends if self._ranges_vary else machine.kept_fields.NONE
             finite = self._kept.fill(table, self._positions_kept, own, keep, ends)
             if own is not room:
                 room[rows] = own
@@ -586,71 +559,6 @@ class Machine:
     def _positions_kept(self) -> np.ndarray:
         """Input positions of the fields, or shares of each variant's range."""
         return self.nodes if self._ranges_vary else self.input_values
-
-    # Verdicts
-
-    def _judge(
-        self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles, undefined: np.ndarray
-    ) -> None:
-        """Give every variant its verdict, and failing ones the group responsible and the position."""
-        self._blame_for(outcome, keep, failures_of(self._measuring, table, answers))
-        for verdict in (Verdict.UNDERCUT, Verdict.JAMS, Verdict.LIFTS_OFF):
-            self._blame_margins(outcome, keep, table, answers, verdict)
-        for winding in self._measuring.windings:
-            wound = np.abs(answers.value_of(winding).value) > math.pi
-            outcome.status[keep[wound & (outcome.status[keep] == Verdict.OK)]] = Verdict.DOES_NOT_CLOSE
-        blamed = keep[undefined & (outcome.status[keep] == Verdict.OK)]
-        outcome.status[blamed] = Verdict.NOT_FINITE
-
-    def _blame_modes(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
-        """Give the verdict on variants in which a group of free links doesn't keep its assembly mode."""
-        for group, tables in self.mechanics.kinematics.seed_tables.items():
-            if group not in self._measuring.groups:
-                continue
-            found = tables(numbers)
-            verdict, at = (np.broadcast_to(part, keep.shape) for part in (found.verdict, found.at))
-            # A failure in an earlier group leaves this one without a path.
-            whole = np.isin(outcome.status_group[keep], [-1, self.groups.index(group)])
-            for code in (Verdict.CANNOT_ASSEMBLE, Verdict.SINGULAR, Verdict.MODE_NOT_REACHED, Verdict.OTHER_MODE):
-                here = whole & (verdict == code)
-                self._blame(outcome, keep[here], code, group, at[here])
-            # A complete path has all positions, but between two of its seeds none may be proved.
-            own = outcome.status_group[keep] == self.groups.index(group)
-            lost = own & (verdict == Verdict.OK) & (outcome.status[keep] == Verdict.CANNOT_ASSEMBLE)
-            outcome.status[keep[lost]] = Verdict.MODE_NOT_REACHED
-
-    def _blame_margins(
-        self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles, verdict: Verdict
-    ) -> None:
-        """Give a verdict on variants in which one of its margins is not positive throughout."""
-        margins = [margin for margin in self._measuring.margins if margin.verdict == verdict]
-        least = [answers.least_of(margin) for margin in margins]
-        fails = np.any([margin <= 0.0 for margin, _ in least], axis=0) if margins else np.zeros(keep.size, bool)
-        fails = np.flatnonzero(fails & (outcome.status[keep] == Verdict.OK))
-        if not fails.size:
-            return
-        fields = curves_of(self._measuring, [margin.curve for margin in margins])
-        at, place = first_failure(fields, table[:, fails], ends_of(self._measuring), lambda values: ~(values > 0.0))
-        for k, (margin, (value, least_at)) in enumerate(zip(margins, least, strict=True)):
-            # A failure between the positions examined is known by the minimum margin only.
-            hidden = (at < 0) & (value[fails] <= 0.0)
-            here = (at == k) | hidden
-            at[hidden] = k
-            where = np.where(hidden, least_at[fails], place)
-            self._blame(outcome, keep[fails[here]], verdict, margin.group, where[here])
-
-    def _blame_for(self, outcome: Outcome, who: np.ndarray, failures: Failures) -> None:
-        """Give the verdict on variants in which groups fail."""
-        order = np.array([self.groups.index(group) for group in self._measuring.groups], int)
-        fails = failures.verdict != Verdict.OK
-        outcome.status[who[fails]] = failures.verdict[fails]
-        outcome.status_group[who[fails]] = order[failures.group[fails]]
-        outcome.status_at[who[fails]] = failures.place[fails]
-
-    def _blame(self, outcome: Outcome, who: np.ndarray, verdict: Verdict, group: str, at: np.ndarray) -> None:
-        outcome.status[who] = verdict
-        outcome.status_group[who] = self.groups.index(group)
-        outcome.status_at[who] = at
 
     # Accuracy
 
