@@ -82,8 +82,6 @@ from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import regime_text
 from engine.motion.quantities import of_sliding as sliding_quantity
 from engine.parts.actions import Brake, DCMotor, InductionMotor, TorsionSpring
-from engine.parts.driving_cams import DrivingCam
-from engine.parts.driving_gears import NoncircularWheel, Pinion, Rack
 from engine.parts.formulas.by_formula import FormulaNumber
 from engine.parts.formulas.dimension_check import (
     check_yields,
@@ -102,6 +100,7 @@ from engine.parts.formulas.expressions import (
 )
 from engine.parts.formulas.expressions import Tree as ExpressionTree
 from engine.parts.formulas.expressions import parse as parse_expression
+from engine.parts.higher_pairs import DrivingCam, NoncircularWheel, Pinion, Rack
 from engine.parts.regimes import Regime, RunRegime, SteadyRegime, run_keys
 from engine.parts.second_inputs import SecondCrank, SecondSlider
 from engine.parts.skeleton import (

@@ -12,20 +12,16 @@ from pydantic import Field, ValidationError, model_validator
 from engine import scene
 from engine.elements.element import MachineElement
 from engine.parts.actions import ForceAction, MomentAction, Spring
+from engine.parts.bodies import AcceleratedBase, Balance, Body, Flywheel
 from engine.parts.couplings import Coupling
 from engine.parts.cylinders import CylinderAction
-from engine.parts.driving_cams import DrivingCam
-from engine.parts.driving_gears import NoncircularWheel, Pinion, Rack
+from engine.parts.higher_pairs import DrivingCam, NoncircularWheel, Pinion, Rack, Shaft
 from engine.parts.pair_friction import PairFriction
 from engine.parts.regimes import Regime
 from engine.parts.second_inputs import SecondInput
 from engine.parts.skeleton import (
-    AcceleratedBase,
     Acceleration,
-    Balance,
-    Body,
     CrankInput,
-    Flywheel,
     FreeLink,
     Group,
     Guide,
@@ -37,7 +33,6 @@ from engine.parts.skeleton import (
     Point,
     PointRef,
     SceneNumber,
-    Shaft,
     SliderInput,
 )
 from engine.parts.strength import Pin, Strut

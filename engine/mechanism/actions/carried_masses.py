@@ -16,7 +16,7 @@ from engine.mechanism.actions.paths import Along, input_sense
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.link_loads import Characteristic
 from engine.parts.actions import Carried, ConveyorMoment, HoistMoment
-from engine.parts.skeleton import STANDARD_GRAVITY
+from engine.parts.bodies import STANDARD_GRAVITY
 from engine.scene.masses import carried_inertia, carried_on
 from engine.scene.scene import Numbers
 
