@@ -11,7 +11,7 @@ from engine import elements, machine, motion, warnings
 from engine.compiling.blocks import LANES
 from engine.compiling.threads import on_all_threads, threads
 from engine.cycle.measured import UNKNOWN_ROOT, Measured
-from engine.elements.element import Rank
+from engine.elements.element import Element, Rank
 from engine.graph.nodes import Found, Node, Return, reached
 from engine.machine.checks import (
     allowed_share,
@@ -23,7 +23,6 @@ from engine.machine.checks import (
     names_of,
     size_remarks,
 )
-from engine.machine.elements.asked_elements import AskedElements, element_summaries
 from engine.machine.judgement import judge_cycles, judge_runs
 from engine.machine.measuring import MeasuredCycles, Measuring
 from engine.machine.results import AskError, Outcome, asked_text, blank, field_room, front_of
@@ -54,6 +53,13 @@ ACCURACY_REACHED = Quantity(
     rank=Rank.CHECK,
 )
 OF_ACCURACY = (POSITIONS_USED.name, ACCURACY_REACHED.name)
+
+
+class _NoElements(NamedTuple):
+    """Stand-in for `AskedElements` in a scene without machine elements."""
+
+    names: tuple[str, ...] = ()
+    elements: Mapping[str, Element] = {}
 
 
 class _NoRegimes(NamedTuple):
@@ -162,7 +168,9 @@ class Machine:
         self._warnings = self._asked_warnings()
         required = self._warnings.reads if self._warnings else ()
         self._computed = list(dict.fromkeys((*self.asked_summaries, *required)))
-        self._elements = AskedElements(scene, self._computed)
+        self._elements = (
+            machine.elements.asked_elements.AskedElements(scene, self._computed) if scene.elements else _NoElements()
+        )
         of_machine = {n: e for n, e in self._elements.elements.items() if any(e.machine_needed())}
         self._trains = [name for name, element in of_machine.items() if element.type == "torsional_train"]
         drives = [name for name, element in of_machine.items() if element.type == "machine_drive"]
@@ -226,9 +234,9 @@ class Machine:
         names = [name for name in self.register.summaries if self.register.why_not(name) is None]
         summaries = {name: self.register.summary(name) for name in (*names, *self.asked_summaries)}
         own = {name: summary.quantity for name, summary in summaries.items() if summary is not None}
-        elements = {q.name: q for q in element_summaries(self.scene)}
-        of_accuracy = {q.name: q for q in (POSITIONS_USED, ACCURACY_REACHED)}
-        return own | self.regimes.summaries | elements | of_accuracy
+        of_scene = machine.elements.asked_elements.element_summaries(self.scene) if self.scene.elements else []
+        others = {q.name: q for q in (*of_scene, POSITIONS_USED, ACCURACY_REACHED)}
+        return own | self.regimes.summaries | others
 
     def _has_summary(self, name: str) -> bool:
         """Whether a summary of the cycle or of a regime exists."""
@@ -422,7 +430,8 @@ class Machine:
         of_machine = {f"elements.{t}.{key}": row for t in self._trains for key, row in machine.items()}
         if self._drives is not None:
             of_machine |= self._drives.numbers(numbers, outcome.status[keep] == Verdict.OK)
-        self._fill_elements(outcome, keep, numbers.with_values(of_machine))
+        if self._elements.elements:
+            self._fill_elements(outcome, keep, numbers.with_values(of_machine))
         if self.has_regimes:
             self._move(outcome, keep, numbers)
         self._note_accuracy(outcome, keep, np.concatenate(panels), np.concatenate(excess))
