@@ -13,7 +13,7 @@ import numpy as np
 
 from engine import mechanism
 from engine.graph.nodes import Node
-from engine.laws.masses.inertia_forces import inertia_offset
+from engine.laws.masses.link_inertia import inertia_offset
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics, MovingPoint
 from engine.mechanism.vectors import Vector

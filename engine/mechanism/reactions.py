@@ -18,7 +18,7 @@ import numpy as np
 
 from engine import laws, mechanism
 from engine.graph.nodes import Node
-from engine.laws.masses.inertia_forces import inertia_force, inertia_moment
+from engine.laws.masses.link_inertia import inertia_force, inertia_moment
 from engine.laws.senses import sense
 from engine.mechanism.actions.paths import input_sense
 from engine.mechanism.assembly import MovingPoint, Turning

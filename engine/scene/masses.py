@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import laws
-from engine.laws.masses.moments_of_inertia import (
+from engine.laws.masses.link_inertia import (
     Value,
     bifilar_inertia,
     compound_inertia,

@@ -18,6 +18,7 @@ from engine.parts.cylinders import CylinderAction
 from engine.parts.higher_pairs import DrivingCam, NoncircularWheel, Pinion, Rack, Shaft
 from engine.parts.pair_friction import PairFriction
 from engine.parts.regimes import Regime
+from engine.parts.requirements import Pin, Strut, WantedMotion, WarningLimits
 from engine.parts.second_inputs import SecondInput
 from engine.parts.skeleton import (
     Acceleration,
@@ -35,9 +36,6 @@ from engine.parts.skeleton import (
     SceneNumber,
     SliderInput,
 )
-from engine.parts.strength import Pin, Strut
-from engine.parts.wanted_motion import WantedMotion
-from engine.parts.warning_limits import WarningLimits
 from engine.units.display import UnitSystem
 
 # Path and message, for the user.

@@ -10,7 +10,7 @@ from engine.graph.nodes import Node
 from engine.laws.buckling import MATERIALS, critical_stress, flat, solid
 from engine.mechanism.mechanics import Mechanics
 from engine.mechanism.vectors import Vector
-from engine.parts.strength import Strut
+from engine.parts.requirements import Strut
 from engine.quantities.expressions import Expression, Formula, VariantNumber, greatest, maximum
 from engine.quantities.register import Declared, Field, Summary
 from engine.scene.pairs import Pair, rods_of

@@ -11,7 +11,7 @@ from engine.laws.tables import entry
 from engine.mechanism.actions.tables import rows_over_angle
 from engine.mechanism.mechanics import Mechanics
 from engine.mechanism.vectors import Vector
-from engine.parts.wanted_motion import WantedAngle, WantedPath, WantedSlide
+from engine.parts.requirements import WantedAngle, WantedPath, WantedSlide
 from engine.quantities.expressions import Expression, Extreme, Formula, Integral, peak, sqrt
 from engine.quantities.register import Declared, Field, Summary
 

@@ -10,7 +10,7 @@ from machines import slider_crank
 from scipy.integrate import quad
 
 from engine import Machine, Scene, SceneError, Verdict
-from engine.laws.masses.moments_of_inertia import bifilar_inertia, compound_inertia, trifilar_inertia
+from engine.laws.masses.link_inertia import bifilar_inertia, compound_inertia, trifilar_inertia
 from engine.parts.bodies import STANDARD_GRAVITY
 
 EPS = np.finfo(float).eps
