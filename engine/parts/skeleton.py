@@ -140,7 +140,8 @@ class Part(BaseModel):
 
     one_of: ClassVar[tuple[tuple[str, ...], ...]] = ()
     at_most_one_of: ClassVar[tuple[tuple[str, ...], ...]] = ()
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    # A model is built with the first model that holds it, not by itself.
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     @model_validator(mode="after")
     def _is_sound(self) -> "Part":
