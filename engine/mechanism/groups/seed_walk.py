@@ -164,12 +164,6 @@ def _new_scratch(functions: Functions, unknowns: int) -> _Scratch:
 
 
 @routine
-def _load(first: int, group: _Group, scratch: _Scratch) -> None:
-    """Load the numbers of a block of variants."""
-    gather(group.table, first, in_lanes(scratch.block))
-
-
-@routine
 def _place(at: np.ndarray) -> None:
     """Compute cosine and sine of the positions."""
     for lane in range(LANES):
@@ -283,7 +277,7 @@ def _walk(begin: int, end: int, group: _Group, paths: _Paths, scratch: _Scratch)
     ahead = scratch.ahead
     for b in range(begin, end):
         first = b * LANES
-        _load(first, group, scratch)
+        gather(group.table, first, in_lanes(block))
         _start_paths(first, paths, scratch)
         active = True
         while active:
