@@ -59,7 +59,6 @@ from engine.elements.torsional_trains.torsional_train import TorsionalTrain
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.tables import TableError
-from engine.machine.assembly_modes import assembly_modes, assembly_ranges, near_of_variant
 from engine.machine.balancing.counterweights import BalancedMachine, BalanceError, CounterweightPlace, balance
 from engine.machine.checks import full_names
 from engine.machine.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
@@ -70,6 +69,7 @@ from engine.machine.drives.governed_scene import governed_scene
 from engine.machine.elements.elements_alone import ElementsAlone, made_ready
 from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine, numbers_for_trains, seconds_of_runs
 from engine.machine.machine import OF_ACCURACY as ACCURACY_SUMMARIES
+from engine.machine.one_machine.assembly_modes import assembly_modes, assembly_ranges, near_of_variant
 from engine.machine.one_machine.history import History, history, history_fields
 from engine.machine.one_machine.moving_machine import Motions, MovingMachine, NowhereDefinedError
 from engine.machine.one_machine.warned_machine import summaries_for_warnings, warnings_from_numbers, warnings_in_words
@@ -82,8 +82,6 @@ from engine.motion.cases import regime_text
 from engine.motion.quantities import of_sliding as sliding_quantity
 from engine.motion.quantities import sized_regimes
 from engine.parts.actions import Brake, DCMotor, InductionMotor, TorsionSpring
-from engine.parts.driving_cams import DrivingCam
-from engine.parts.driving_gears import NoncircularWheel, Pinion, Rack
 from engine.parts.formulas.by_formula import FormulaNumber
 from engine.parts.formulas.dimension_check import (
     check_yields,
@@ -102,6 +100,7 @@ from engine.parts.formulas.expressions import (
 )
 from engine.parts.formulas.expressions import Tree as ExpressionTree
 from engine.parts.formulas.expressions import parse as parse_expression
+from engine.parts.higher_pairs import DrivingCam, NoncircularWheel, Pinion, Rack
 from engine.parts.regimes import Regime, RunRegime, SteadyRegime, run_keys
 from engine.parts.second_inputs import SecondCrank, SecondSlider
 from engine.parts.skeleton import (

@@ -82,7 +82,6 @@ EXCEPTIONS = {
     ("engine/elements/oscillators/one_mass.py", "greatest, time :"): "name of an attribute",
     ("engine/elements/torsional_trains/order_sums.py", "least, greatest :"): "name of an attribute",
     ("sweeps/synthesis/paths.py", "rms, greatest : float"): "name of an attribute",
-    ("engine/mechanism/reactions.py", "inertia of what"): "name of a node that nobody sees",
     ("engine/quantities/chapters/dynamics.py", "motor moment"): "name of a node that nobody sees",
 }
 

@@ -1,5 +1,7 @@
 """Blocks of LANES variants: gather their numbers side by side, and scatter a block's results to the variants."""
 
+import math
+
 import numpy as np
 
 from engine.compiling.decorators import routine
@@ -9,9 +11,18 @@ from engine.compiling.memory import Memory, memory
 LANES = 64
 # Positions of a panel, and of each part of a scan.
 PANEL_POSITIONS = 17
+_PAGE = 4096
 # Shapes (LANES,) and (…, LANES).
 Row, Rows = Memory(()), Memory((LANES,))
 in_lanes = memory(Rows)
+
+
+def rows(*shape: int, aside: int = 0) -> np.ndarray:
+    """Allocate zeros (…, LANES) that begin `aside` numbers after the start of a page."""
+    size = math.prod(shape) * LANES
+    memory = np.zeros(size + aside + _PAGE // 8)
+    start = -(memory.ctypes.data // 8) % (_PAGE // 8) + aside
+    return memory[start : start + size].reshape(*shape, LANES)
 
 
 @routine

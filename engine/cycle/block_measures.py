@@ -10,7 +10,7 @@ from engine.compiling.decorators import separate
 from engine.compiling.packed import unpacked
 from engine.cycle.driver import DriverAnswers, Task, Workspace, set_row
 from engine.cycle.measures.angles import add_angle
-from engine.cycle.measures.averages import find_averages
+from engine.cycle.measures.averages import fill_spaced, find_averages
 from engine.cycle.measures.extremes import (
     EACH_TURN,
     GREATEST,
@@ -22,7 +22,6 @@ from engine.cycle.measures.extremes import (
 )
 from engine.cycle.measures.fluctuation import SteadyWheel, add_speed, find_fluctuation
 from engine.cycle.measures.magnitudes import integrate_roots
-from engine.cycle.measures.spaced import fill_spaced
 from engine.cycle.measures.unloaded_arcs import find_unloaded_arcs
 from engine.cycle.measures.works import add_work
 from engine.cycle.panels.lanes import fill

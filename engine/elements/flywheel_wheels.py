@@ -27,8 +27,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.laws.masses.moments_of_inertia import Value, disc_inertia, ring_inertia
-from engine.parts.skeleton import WheelForm
+from engine.laws.masses.link_inertia import Value, disc_inertia, ring_inertia
+from engine.parts.bodies import WheelForm
 
 
 class Material(NamedTuple):

@@ -42,8 +42,6 @@ import math
 import numpy as np
 
 {imports}
-
-dtype = np.{dtype}
 '''
 
 
@@ -175,7 +173,7 @@ def functions_at(
         title,
         plan,
         *([] if watched is None else [_events(plan), _levels(plan)]),
-        _Part("curves_at", "All curves, at one position.", plan.curves),
+        _at_one_position(plan.curves),
     )
 
 
@@ -255,7 +253,7 @@ class _Part(NamedTuple):
 
     name: str
     doc: str
-    outputs: list[Node]
+    outputs: Sequence[Node]
     stage: Stage = Stage.POSITION
     positions: int | None = 1
     inline_held: bool = True
@@ -269,6 +267,10 @@ def _events(plan: _Plan) -> _Part:
 def _levels(plan: _Plan) -> _Part:
     doc = "Numbers of the cycle, from extremes of the switching functions."
     return _Part("levels", doc, _behind_extremes(plan.cycle), Stage.CYCLE)
+
+
+def _at_one_position(curves: Sequence[Node], stage: Stage = Stage.POSITION) -> _Part:
+    return _Part("curves_at", "All curves, at one position.", curves, stage)
 
 
 def _behind_extremes(levels: Sequence[Node]) -> list[Node]:
@@ -298,18 +300,10 @@ def _planned(
 
 
 def _printed(graph: Graph, title: str, plan: _Plan, *parts: _Part) -> Functions:
-    rows, texts, laws = plan.rows, [], []
-    for part in parts:
-        if not part.outputs:
-            texts.append(f"{part.name} = None")
-            continue
-        text, called = in_lanes(part.name, part.doc, part.outputs, rows, part.stage, part.positions, part.inline_held)
-        texts.append(f"@filling(TILE_SIGNATURE)\n{text}")
-        laws += called
-    imports = ["from engine.compiling.tiles import TILE_SIGNATURE, filling, flat", *_imports(laws)]
+    rows = plan.rows
     places = {curve: i for i, (curve, _) in enumerate(plan.events)}
     return Functions(
-        "\n\n".join([_HEAD.format(title=title, imports="\n".join(imports), dtype="float64"), *texts]),
+        _tile_module(title, rows, parts),
         rows,
         tuple(n for n in rows if isinstance(n, (Number, Constant))),
         tuple(plan.events),
@@ -326,17 +320,37 @@ def _printed(graph: Graph, title: str, plan: _Plan, *parts: _Part) -> Functions:
 def field_function(title: str, fields: Sequence[Node], rows: dict[Node, int], dtype: np.dtype) -> str:
     """Print a module with `fields`, which fills rows over equally spaced positions."""
     text, laws = over_positions("fields", "Rows over the positions of one variant.", fields, rows)
-    imports = ["from engine.compiling.tiles import field_signature, filling, flat", *_imports(laws)]
-    head = _HEAD.format(title=title, imports="\n".join(imports), dtype=np.dtype(dtype).name)
-    return f"{head}\n\n@filling(field_signature(dtype))\n{text}"
+    head = _head(title, "field_signature", laws)
+    return f"{head}\n\n@filling(field_signature(np.{np.dtype(dtype).name}))\n{text}"
 
 
-def number_function(title: str, results: Sequence[Node], rows: dict[Node, int]) -> str:
-    """Print a module with `numbers`, which fills a tile of one position with results of the variant's numbers."""
-    text, laws = in_lanes("numbers", "Results of numbers of the variant.", results, rows, Stage.CYCLE, 1)
-    imports = ["from engine.compiling.tiles import TILE_SIGNATURE, filling, flat", *_imports(laws)]
-    head = _HEAD.format(title=title, imports="\n".join(imports), dtype="float64")
-    return f"{head}\n\n@filling(TILE_SIGNATURE)\n{text}"
+def function_at(title: str, curves: Sequence[Node], rows: dict[Node, int], stage: Stage = Stage.POSITION) -> str:
+    """Print a module with `curves_at` alone, for a layout of numbers.
+
+    Parameters
+    ----------
+    title : str
+        Docstring of the module.
+    curves : sequence of Node
+    rows : dict of Node to int
+        Row of P of each number.
+    stage : Stage
+        CYCLE for numbers of the variant and of the cycle, which depend on no position.
+    """
+    return _tile_module(title, rows, [_at_one_position(curves, stage)])
+
+
+def _tile_module(title: str, rows: dict[Node, int], parts: Iterable[_Part]) -> str:
+    """Print a module of functions that fill tiles; one without outputs is None."""
+    texts, laws = [], []
+    for part in parts:
+        if not part.outputs:
+            texts.append(f"{part.name} = None")
+            continue
+        text, called = in_lanes(part.name, part.doc, part.outputs, rows, part.stage, part.positions, part.inline_held)
+        texts.append(f"@filling(TILE_SIGNATURE)\n{text}")
+        laws += called
+    return "\n\n".join([_head(title, "TILE_SIGNATURE", laws), *texts])
 
 
 def _of_kind(nodes: Iterable[Node], kind: type) -> list:
@@ -381,9 +395,11 @@ def _landmark(curve: Node, found: list[Found], rows: dict[Node, int]) -> Landmar
     return Landmark(*(own.get(which, -1) for which in ("low", "high", "low_at", "high_at")))
 
 
-def _imports(laws: list) -> list[str]:
-    """Import lines of the laws, one for each module."""
+def _head(title: str, signature: str, laws: list) -> str:
+    """Docstring and imports of a printed module: the signature, and the laws."""
     by_module: dict[str, set[str]] = {}
     for law in laws:
         by_module.setdefault(law.py_func.__module__, set()).add(law.py_func.__name__)
-    return [f"from {module} import {', '.join(sorted(names))}" for module, names in sorted(by_module.items())]
+    lines = [f"from engine.compiling.tiles import {signature}, filling, flat"]
+    lines += [f"from {module} import {', '.join(sorted(names))}" for module, names in sorted(by_module.items())]
+    return _HEAD.format(title=title, imports="\n".join(lines))

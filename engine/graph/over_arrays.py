@@ -3,26 +3,14 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
-from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import LANES, gather, hand_out, in_lanes
-from engine.compiling.decorators import driver
 from engine.compiling.kept_code import load_printed
-from engine.compiling.running import spread
 from engine.compiling.tiles import TileFunction
-from engine.graph.functions import number_function
+from engine.graph.at_points import NOWHERE, Points, fill_points
+from engine.graph.functions import function_at
 from engine.graph.nodes import Given, Graph, Node, Number, Stage, reached
-
-
-class _Scratch(NamedTuple):
-    """Arrays for one block of variants: numbers, results, the position that no law reads, and all tables."""
-
-    block: np.ndarray
-    tile: np.ndarray
-    nowhere: np.ndarray
-    tables: np.ndarray
 
 
 class NodesOverArrays:
@@ -39,8 +27,8 @@ class NodesOverArrays:
     def __init__(self, title: str, given: Sequence[Given], results: Sequence[Node]) -> None:
         self._numbers = [node for node in reached(results) if isinstance(node, Number)]
         rows = {node: row for row, node in enumerate([*given, *self._numbers])}
-        text, self._results = number_function(title, results, rows), len(results)
-        self._function, self._tables = TileFunction(load_printed(text).numbers), results[0].graph.all_tables
+        text, self._results = function_at(title, results, rows, Stage.CYCLE), len(results)
+        self._function, self._tables = TileFunction(load_printed(text).curves_at), results[0].graph.all_tables
         self._given = len(given)
 
     def table(self, numbers: Mapping[str, np.ndarray], variants: int) -> np.ndarray:
@@ -53,28 +41,7 @@ class NodesOverArrays:
     def __call__(self, table: np.ndarray, found: np.ndarray | None = None) -> np.ndarray:
         """Results (results, variants) of rows as in `table`, written to `found` where that is given."""
         found = np.empty((self._results, table.shape[1])) if found is None else found
-        fill_numbers(self._function, table, self._tables, found)
-        return found
-
-
-def fill_numbers(function: TileFunction, table: np.ndarray, tables: np.ndarray, found: np.ndarray) -> None:
-    """Fill results (results, variants) of a printed function that reads numbers of the variant alone.
-
-    Parameters
-    ----------
-    function : TileFunction
-    table : ndarray (numbers, variants)
-    tables : ndarray
-        All tables of the graph, flat.
-    found : ndarray (results, variants)
-        Output.
-    """
-
-    def arguments() -> tuple:
-        block, tile = np.empty((len(table), LANES)), np.empty((len(found), 1, LANES))
-        return function, table, found, _Scratch(block, tile, np.zeros((1, LANES)), tables)
-
-    spread(_fill, -(-table.shape[1] // LANES), arguments)
+        return fill_points(self._function, Points(table, self._tables, NOWHERE, found))
 
 
 def over_arrays(law: Callable, *arguments: float | np.ndarray) -> np.ndarray:
@@ -102,14 +69,3 @@ def _of_law(law: Callable, count: int) -> NodesOverArrays:
     return NodesOverArrays(
         f"{law.__name__} over variants.", given, results if isinstance(results, tuple) else (results,)
     )
-
-
-@driver
-def _fill(begin: int, end: int, function: Callable, table: np.ndarray, found: np.ndarray, scratch: _Scratch) -> None:
-    """Evaluate `function` for blocks `begin` … `end` − 1 of LANES variants, and store its results in `found`."""
-    nowhere = scratch.nowhere
-    for b in range(begin, end):
-        first = b * LANES
-        gather(table, first, in_lanes(scratch.block))
-        function(scratch.block, scratch.tables, nowhere, nowhere, nowhere, scratch.tile)
-        hand_out(in_lanes(scratch.tile), first, found)

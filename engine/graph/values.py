@@ -22,6 +22,7 @@ from engine.graph.nodes import (
     Sum,
     TableMemory,
     reached,
+    value_of,
 )
 
 _OPERATIONS = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv}
@@ -115,7 +116,7 @@ class NodeValues:
 
 
 class LevelValues:
-    """Numbers of the cycle that follow from numbers of the variant.
+    """P of many variants: numbers of the variant, and numbers of the cycle that follow from them.
 
     Parameters
     ----------
@@ -124,7 +125,7 @@ class LevelValues:
 
     def __init__(self, functions: Functions) -> None:
         rows = functions.rows
-        self._levels = {node: rows[node] for node in functions.levels}
+        self._functions, self._levels = functions, {node: rows[node] for node in functions.levels}
         self._behind = set(reached(self._levels))
         made = Operation, Sum, LawResult
         self._given = {node: row for node, row in rows.items() if node in self._behind and not isinstance(node, made)}
@@ -132,8 +133,23 @@ class LevelValues:
         self._events = [curve for curve, _ in functions.events]
         self._values = NodeValues(next(iter(rows)).graph, {})
 
+    def table(
+        self, numbers: Mapping[str, np.ndarray], variants: int, known: Mapping[Node, np.ndarray | float] | None = None
+    ) -> np.ndarray:
+        """P (numbers, variants), without what is found on the cycle, and what follows from it, unless known."""
+        table = np.full((len(self._functions.rows), variants), np.nan)
+        # An overflow in a number results in a verdict, not in a warning.
+        with np.errstate(all="ignore"):
+            for node in self._functions.numbers:
+                table[self._functions.rows[node]] = value_of(node, numbers)
+        for node, values in (known or {}).items():
+            if node in self._functions.rows:
+                table[self._functions.rows[node]] = values
+        self.fill(table)
+        return table
+
     def fill(self, numbers: np.ndarray) -> None:
-        """Fill their rows of P (numbers, variants) in place."""
+        """Fill the rows of numbers of the cycle in P (numbers, variants) in place."""
         known = {node: numbers[row] for node, row in self._given.items()}
         found = self._values.for_numbers({})(list(self._levels), np.zeros(numbers.shape[1]), known)
         for row, values in zip(self._levels.values(), found, strict=True):

@@ -41,16 +41,10 @@ class KeptFields:
         Type in which they are stored; they are computed in double precision.
     title : str
         Title of the machine.
-
-    Attributes
-    ----------
-    count : int
-        Number of curves.
     """
 
     def __init__(self, curves: Sequence[Node | Angle], functions: Functions, dtype: np.dtype, title: str) -> None:
         self._functions, self._dtype = functions, np.dtype(dtype)
-        self.count = len(curves)
         self._followed = np.array([i for i, curve in enumerate(curves) if isinstance(curve, Angle)], np.intp)
         self.text = field_function(title, [field_node(curve) for curve in curves], functions.rows, self._dtype)
 

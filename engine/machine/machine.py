@@ -11,7 +11,7 @@ from engine import elements, machine, motion, warnings
 from engine.compiling.blocks import LANES
 from engine.compiling.threads import on_all_threads, threads
 from engine.cycle.measured import UNKNOWN_ROOT, Measured
-from engine.elements.element import Rank
+from engine.elements.element import Element, Rank
 from engine.graph.nodes import Found, Node, Return, reached
 from engine.machine.checks import (
     allowed_share,
@@ -23,16 +23,7 @@ from engine.machine.checks import (
     names_of,
     size_remarks,
 )
-from engine.machine.elements.asked_elements import AskedElements, element_summaries
-from engine.machine.first_failure import (
-    Failures,
-    curves_of,
-    ends_of,
-    failures_of,
-    failures_within,
-    first_failure,
-)
-from engine.machine.kept_fields import NONE, KeptFields, field_node
+from engine.machine.judgement import judge_cycles, judge_runs
 from engine.machine.measuring import MeasuredCycles, Measuring
 from engine.machine.results import AskError, Outcome, asked_text, blank, field_room, front_of
 from engine.mechanism.mechanics import Mechanics
@@ -62,6 +53,13 @@ ACCURACY_REACHED = Quantity(
     rank=Rank.CHECK,
 )
 OF_ACCURACY = (POSITIONS_USED.name, ACCURACY_REACHED.name)
+
+
+class _NoElements(NamedTuple):
+    """Stand-in for `AskedElements` in a scene without machine elements."""
+
+    names: tuple[str, ...] = ()
+    elements: Mapping[str, Element] = {}
 
 
 class _NoRegimes(NamedTuple):
@@ -170,7 +168,9 @@ class Machine:
         self._warnings = self._asked_warnings()
         required = self._warnings.reads if self._warnings else ()
         self._computed = list(dict.fromkeys((*self.asked_summaries, *required)))
-        self._elements = AskedElements(scene, self._computed)
+        self._elements = (
+            machine.elements.asked_elements.AskedElements(scene, self._computed) if scene.elements else _NoElements()
+        )
         of_machine = {n: e for n, e in self._elements.elements.items() if any(e.machine_needed())}
         self._trains = [name for name, element in of_machine.items() if element.type == "torsional_train"]
         drives = [name for name, element in of_machine.items() if element.type == "machine_drive"]
@@ -234,9 +234,9 @@ class Machine:
         names = [name for name in self.register.summaries if self.register.why_not(name) is None]
         summaries = {name: self.register.summary(name) for name in (*names, *self.asked_summaries)}
         own = {name: summary.quantity for name, summary in summaries.items() if summary is not None}
-        elements = {q.name: q for q in element_summaries(self.scene)}
-        of_accuracy = {q.name: q for q in (POSITIONS_USED, ACCURACY_REACHED)}
-        return own | self.regimes.summaries | elements | of_accuracy
+        of_scene = machine.elements.asked_elements.element_summaries(self.scene) if self.scene.elements else []
+        others = {q.name: q for q in (*of_scene, POSITIONS_USED, ACCURACY_REACHED)}
+        return own | self.regimes.summaries | others
 
     def _has_summary(self, name: str) -> bool:
         """Whether a summary of the cycle or of a regime exists."""
@@ -296,8 +296,11 @@ class Machine:
         return {name: curve for name, curve in self._curves.items() if name not in self._followed}
 
     @cached_property
-    def _kept(self) -> KeptFields:
-        return curves_of(self._measuring, list(self._kept_curves.values()), self.dtype)
+    def _kept(self) -> "machine.kept_fields.KeptFields":
+        measuring = self._measuring
+        return machine.kept_fields.KeptFields(
+            list(self._kept_curves.values()), measuring.functions, self.dtype, measuring.title
+        )
 
     @cached_property
     def _harmonics(self) -> list[Expression]:
@@ -312,7 +315,7 @@ class Machine:
         expressions = [summary.expression() for summary in self._summaries.values()]
         expressions += self._harmonics
         followed, grid = list(self._followed.values()), (self.positions, self.nodes.size)
-        kept = [field_node(c) for c in self._kept_curves.values()]
+        kept = [machine.kept_fields.field_node(c) for c in self._kept_curves.values()]
         return Measuring(self.mechanics, expressions, kept, followed, grid, self.accuracy, self._moving)
 
     @cached_property
@@ -427,7 +430,8 @@ class Machine:
         of_machine = {f"elements.{t}.{key}": row for t in self._trains for key, row in machine.items()}
         if self._drives is not None:
             of_machine |= self._drives.numbers(numbers, outcome.status[keep] == Verdict.OK)
-        self._fill_elements(outcome, keep, numbers.with_values(of_machine))
+        if self._elements.elements:
+            self._fill_elements(outcome, keep, numbers.with_values(of_machine))
         if self.has_regimes:
             self._move(outcome, keep, numbers)
         self._note_accuracy(outcome, keep, np.concatenate(panels), np.concatenate(excess))
@@ -488,8 +492,7 @@ class Machine:
         self._measuring.fill_found(table, answers.outcome.landmarks)
         if self._fields:
             undefined |= ~self._keep(room, keep, table, answers)
-        self._judge(outcome, keep, table, answers, undefined)
-        self._blame_modes(outcome, keep, numbers)
+        judge_cycles(self._measuring, numbers, table, answers, undefined, outcome, keep)
         failed = keep[outcome.status[keep] != Verdict.OK]
         if failed.size:
             for name in self._summaries:
@@ -518,37 +521,16 @@ class Machine:
         moved, answers = keep[ready], self.regimes.answers(numbers.of_variants(ready), ready.size)
         verdict = answers.verdict.copy()
         if failing.any():
-            some = np.flatnonzero(failing[ready])
-            own = numbers.of_variants(ready[some])
-            rounding = np.zeros(ready.size)
-            verdict[some], rounding[some] = self._judge_runs(
-                outcome, moved[some], own, verdict[some], answers.covered[:, :, some]
-            )
+            some, rounding = np.flatnonzero(failing[ready]), np.zeros(ready.size)
+            own, covered = numbers.of_variants(ready[some]), answers.covered[:, :, some]
+            rounding[some] = judge_runs(self._measuring, own, covered, verdict[some], outcome, moved[some])
+            verdict[some] = outcome.status[moved[some]]
             answers = answers.judged(verdict != answers.verdict, rounding)
         outcome.status[moved] = verdict
         for name, value in answers.values.items():
             outcome.summaries[name][moved], outcome.errors[name][moved] = value, answers.errors[name]
         for name, rows in answers.fields.items():
             outcome.fields[name][moved], outcome.errors[name][moved] = rows, answers.errors[name]
-
-    def _judge_runs(
-        self, outcome: Outcome, who: np.ndarray, numbers: Numbers, verdict: np.ndarray, covered: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Verdict on variants that fail somewhere on the cycle: that of their runs, if no run reaches the failure.
-
-        `covered` is as in `RegimeAnswers`. A run that becomes infinite or NaN has failed at a position of the cycle.
-        Also returns the rounding error of accelerations in the runs.
-        """
-        rounding = np.zeros(who.size)
-        stays = verdict == Verdict.NOT_FINITE
-        clear = who[~stays]
-        outcome.status[clear], outcome.status_group[clear], outcome.status_at[clear] = verdict[~stays], -1, np.nan
-        # The first run that fails gives the verdict.
-        for positions in covered[::-1]:
-            failures = failures_within(self._measuring, numbers, positions)
-            rounding = np.fmax(rounding, failures.rounding)
-            self._blame_for(outcome, who, failures)
-        return outcome.status[who], rounding
 
     @property
     def _runs_alone_count(self) -> bool:
@@ -565,7 +547,7 @@ class Machine:
         rows, finite = [places[name] for name in self._kept_curves], np.ones(keep.size, bool)
         if rows:
             own = room if len(rows) == len(room) else np.empty((len(rows), *room.shape[1:]), self.dtype)
-            ends = ends_of(self._measuring) if self._ranges_vary else NONE
+            ends = self._measuring.ends if self._ranges_vary else machine.kept_fields.NONE
             finite = self._kept.fill(table, self._positions_kept, own, keep, ends)
             if own is not room:
                 room[rows] = own
@@ -586,71 +568,6 @@ class Machine:
     def _positions_kept(self) -> np.ndarray:
         """Input positions of the fields, or shares of each variant's range."""
         return self.nodes if self._ranges_vary else self.input_values
-
-    # Verdicts
-
-    def _judge(
-        self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles, undefined: np.ndarray
-    ) -> None:
-        """Give every variant its verdict, and failing ones the group responsible and the position."""
-        self._blame_for(outcome, keep, failures_of(self._measuring, table, answers))
-        for verdict in (Verdict.UNDERCUT, Verdict.JAMS, Verdict.LIFTS_OFF):
-            self._blame_margins(outcome, keep, table, answers, verdict)
-        for winding in self._measuring.windings:
-            wound = np.abs(answers.value_of(winding).value) > math.pi
-            outcome.status[keep[wound & (outcome.status[keep] == Verdict.OK)]] = Verdict.DOES_NOT_CLOSE
-        blamed = keep[undefined & (outcome.status[keep] == Verdict.OK)]
-        outcome.status[blamed] = Verdict.NOT_FINITE
-
-    def _blame_modes(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
-        """Give the verdict on variants in which a group of free links doesn't keep its assembly mode."""
-        for group, tables in self.mechanics.kinematics.seed_tables.items():
-            if group not in self._measuring.groups:
-                continue
-            found = tables(numbers)
-            verdict, at = (np.broadcast_to(part, keep.shape) for part in (found.verdict, found.at))
-            # A failure in an earlier group leaves this one without a path.
-            whole = np.isin(outcome.status_group[keep], [-1, self.groups.index(group)])
-            for code in (Verdict.CANNOT_ASSEMBLE, Verdict.SINGULAR, Verdict.MODE_NOT_REACHED, Verdict.OTHER_MODE):
-                here = whole & (verdict == code)
-                self._blame(outcome, keep[here], code, group, at[here])
-            # A complete path has all positions, but between two of its seeds none may be proved.
-            own = outcome.status_group[keep] == self.groups.index(group)
-            lost = own & (verdict == Verdict.OK) & (outcome.status[keep] == Verdict.CANNOT_ASSEMBLE)
-            outcome.status[keep[lost]] = Verdict.MODE_NOT_REACHED
-
-    def _blame_margins(
-        self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles, verdict: Verdict
-    ) -> None:
-        """Give a verdict on variants in which one of its margins is not positive throughout."""
-        margins = [margin for margin in self._measuring.margins if margin.verdict == verdict]
-        least = [answers.least_of(margin) for margin in margins]
-        fails = np.any([margin <= 0.0 for margin, _ in least], axis=0) if margins else np.zeros(keep.size, bool)
-        fails = np.flatnonzero(fails & (outcome.status[keep] == Verdict.OK))
-        if not fails.size:
-            return
-        fields = curves_of(self._measuring, [margin.curve for margin in margins])
-        at, place = first_failure(fields, table[:, fails], ends_of(self._measuring), lambda values: ~(values > 0.0))
-        for k, (margin, (value, least_at)) in enumerate(zip(margins, least, strict=True)):
-            # A failure between the positions examined is known by the minimum margin only.
-            hidden = (at < 0) & (value[fails] <= 0.0)
-            here = (at == k) | hidden
-            at[hidden] = k
-            where = np.where(hidden, least_at[fails], place)
-            self._blame(outcome, keep[fails[here]], verdict, margin.group, where[here])
-
-    def _blame_for(self, outcome: Outcome, who: np.ndarray, failures: Failures) -> None:
-        """Give the verdict on variants in which groups fail."""
-        order = np.array([self.groups.index(group) for group in self._measuring.groups], int)
-        fails = failures.verdict != Verdict.OK
-        outcome.status[who[fails]] = failures.verdict[fails]
-        outcome.status_group[who[fails]] = order[failures.group[fails]]
-        outcome.status_at[who[fails]] = failures.place[fails]
-
-    def _blame(self, outcome: Outcome, who: np.ndarray, verdict: Verdict, group: str, at: np.ndarray) -> None:
-        outcome.status[who] = verdict
-        outcome.status_group[who] = self.groups.index(group)
-        outcome.status_at[who] = at
 
     # Accuracy
 

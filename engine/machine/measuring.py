@@ -98,9 +98,13 @@ class Measuring:
 
     Attributes
     ----------
+    title : str
+        Docstring of the printed functions.
     functions : Functions
     groups : tuple of str
         Structural groups that take part, in the order of the scene.
+    sines : list of Node
+        Their transmission indices.
     curves : list of Node
         All nodes computed at a position.
     margins : list of Margin
@@ -129,11 +133,9 @@ class Measuring:
         self._followed = list(dict.fromkeys([*self._spaced, *(c for c in asked if not isinstance(c, Node))]))
         cycles = [*of[SteadyCycle], *(f.steady for f in self._followed if isinstance(f, Speed))]
         curves = [*(a.curve for a in (*of[Integral], *of[LeastMagnitude])), *(c for c in asked if isinstance(c, Node))]
-        curves += [a.square for a in of[RootIntegral]]
-        curves += [node for a in cycles for node in (a.moment, a.inertia)]
-        curves += [node for a in of[Unbalanced] for node in (a.rate, a.curve)]
-        curves += [node for a in of[UnloadedArc] for node in (*a.force, a.square)]
-        curves += [node for f in self._followed for node in _parts(f)]
+        # The order decides in which order the compiler adds, and so the last bits.
+        curves += [c for a in (*of[RootIntegral], *cycles, *of[Unbalanced], *of[UnloadedArc]) for c in a.curves]
+        curves += [c for f in self._followed for c in f.curves]
         ends = [a for a in of[StrokeEnd] if a.coordinate.stage == Stage.POSITION]
         found = [mechanics.graph.found(a.coordinate, a.rate, a.which) for a in ends]
         parts = [*curves, *fields, *elsewhere, *(a.coordinate for a in of[StrokeEnd])]
@@ -146,12 +148,12 @@ class Measuring:
             *margins_at_cams(mechanics, parts),
         ]
         self.groups = taking_part(mechanics, [*parts, *(margin.curve for margin in self.margins)])
-        self._sines = [mechanics.kinematics.sines[group] for group in self.groups]
+        self.sines = [mechanics.kinematics.sines[group] for group in self.groups]
         # Pressing forces become infinite where a group jams first.
         jamming = [margin for margin in self.margins if margin.verdict == Verdict.JAMS]
         pressing = [mechanics.reactions.settlings[margin.group].pressing[0] for margin in jamming]
-        curves = list(dict.fromkeys([*curves, *self._sines, *(m.curve for m in self.margins), *pressing]))
-        of[LeastMagnitude] += map(LeastMagnitude, self._sines)
+        curves = list(dict.fromkeys([*curves, *self.sines, *(m.curve for m in self.margins), *pressing]))
+        of[LeastMagnitude] += map(LeastMagnitude, self.sines)
         for margin in self.margins:
             of[Extreme].append(Extreme(margin.curve, "least"))
             of[ExtremePosition].append(ExtremePosition(margin.curve, "least"))
@@ -167,9 +169,10 @@ class Measuring:
         numbers += [a.number for a in of[VariantNumber]]
         self._one = mechanics.graph.derived("one", lambda n: 1.0)
         numbers += [self._one] if of[Unbalanced] else []
+        self.title = f"The functions of one machine: {mechanics.scene.title or 'untitled'}."
         self.functions: Functions = functions_of(
             mechanics.graph,
-            f"The functions of one machine: {mechanics.scene.title or 'untitled'}.",
+            self.title,
             mechanics.first,
             mechanics.last,
             curves,
@@ -189,7 +192,7 @@ class Measuring:
     def _plan(self) -> Plan:
         """Plan of the cycle, in which nothing is wanted yet."""
         f, of, accuracy = self.functions, self._of, self._accuracy
-        row, curve = f.rows, f.curves
+        curve = f.curves
         unresolved = {a.curve for a in of[Extreme] if not a.resolved}.union(self._auxiliary)
         unresolved = (unresolved - self._resolved()).union(self._jumping)
         # An extreme that lasts, as in a cam's dwell, has no definite position: its error estimate covers the dwell.
@@ -204,7 +207,7 @@ class Measuring:
             *(a.curve for a in of[Extreme] if a.rooted and a.sense == "least"),
         ]
         return Plan(
-            ends=(row[self.mechanics.first], row[self.mechanics.last]),
+            ends=self.ends,
             curves=len(curve),
             landmarks=f.landmarks,
             levels=f.found_levels,
@@ -293,15 +296,8 @@ class Measuring:
 
     def _resolved(self) -> set[Node]:
         """Curves for which panels are refined."""
-        of = self._of
-        found = [a.curve for a in (*of[Integral], *of[LeastMagnitude], *of[ExtremePosition], *of[Unbalanced])]
-        found += [a.square for a in of[RootIntegral]]
-        found += [a.curve for a in of[Extreme] if a.resolved]
-        found += [node for steady in self._steady for node in (steady.of.moment, steady.of.inertia)]
-        found += [a.rate for a in of[Unbalanced]]
-        found += [node for a in of[UnloadedArc] for node in (*a.force, a.square)]
-        found += [node for f in self._followed for node in _parts(f)]
-        return set(found)
+        asked = (a for a in chain(*self._of.values()) if getattr(a, "resolved", True))
+        return {c for a in (*asked, *self._followed) for c in a.curves}
 
     def _cycle_of(self, asked: SteadyCycle) -> "_Steady":
         """The steady cycle to which a result belongs."""
@@ -315,7 +311,7 @@ class Measuring:
             return LOOSELY
         asked = CLOSELY if accuracy is None else 1e-2 * accuracy
         finest = FINELY if self._asked or self._followed else CLOSELY
-        return min(asked, max(finest, asked / FINER)) if curve in self._sines else asked
+        return min(asked, max(finest, asked / FINER)) if curve in self.sines else asked
 
     @cached_property
     def _whole(self) -> "_Planned":
@@ -328,19 +324,23 @@ class Measuring:
         return self._whole if given else self._planned(speeds=False)
 
     @property
+    def ends(self) -> tuple[int, int]:
+        """Rows of P with the ends of the input's range."""
+        return self.functions.rows[self.mechanics.first], self.functions.rows[self.mechanics.last]
+
+    @property
+    def all_groups(self) -> tuple[str, ...]:
+        """All structural groups of the scene."""
+        return tuple(self.mechanics.kinematics.sines)
+
+    @property
     def machine(self) -> cycle.CycleMachine:
         """The compiled functions with the plan of all measurements."""
         return self._whole.machine
 
     def numbers(self, numbers: Numbers, variants: int) -> np.ndarray:
         """P of all variants, (numbers, variants), without what is found on the cycle and what follows from it."""
-        table = np.full((len(self.functions.rows), variants), np.nan)
-        # An overflow in a calculation results in a status, not in a warning.
-        with np.errstate(all="ignore"):
-            for node in self.functions.numbers:
-                table[self.functions.rows[node]] = node.value if isinstance(node, Constant) else node.compute(numbers)
-        self._levels.fill(table)
-        return table
+        return self._levels.table(numbers, variants)
 
     def fill_found(self, table: np.ndarray, landmarks: cycle.Extremes) -> None:
         """Copy the numbers found on the cycle into the table of the variants, and fill what follows from them.
@@ -384,17 +384,6 @@ class _Planned(NamedTuple):
 
     machine: cycle.CycleMachine
     readers: dict[Hashable, Read]
-
-
-def _parts(curve: Followed) -> list[Node]:
-    """Curves from which a followed one is computed."""
-    match curve:
-        case Angle(direction):
-            return list(direction)
-        case Work(moment):
-            return [moment]
-        case Speed(steady):
-            return [steady.moment, steady.inertia]
 
 
 def _shared(steady: SteadyCycle) -> SteadyCycle:
@@ -478,7 +467,7 @@ class MeasuredCycles:
     def sines(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """For each group, the minimum magnitude of its transmission index and the position there."""
         found = []
-        for sine in self._m._sines:
+        for sine in self._m.sines:
             least, place = self._read(LeastMagnitude(sine)), self._read(("place", LeastMagnitude(sine)))
             found.append((least.value - least.error, place.value))
         return found

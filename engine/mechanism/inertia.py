@@ -5,7 +5,7 @@ transfer functions of the mass centres and links. By d'Alembert, inertia forces 
 Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on reduction and on balancing.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import NamedTuple
 
@@ -13,10 +13,12 @@ import numpy as np
 
 from engine import mechanism
 from engine.graph.nodes import Node
-from engine.laws.masses.inertia_forces import inertia_offset
+from engine.laws.masses.link_inertia import inertia_offset
+from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics, MovingPoint
 from engine.mechanism.vectors import Vector
 from engine.parts.skeleton import CrankInput
+from engine.scene.attachments import geared_to_input
 from engine.scene.masses import body_inertia, body_mass, carried_inertia, carried_on, replacement
 from engine.scene.scene import Numbers, Scene
 
@@ -44,6 +46,41 @@ class ReducedInertia(NamedTuple):
     slope_terms: tuple[tuple[Node, Node], ...]
 
 
+class Inert(NamedTuple):
+    """A mass with its centre, or a moment of inertia.
+
+    Attributes
+    ----------
+    of : str
+        Name of the mass or shaft.
+    link : str
+    size : Node
+        [kg], or [kg·m²].
+    centre : MovingPoint or None
+        None for a moment of inertia.
+    """
+
+    of: str
+    link: str
+    size: Node
+    centre: MovingPoint | None = None
+
+
+def inert_parts(kinematics: Kinematics) -> Iterator[Inert]:
+    """All masses and moments of inertia: of bodies, of shafts, and of what the crank moves."""
+    scene, graph = kinematics.scene, kinematics.graph
+    for name, part in kinematics.masses.items():
+        yield Inert(name, part.link, graph.derived(f"mass of {name}", part.mass), kinematics.mass_centre(name))
+        if part.inertia is not None:
+            yield Inert(name, part.link, graph.derived(f"inertia of {name}", part.inertia))
+    for name in scene.shafts:
+        yield Inert(name, name, mechanism.actions.carried_masses.turning_inertia(kinematics, name))
+    crank = scene.input.link
+    if carried_on(scene, crank):
+        carried = graph.derived(f"inertia carried by {crank}", partial(carried_inertia, scene, crank))
+        yield Inert(crank, crank, carried)
+
+
 class MovedMass(NamedTuple):
     """A mass [kg] or moment of inertia [kg·m²], and the first and second derivatives of its position or angle."""
 
@@ -54,27 +91,15 @@ class MovedMass(NamedTuple):
 
 def moved_masses(kinematics: Kinematics) -> list[MovedMass]:
     """All masses except those at a constant speed ratio to the input."""
-    scene, graph, zero = kinematics.scene, kinematics.graph, kinematics.graph.zero
-    found: list[MovedMass] = []
+    uniform, zero = {kinematics.scene.input.link, *geared_to_input(kinematics.scene)}, kinematics.graph.zero
 
-    def rotation(own: Node, name: str) -> None:
-        link = kinematics.links[name]
-        found.append(MovedMass(own, Vector(link.w, zero), Vector(link.e, zero)))
+    def moved(one: Inert) -> MovedMass:
+        if one.centre is not None:
+            return MovedMass(one.size, one.centre.v, one.centre.a)
+        link = kinematics.links[one.link]
+        return MovedMass(one.size, Vector(link.w, zero), Vector(link.e, zero))
 
-    about_frame = {n for n, s in scene.shafts.items() if s.geared_to == scene.input.link and s.carrier is None}
-    uniform = {scene.input.link} | about_frame
-    for name, part in kinematics.masses.items():
-        if part.link in uniform:
-            continue
-        centre = kinematics.mass_centre(name)
-        mass = graph.derived(f"mass of {name}", part.mass)
-        found.append(MovedMass(mass, centre.v, centre.a))
-        if part.inertia is not None:
-            rotation(graph.derived(f"inertia of {name}", part.inertia), part.link)
-    for name in scene.shafts:
-        if name not in about_frame:
-            rotation(mechanism.actions.carried_masses.turning_inertia(kinematics, name), name)
-    return found
+    return [moved(one) for one in inert_parts(kinematics) if one.link not in uniform]
 
 
 def reduced_inertia(kinematics: Kinematics) -> ReducedInertia:
@@ -124,8 +149,9 @@ def inertia_forces(kinematics: Kinematics, name: str) -> BodyInertiaForces:
     """Inertia forces of the body `name`, also where point masses replace the body."""
     scene, graph = kinematics.scene, kinematics.graph
     centre, e = kinematics.body_centre(name), kinematics.links[scene.bodies[name].link].e
-    push = graph.derived(f"inertia force of {name}", _by_square(lambda n: body_mass(scene, name, n)))
-    twist = graph.derived(f"inertia moment of {name}", _by_square(lambda n: inertia_of(scene, name, n)))
+    mass = graph.derived(f"mass of body {name}", partial(body_mass, scene, name))
+    inertia = graph.derived(f"inertia of body {name}", partial(inertia_of, scene, name))
+    push, twist = (_by_square(size) for size in (mass, inertia))
     gyration2 = graph.derived(
         f"square of the radius of gyration of {name}",
         lambda n: inertia_of(scene, name, n) / body_mass(scene, name, n),
@@ -168,29 +194,22 @@ def shaking(
         Derivative of a point and of a link with respect to the input: the second for the forces at constant speed, the
         first for the forces per unit input acceleration (at unit speed).
     """
-    scene, graph, about = kinematics.scene, kinematics.graph, moment_centre(kinematics.scene)
+    graph, about = kinematics.graph, moment_centre(kinematics.scene)
     centre = kinematics.points[about].r if about in kinematics.points else kinematics.guides[about].r
     x: Terms = []
     y: Terms = []
     moment: Terms = []
-    for name, part in kinematics.masses.items():
-        at, link = kinematics.mass_centre(name), kinematics.links[part.link]
-        push = graph.derived(f"inertia force of mass {name}", _by_square(part.mass))
-        x.append((push, rate(at).x))
-        y.append((push, rate(at).y))
-        moment.append((push, (at.r - centre).cross(rate(at))))
-        if part.inertia is not None:
-            twist = graph.derived(f"inertia moment of mass {name}", _by_square(part.inertia))
-            moment.append((twist, turning(link)))
-    own = {name: mechanism.actions.carried_masses.turning_inertia(kinematics, name).compute for name in scene.shafts}
-    if carried_on(scene, scene.input.link):
-        own[scene.input.link] = partial(carried_inertia, scene, scene.input.link)
-    for name, inertia in own.items():
-        twist = graph.derived(f"inertia moment of shaft {name}", _by_square(inertia))
-        moment.append((twist, turning(kinematics.links[name])))
+    for one in inert_parts(kinematics):
+        factor, at = _by_square(one.size), one.centre
+        if at is None:
+            moment.append((factor, turning(kinematics.links[one.link])))
+        else:
+            x.append((factor, rate(at).x))
+            y.append((factor, rate(at).y))
+            moment.append((factor, (at.r - centre).cross(rate(at))))
     return FrameShaking(Vector(graph.combination(x), graph.combination(y)), graph.combination(moment))
 
 
-def _by_square(mass: Callable[[Numbers], float | np.ndarray]) -> Callable[[Numbers], float | np.ndarray]:
+def _by_square(mass: Node) -> Node:
     """−m ω², the factor of a second derivative with respect to the input."""
-    return lambda n: -mass(n) * n["input.speed"] ** 2
+    return -mass * InputMotion.uniform(mass.graph).square

@@ -9,10 +9,10 @@ from collections.abc import Iterator
 
 from engine import mechanism
 from engine.graph.nodes import Node
-from engine.mechanism.acting import Characteristic, Grip, Load, load
 from engine.mechanism.actions.characteristics import characteristics
 from engine.mechanism.actions.paths import about_link, along, uniform_time
 from engine.mechanism.kinematics import Kinematics
+from engine.mechanism.link_loads import Characteristic, Grip, Load, load
 from engine.mechanism.vectors import Vector
 from engine.parts import actions
 from engine.parts.skeleton import FRAME

@@ -18,18 +18,17 @@ import numpy as np
 
 from engine import laws, mechanism
 from engine.graph.nodes import Node
-from engine.laws.masses.inertia_forces import inertia_force, inertia_moment
+from engine.laws.masses.link_inertia import inertia_force, inertia_moment
 from engine.laws.senses import sense
-from engine.mechanism.acting import Grip, Load
 from engine.mechanism.actions.paths import input_sense
 from engine.mechanism.assembly import MovingPoint, Turning
-from engine.mechanism.inertia import inertia_forces
+from engine.mechanism.inertia import Inert, inert_parts, inertia_forces
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics
-from engine.mechanism.link_loads import Components, LinkForce, LinkLoads, Wrench
+from engine.mechanism.link_loads import Components, Grip, LinkForce, LinkLoads, Load, Wrench
 from engine.mechanism.vectors import Vector, named
 from engine.parts.skeleton import FRAME
-from engine.scene.masses import body_mass, carried_inertia, carried_on
+from engine.scene.masses import body_mass
 from engine.scene.pairs import (
     Pair,
     contact_pairs,
@@ -159,17 +158,8 @@ class Reactions:
         """Loads on every link, with inertia forces unless the scene excludes them."""
         of_links = LinkLoads(self.kinematics)
         if self.scene.inertia_in_reactions:
-            for name in self.kinematics.masses:
-                self._inertia(of_links, name)
-            for name in self.scene.shafts:
-                inertia = mechanism.actions.carried_masses.turning_inertia(self.kinematics, name)
-                moment = self._rotary_inertia(of_links, name, inertia)
-                self._forces.append(LinkForce("inertia", name, name, None, moment=moment))
-            crank = self.scene.input.link
-            if carried_on(self.scene, crank):
-                own = partial(carried_inertia, self.scene, crank)
-                inertia = self.graph.derived(f"inertia of what {crank} carries", own)
-                self._rotary_inertia(of_links, crank, inertia)
+            for one in inert_parts(self.kinematics):
+                self._inertia(of_links, one)
         by_grip: dict[Grip, list[Load]] = {}
         for load in loads:
             # At the scene's constant speed brakes are released; regimes apply them.
@@ -179,23 +169,19 @@ class Reactions:
             self._apply(of_links, grip, own)
         return {name: of_links.total(name) for name in self.kinematics.links}
 
-    def _inertia(self, of_links: LinkLoads, name: str) -> None:
-        """Apply the inertia force and moment of one of the mechanism's masses."""
-        part, centre = self.kinematics.masses[name], self.kinematics.mass_centre(name)
-        mass = self.graph.derived(f"mass of {name}", part.mass)
-        acceleration = self.motion.acceleration_of(centre.a, centre.v)
-        of_links.push(part.link, centre, Vector(*self.graph.apply(inertia_force, mass, *acceleration)))
-        if part.inertia is not None:
-            self._rotary_inertia(of_links, part.link, self.graph.derived(f"inertia of {name}", part.inertia))
-
-    def _rotary_inertia(self, of_links: LinkLoads, name: str, inertia: Node) -> Node:
-        link = self.kinematics.links[name]
-        epsilon = self.motion.acceleration(link.e, link.w)
-        if epsilon is self.graph.zero:
-            return epsilon
-        moment = self.graph.apply(inertia_moment, inertia, epsilon)
-        of_links.twist(name, moment)
-        return moment
+    def _inertia(self, of_links: LinkLoads, one: Inert) -> None:
+        """Apply the inertia force of a mass, or the moment of a moment of inertia."""
+        if one.centre is not None:
+            acceleration = self.motion.acceleration_of(one.centre.a, one.centre.v)
+            of_links.push(one.link, one.centre, Vector(*self.graph.apply(inertia_force, one.size, *acceleration)))
+            return
+        link = self.kinematics.links[one.link]
+        moment = epsilon = self.motion.acceleration(link.e, link.w)
+        if epsilon is not self.graph.zero:
+            moment = self.graph.apply(inertia_moment, one.size, epsilon)
+        of_links.twist(one.link, moment)
+        if one.of in self.scene.shafts:
+            self._forces.append(LinkForce("inertia", one.of, one.link, None, moment=moment))
 
     def _apply(self, of_links: LinkLoads, grip: Grip, loads: list[Load]) -> None:
         """Apply the scene's forces or moments at one grip, and their reactions on the bearer, if any."""

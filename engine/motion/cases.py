@@ -8,7 +8,7 @@ Source: K. V. Frolov et al., Theory of Mechanisms and Machines (the equation of 
 """
 
 from engine.graph.nodes import Node, Position, reached
-from engine.mechanism.acting import Load
+from engine.mechanism.link_loads import Load
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.dynamics import Dynamics, Reduction
 from engine.parts.regimes import Regime, RunRegime

@@ -8,8 +8,9 @@ from engine.compiling.running import of_all
 from engine.elements.element import Rank
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.actions import InductionMotor, Motor
+from engine.parts.bodies import OF_FLUCTUATION
 from engine.parts.regimes import Regime
-from engine.parts.skeleton import OF_FLUCTUATION, CrankInput, SliderInput
+from engine.parts.skeleton import CrankInput, SliderInput
 from engine.quantities.chapters import inertia, reactions
 from engine.quantities.quantity import STATISTICS, Quantity, called, has_cycle
 from engine.quantities.register import Field

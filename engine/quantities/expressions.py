@@ -7,7 +7,7 @@ and its error estimate are computed together, as measured numbers propagate thei
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -61,7 +61,27 @@ class Formula(Expression):
     operands: tuple[Expression, ...]
 
 
-class Measurement(Expression):
+class OverCycle:
+    """A result of curves over a variant's cycle."""
+
+    @property
+    def curves(self) -> tuple[Node, ...]:
+        """The curves."""
+        return tuple(_curves_in(tuple(vars(self).values())))
+
+
+def _curves_in(part: object) -> Iterator[Node]:
+    match part:
+        case Node():
+            yield part
+        case OverCycle():
+            yield from part.curves
+        case tuple():
+            for inner in part:
+                yield from _curves_in(inner)
+
+
+class Measurement(Expression, OverCycle):
     """A measurement on a variant's cycle, or a number known before it; equal ones are measured once."""
 
 
@@ -77,6 +97,7 @@ class VariantNumber(Measurement):
     """A per-variant number, known before the cycle is computed."""
 
     number: Node
+    curves: ClassVar[tuple[Node, ...]] = ()
 
 
 @dataclass(frozen=True)
@@ -93,29 +114,29 @@ class RootIntegral(Measurement):
     square: Node
 
 
+class Followed(OverCycle):
+    """A curve integrated over the whole cycle: its value at a position depends on earlier positions."""
+
+
 @dataclass(frozen=True)
-class Angle:
+class Angle(Followed):
     """A direction as an angle, continuous over the range."""
 
     direction: Vector
 
 
 @dataclass(frozen=True)
-class Work:
+class Work(Followed):
     """Work of a moment minus its mean, from the first position on."""
 
     moment: Node
 
 
 @dataclass(frozen=True)
-class Speed:
+class Speed(Followed):
     """Magnitude of the input speed over the steady cycle described by a `SteadyCycle`."""
 
     steady: "SteadyCycle"
-
-
-# Curves integrated over the whole cycle: their value at a position depends on earlier positions.
-Followed = Angle | Work | Speed
 
 
 @dataclass(frozen=True)
@@ -195,6 +216,8 @@ class StrokeEnd(Measurement):
     coordinate: Node
     rate: Node
     which: Literal["low", "high", "low_at", "high_at"]
+    # It is located by the scan of the cycle.
+    curves: ClassVar[tuple[Node, ...]] = ()
 
 
 @dataclass(frozen=True)
@@ -220,6 +243,11 @@ class SteadyCycle(Measurement):
     first_kind: Node
     wheel: Node | None
     result: str
+
+    @property
+    def curves(self) -> tuple[Node, ...]:
+        """Moment and inertia; all others are numbers."""
+        return self.moment, self.inertia
 
 
 def _expression(value: Expression | float) -> Expression:
@@ -338,7 +366,7 @@ def nodes_of(asked: object) -> Iterator[Node]:
         yield asked
     elif isinstance(asked, Formula):
         yield from nodes_of(tuple(measurements([asked])))
-    elif isinstance(asked, (Measurement, Followed)):
+    elif isinstance(asked, OverCycle):
         yield from nodes_of(tuple(vars(asked).values()))
     elif isinstance(asked, tuple):
         for part in asked:

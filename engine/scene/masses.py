@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import laws
-from engine.laws.masses.moments_of_inertia import (
+from engine.laws.masses.link_inertia import (
     Value,
     bifilar_inertia,
     compound_inertia,
@@ -286,21 +286,12 @@ def replacement(scene: Scene, name: str, numbers: Numbers) -> "laws.masses.repla
         along, across = places.get(at, (None, None))
         place = (_number(along, numbers) - x, _number(across, numbers) - y)
         points.append((0.0, 0.0) if at == CENTRE else place)
-    mass, law = body_mass(scene, name, numbers), laws.masses.replacement_masses
-    match _method(scene, name):
-        case "static_two":
-            return law.static_two(mass, *points)
-        case "static_three":
-            return law.static_three(mass, *points)
-        case "dynamic_two":
-            return law.dynamic_two(mass, body_inertia(scene, name, numbers), *points)
-        case "dynamic_three":
-            first_mass = numbers[f"bodies.{name}.replace.mass"]
-            return law.dynamic_three(mass, body_inertia(scene, name, numbers), points[0], first_mass, points[1])
-        case "dynamic_in_line":
-            return law.dynamic_in_line(mass, body_inertia(scene, name, numbers), *points)
-        case _:
-            return law.dynamic_four(mass, body_inertia(scene, name, numbers), *points)
+    mass, law = body_mass(scene, name, numbers), getattr(laws.masses.replacement_masses, _method(scene, name))
+    if body.replace.type == "static":
+        return law(mass, *points)
+    inertia, first = body_inertia(scene, name, numbers), points[:1]
+    chosen = [] if body.replace.mass is None else [numbers[f"bodies.{name}.replace.mass"]]
+    return law(mass, inertia, *first, *chosen, *points[1:])
 
 
 def _number(path: str | None, numbers: Numbers) -> float | np.ndarray:

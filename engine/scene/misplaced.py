@@ -7,8 +7,8 @@ from typing import get_args
 from engine import laws
 from engine.parts.actions import Carried, MomentAction, Motor, Tabled
 from engine.parts.regimes import OF_CRANK, OF_SLIDER, run_keys
+from engine.parts.requirements import wrong_angles
 from engine.parts.skeleton import FRAME, CrankInput
-from engine.parts.wanted_motion import wrong_angles
 from engine.scene import structure
 from engine.scene.attachments import geared_to_input
 from engine.scene.names import wrong_reference

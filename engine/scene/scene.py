@@ -12,20 +12,17 @@ from pydantic import Field, ValidationError, model_validator
 from engine import scene
 from engine.elements.element import MachineElement
 from engine.parts.actions import ForceAction, MomentAction, Spring
+from engine.parts.bodies import AcceleratedBase, Balance, Body, Flywheel
 from engine.parts.couplings import Coupling
 from engine.parts.cylinders import CylinderAction
-from engine.parts.driving_cams import DrivingCam
-from engine.parts.driving_gears import NoncircularWheel, Pinion, Rack
+from engine.parts.higher_pairs import DrivingCam, NoncircularWheel, Pinion, Rack, Shaft
 from engine.parts.pair_friction import PairFriction
 from engine.parts.regimes import Regime
+from engine.parts.requirements import Pin, Strut, WantedMotion, WarningLimits
 from engine.parts.second_inputs import SecondInput
 from engine.parts.skeleton import (
-    AcceleratedBase,
     Acceleration,
-    Balance,
-    Body,
     CrankInput,
-    Flywheel,
     FreeLink,
     Group,
     Guide,
@@ -37,12 +34,8 @@ from engine.parts.skeleton import (
     Point,
     PointRef,
     SceneNumber,
-    Shaft,
     SliderInput,
 )
-from engine.parts.strength import Pin, Strut
-from engine.parts.wanted_motion import WantedMotion
-from engine.parts.warning_limits import WarningLimits
 from engine.units.display import UnitSystem
 
 # Path and message, for the user.

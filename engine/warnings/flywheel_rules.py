@@ -6,8 +6,8 @@ import numpy as np
 
 from engine import elements
 from engine.cycle.measured import Measured
+from engine.parts.bodies import WheelForm
 from engine.parts.regimes import RunRegime
-from engine.parts.skeleton import WheelForm
 from engine.quantities.quantity import has_cycle
 from engine.scene.scene import Numbers, Scene
 from engine.warnings.rule import Rule, limit_of

@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from engine.cycle.measured import Measured, measured
-from engine.parts.warning_limits import WarningLimits
+from engine.parts.requirements import WarningLimits
 from engine.scene.scene import Numbers, Scene
 from engine.units.display import quantity_text
 

@@ -9,18 +9,16 @@ In compiled code rows are `Memory`, a pointer with constant strides, and a Named
 them. The annotations of a record of arrays state which of them are `Memory` in compiled code, and of which record.
 """
 
-import math
 from functools import cache
 from typing import get_type_hints
 
 import numpy as np
 
-from engine.compiling.blocks import LANES, Row, Rows
+from engine.compiling.blocks import LANES, Row, Rows, rows
 from engine.compiling.decorators import routine
 from engine.compiling.memory import Memory, memory
 from engine.cycle.panels.chebyshev import POSITIONS
 
-_PAGE = 4096
 # Half a row, in numbers.
 ASIDE = LANES // 2
 
@@ -55,14 +53,6 @@ def fill(rows: Rows, count: int, value: float) -> None:
     for i in range(count):
         for lane in range(LANES):
             rows[i, lane] = value
-
-
-def rows(*shape: int, aside: int = 0) -> np.ndarray:
-    """Allocate zeros (…, LANES) that begin `aside` numbers after the start of a page."""
-    size = math.prod(shape) * LANES
-    memory = np.zeros(size + aside + _PAGE // 8)
-    start = -(memory.ctypes.data // 8) % (_PAGE // 8) + aside
-    return memory[start : start + size].reshape(*shape, LANES)
 
 
 def tiles(count: int) -> np.ndarray:

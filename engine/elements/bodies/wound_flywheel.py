@@ -26,7 +26,7 @@ from pydantic import Field
 from engine.elements.element import Columns, Element, ElementResult, Numbers
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.elements.sampled_peak import sampled_peak
-from engine.laws.masses.moments_of_inertia import ring_inertia
+from engine.laws.masses.link_inertia import ring_inertia
 from engine.parts.skeleton import AngularSpeed, Number, Positive, Pressure, quantity
 
 _PLACES, _SHOWN = 65, 721

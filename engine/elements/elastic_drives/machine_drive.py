@@ -12,7 +12,8 @@ from pydantic import Field
 from engine.elements.elastic_drives.elastic_shaft import ElasticShaft
 from engine.elements.element import Answers, Element, ElementResult, Numbers, check_result, further
 from engine.parts.actions import Time
-from engine.parts.skeleton import OF_FLUCTUATION, ActionRef, Angle, GearedRef, Inertia, Part
+from engine.parts.bodies import OF_FLUCTUATION
+from engine.parts.skeleton import ActionRef, Angle, GearedRef, Inertia, Part
 
 RESULTS = (
     ElementResult("stiffness", "torsional stiffness of the shaft, reduced to the crank", "N m rad-1"),

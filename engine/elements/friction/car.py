@@ -11,7 +11,8 @@ from engine.elements.element import PLACES, Columns, Element, ElementResult, Num
 from engine.elements.panels import VELOCITY, Curve, Mark, Panel, PanelAxis
 from engine.graph.over_arrays import over_arrays
 from engine.laws.brakes import axle_shares
-from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Angle, Number, Positive, Speed, Time
+from engine.parts.bodies import STANDARD_GRAVITY
+from engine.parts.skeleton import Acceleration, Angle, Number, Positive, Speed, Time
 
 # Highest speed drawn, relative to the given one.
 _FASTEST = 1.5

@@ -26,7 +26,8 @@ from engine.graph.nodes import Graph, Node
 from engine.laws.governors.linkages import balls_on_upper_arms
 from engine.laws.tables import Table
 from engine.parts.actions import Force
-from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Length, Mass, Number, Positive, quantity
+from engine.parts.bodies import STANDARD_GRAVITY
+from engine.parts.skeleton import Acceleration, Length, Mass, Number, Positive, quantity
 from engine.stepping.walk_task import WALKS
 from engine.units.display import quantity_text
 from engine.words.verdicts import Verdict

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from engine.elements.rotors.unbalance import Resultant, unbalance_in_two_planes
-from engine.parts.skeleton import STANDARD_GRAVITY
+from engine.parts.bodies import STANDARD_GRAVITY
 
 
 def rotating_forces(rotor: Resultant, first: ArrayLike, second: ArrayLike, omega: ArrayLike) -> np.ndarray:

@@ -23,7 +23,7 @@ import numpy as np
 
 from engine.machine.balancing.least_shaking import DependentError, Optimum, Unknown, least_peak, least_rms
 from engine.machine.machine import Machine
-from engine.parts.skeleton import Body
+from engine.parts.bodies import Body
 from engine.quantities.quantity import has_cycle
 from engine.scene.scene import Scene
 from engine.units.display import quantity_text

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.machine.first_failure import failures_within
+from engine.machine.judgement import failures_within
 from engine.machine.measuring import Measuring
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.coupled.two_sides import CoupledSides
@@ -219,7 +219,7 @@ def _up_to_failure(found: History, measuring: Measuring, numbers: Numbers) -> Hi
     for name in dict.fromkeys(found.regime) if measuring.groups else ():
         own = np.flatnonzero(found.regime == name)
         covered = np.array([[np.fmin.reduce(found.angle[own])], [np.fmax.reduce(found.angle[own])]])
-        verdict = failures_within(measuring, numbers, covered).verdict[0]
+        verdict = failures_within(measuring, numbers, covered)[0].verdict[0]
         if verdict != Verdict.OK:
             columns = found._asdict() | {"verdict": Verdict(int(verdict))}
             return History(**{key: _first_rows(column, own[0] + 1) for key, column in columns.items()})

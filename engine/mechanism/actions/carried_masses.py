@@ -12,11 +12,11 @@ import numpy as np
 
 from engine.graph.nodes import Node
 from engine.laws.loads import constant_against_motion, lifting_factor
-from engine.mechanism.acting import Characteristic
 from engine.mechanism.actions.paths import Along, input_sense
 from engine.mechanism.kinematics import Kinematics
+from engine.mechanism.link_loads import Characteristic
 from engine.parts.actions import Carried, ConveyorMoment, HoistMoment
-from engine.parts.skeleton import STANDARD_GRAVITY
+from engine.parts.bodies import STANDARD_GRAVITY
 from engine.scene.masses import carried_inertia, carried_on
 from engine.scene.scene import Numbers
 

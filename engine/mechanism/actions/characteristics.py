@@ -12,9 +12,9 @@ from engine import mechanism
 from engine.graph.nodes import Node
 from engine.laws.elementary import power
 from engine.laws.loads import acts_in_direction, constant_against_motion
-from engine.mechanism.acting import Characteristic
 from engine.mechanism.actions.paths import Along, input_sense
 from engine.mechanism.kinematics import Kinematics
+from engine.mechanism.link_loads import Characteristic
 from engine.parts import actions
 from engine.scene.load_formulas import LoadFormula
 

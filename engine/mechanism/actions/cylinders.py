@@ -21,9 +21,9 @@ from engine.laws.indicator_diagrams import (
     pump_branch,
     two_stroke_branch,
 )
-from engine.mechanism.acting import Characteristic, Grip, Load, load
 from engine.mechanism.actions.paths import input_sense
 from engine.mechanism.kinematics import Kinematics
+from engine.mechanism.link_loads import Characteristic, Grip, Load, load
 from engine.scene.attachments import bearer_of
 
 _COMPRESSOR = ("clearance", "suction", "discharge", "n_compression")

@@ -6,7 +6,7 @@ differentiation.
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -16,9 +16,9 @@ from engine.graph.nodes import Held, Node, Return, Stage, reached
 from engine.laws.elementary import angle_of, direction_of, exponential, logarithm, power
 from engine.laws.senses import angle_on_side, either, exceeds, kept_positive, quotient, sense, side
 from engine.laws.tables import cycles_before
-from engine.mechanism.acting import Characteristic
 from engine.mechanism.actions.paths import Along, input_sense, time_per_input, uniform_time
 from engine.mechanism.kinematics import Kinematics
+from engine.mechanism.link_loads import Characteristic
 from engine.parts.formulas.expressions import TextOperation, TextQuantity, Tree, evaluate_tree, names_in_tree
 from engine.parts.formulas.speed_powers import NoPowerError, powers_of_speed
 from engine.parts.skeleton import CrankInput
@@ -113,6 +113,10 @@ class _Curves:
             return self._root(*tree.operands)
         if tree.name in ("sin", "cos", "tan"):
             return self._of_angle(tree.name, tree.operands[0])
+        if tree.name in ("min", "max"):
+            return self._chosen(tree.name == "max", *(self.of(operand) for operand in tree.operands))
+        if tree.name in _FACTORS:
+            return self._product(self._constant(_FACTORS[tree.name]), self.of(*tree.operands))
         return getattr(self, _METHODS[tree.name])(*(self.of(operand) for operand in tree.operands))
 
     def _constant(self, value: float) -> Differentiated:
@@ -140,9 +144,6 @@ class _Curves:
             # A panel ends at a pole, so the pole can't pass unseen between two positions.
             found = self.graph.apply(quotient, self._held_sign(sense, b), *a, *b)
         return Differentiated(found, (a.rate - found * b.rate) / b.value)
-
-    def _negative(self, a: Differentiated) -> Differentiated:
-        return self._product(self._constant(-1.0), a)
 
     def _power(self, base: Tree, exponent: Tree) -> Differentiated:
         if names_in_tree(exponent):
@@ -277,12 +278,6 @@ class _Curves:
         value = self.graph.apply(angle_on_side, above, x.value, y.value)
         return Differentiated(value, (x.value * y.rate - y.value * x.rate) / (x.value * x.value + y.value * y.value))
 
-    def _in_radians(self, x: Differentiated) -> Differentiated:
-        return self._product(self._constant(math.pi / 180.0), x)
-
-    def _in_degrees(self, x: Differentiated) -> Differentiated:
-        return self._product(self._constant(180.0 / math.pi), x)
-
     # Switching
 
     def _held_sign(self, law: Callable, x: Differentiated) -> Node:
@@ -300,20 +295,10 @@ class _Curves:
         forward = self._held_sign(sense, x)
         return Differentiated(forward * x.value, forward * x.rate)
 
-    def _minimum(self, *of: Differentiated) -> Differentiated:
-        return self._chosen(of, lambda a, b: (b, a))
-
-    def _maximum(self, *of: Differentiated) -> Differentiated:
-        return self._chosen(of, lambda a, b: (a, b))
-
-    def _chosen(
-        self,
-        of: Iterable[Differentiated],
-        order: Callable[[Differentiated, Differentiated], tuple[Differentiated, Differentiated]],
-    ) -> Differentiated:
-        found, *others = of
+    def _chosen(self, greatest: bool, found: Differentiated, *others: Differentiated) -> Differentiated:
         for other in others:
-            found = self._either(self._exceeds(found, other), *order(found, other))
+            choices = (found, other) if greatest else (other, found)
+            found = self._either(self._exceeds(found, other), *choices)
         return found
 
     def _either(self, condition: Node, a: Differentiated, b: Differentiated) -> Differentiated:
@@ -443,22 +428,18 @@ class _Curves:
 
 _OF_SLIDE = ("slide", "velocity", "stroke", "stroke_low", "stroke_high", "from_low", "from_high")
 _OF_POINT = ("x", "y", "vx", "vy")
+_FACTORS = {"negative": -1.0, "radians": math.pi / 180.0, "degrees": 180.0 / math.pi}
 _METHODS = {
     "+": "_sum",
     "-": "_difference",
     "*": "_product",
     "/": "_quotient",
-    "negative": "_negative",
     "exp": "_exponential",
     "log": "_logarithm",
     "asin": "_arcsine",
     "acos": "_arccosine",
     "atan": "_arctangent",
     "atan2": "_direction",
-    "radians": "_in_radians",
-    "degrees": "_in_degrees",
     "sign": "_sign",
     "abs": "_magnitude",
-    "min": "_minimum",
-    "max": "_maximum",
 }

@@ -7,8 +7,8 @@ import numpy as np
 from engine.graph.nodes import Node
 from engine.laws.loads import sized
 from engine.laws.motor_characteristics import bend_of, induction_motor
-from engine.mechanism.acting import Grip, Load
 from engine.mechanism.kinematics import Kinematics
+from engine.mechanism.link_loads import Grip, Load
 from engine.parts.actions import InductionCharacteristic, Motor
 from engine.parts.motor_constants import MotorCurve, bends_of, motor_curve
 from engine.parts.skeleton import FRAME

@@ -7,8 +7,8 @@ import numpy as np
 from engine.graph.nodes import Alike, Constant, Node, Number, Return, value_of
 from engine.laws.loads import spring
 from engine.laws.senses import angle_on_side, side
-from engine.mechanism.acting import Characteristic, Grip, Load, load
 from engine.mechanism.kinematics import Kinematics
+from engine.mechanism.link_loads import Characteristic, Grip, Load, load
 from engine.scene.pairs import holder_of
 
 

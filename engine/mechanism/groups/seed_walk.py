@@ -13,7 +13,7 @@ from engine.compiling.running import spread
 from engine.compiling.tiles import TileFunction
 from engine.cycle.panels.lanes import rows
 from engine.graph.functions import Functions, functions_at
-from engine.graph.nodes import Node, value_of
+from engine.graph.nodes import Node
 from engine.graph.values import LevelValues
 from engine.laws.kinematics.seeds import CLOSE, LEAST_SHARE, PROVES, between_seeds, same_unknowns
 from engine.scene.scene import Numbers
@@ -164,12 +164,6 @@ def _new_scratch(functions: Functions, unknowns: int) -> _Scratch:
 
 
 @routine
-def _load(first: int, group: _Group, scratch: _Scratch) -> None:
-    """Load the numbers of a block of variants."""
-    gather(group.table, first, in_lanes(scratch.block))
-
-
-@routine
 def _place(at: np.ndarray) -> None:
     """Compute cosine and sine of the positions."""
     for lane in range(LANES):
@@ -283,7 +277,7 @@ def _walk(begin: int, end: int, group: _Group, paths: _Paths, scratch: _Scratch)
     ahead = scratch.ahead
     for b in range(begin, end):
         first = b * LANES
-        _load(first, group, scratch)
+        gather(group.table, first, in_lanes(block))
         _start_paths(first, paths, scratch)
         active = True
         while active:
@@ -349,15 +343,6 @@ class SeedWalk:
         self._given = np.array([self._functions.rows[node] for node in given], np.int64)
         self._slides = slides
 
-    def _table(self, numbers: Numbers, variants: int) -> np.ndarray:
-        """Rows of P for all variants."""
-        table = np.full((len(self._functions.rows), variants), np.nan)
-        with np.errstate(all="ignore"):
-            for node in self._functions.numbers:
-                table[self._functions.rows[node]] = value_of(node, numbers)
-        self._levels.fill(table)
-        return table
-
     def __call__(
         self, numbers: Numbers, start: np.ndarray, sines: np.ndarray, intervals: int, longest: float, turns: bool
     ) -> SeedPaths:
@@ -378,7 +363,7 @@ class SeedWalk:
             Whether the last position coincides with the first.
         """
         functions, given = self._functions, self._given
-        table = self._table(numbers, start.shape[1])
+        table = self._levels.table(numbers, start.shape[1])
         count, variants = given.size, table.shape[1]
         seeds = np.full((intervals + 1, 1 + 3 * count, variants), np.nan)
         seeds[:, 0] = np.inf

@@ -11,8 +11,8 @@ import numpy as np
 
 from engine.graph.nodes import Crossing, Given, Held, Node, reached
 from engine.laws.rounding import EPS
-from engine.mechanism.acting import Load
 from engine.mechanism.actions.tables import jumps_of
+from engine.mechanism.link_loads import Load
 from engine.scene.load_formulas import load_formulas
 from engine.scene.scene import Numbers, Scene
 

@@ -9,10 +9,10 @@ from engine.cycle.regula_falsi import regula_falsi
 from engine.graph.functions import functions_at
 from engine.graph.nodes import Given, reached, value_of
 from engine.laws.senses import sense
-from engine.mechanism.acting import Grip, Load
 from engine.mechanism.actions.brakes import braking_moment
 from engine.mechanism.actions.motors import motor_ratio
 from engine.mechanism.friction import relative_motion, rolling_rate
+from engine.mechanism.link_loads import Grip, Load
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.breaks import Breaks, instants_of
 from engine.motion.moments.grid import Grid, make_grid

@@ -9,7 +9,7 @@ from engine.compiling.kept_code import load_printed
 from engine.cycle.machine import CycleMachine
 from engine.cycle.plan import Plan
 from engine.graph.nodes import Found, Given, reached
-from engine.mechanism.acting import Load
+from engine.mechanism.link_loads import Load
 from engine.motion.moments.breaks import JUMP, Breaks, watches_of
 from engine.motion.moments.tabulation import Ends, Tabulation
 from engine.scene.scene import Numbers

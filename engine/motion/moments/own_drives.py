@@ -15,12 +15,12 @@ from copy import copy
 
 from engine.graph.nodes import Held, Node, reached
 from engine.laws.senses import kept_positive
-from engine.mechanism.acting import Load
 from engine.mechanism.actions.paths import input_sense
 from engine.mechanism.assembly import Course
 from engine.mechanism.inertia import MovedMass, moved_masses
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics
+from engine.mechanism.link_loads import Load
 from engine.mechanism.loads import Loads
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.formulas.by_formula import ByFormula

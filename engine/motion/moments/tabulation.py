@@ -4,21 +4,16 @@ Motion needs a machine's rows at nodes where torques jump, and at another angle 
 So a printed function of the machine's graph is called with a different position, and maybe variant, in each lane.
 """
 
-from collections.abc import Callable, Mapping
-from typing import NamedTuple
+from collections.abc import Mapping
 
 import numpy as np
 
-from engine.compiling.blocks import LANES, gather, hand_out, in_lanes
-from engine.compiling.decorators import driver
 from engine.compiling.kept_code import load_printed
-from engine.compiling.running import spread
 from engine.compiling.tiles import TileFunction
-from engine.cycle.panels.lanes import rows as lane_rows
+from engine.graph.at_points import Points, fill_points
 from engine.graph.functions import Functions
-from engine.graph.nodes import Constant, Found, Given
+from engine.graph.nodes import Found, Given
 from engine.graph.values import LevelValues
-from engine.laws.elementary import direction_of
 from engine.scene.scene import Numbers
 
 # Ends of strokes, and the crank angles there, each (variants,).
@@ -46,7 +41,6 @@ class Tabulation:
         self.given = tuple(node for node in functions.rows if isinstance(node, Given))
         self._compiled: dict[str, TileFunction] = {}
         self.levels = LevelValues(functions)
-        self._found = [(node, row) for node, row in functions.rows.items() if isinstance(node, Found)]
 
     def parameters(
         self,
@@ -71,20 +65,8 @@ class Tabulation:
         -------
         ndarray (numbers, variants)
         """
-        unit, functions = numbers.with_values({"input.speed": direction}), self.functions
-        made = np.full((len(functions.rows), direction.size), np.nan)
-        # An overflow in a parameter causes a verdict, not a warning.
-        with np.errstate(all="ignore"):
-            for row, node in enumerate(functions.numbers):
-                made[row] = node.value if isinstance(node, Constant) else node.compute(unit)
-        for node, row in self._found:
-            if ends is not None:
-                made[row] = ends[node]
-        for node, values in (given or {}).items():
-            if node in functions.rows:
-                made[functions.rows[node]] = values
-        self.levels.fill(made)
-        return made
+        unit = numbers.with_values({"input.speed": direction})
+        return self.levels.table(unit, direction.size, {**(ends or {}), **(given or {})})
 
     def __call__(
         self, parameters: np.ndarray, q: np.ndarray, given: Mapping[Given, np.ndarray] | None = None
@@ -110,12 +92,8 @@ class Tabulation:
         given_rows = np.array([self.functions.rows[node] for node in given], np.int64)
         every = np.array([np.broadcast_to(values, q.shape) for values in given.values()]).reshape(-1, q.size)
         numbers, flat = np.require(parameters, requirements="CW"), out.reshape(rows, q.size)
-        batch = FilledPlaces(numbers, self.functions.memory, np.array(q).ravel(), every, given_rows, flat)
-
-        def arguments() -> tuple:
-            return self.function("curves_at"), batch, lane_rows(len(parameters) + rows + _ALSO)
-
-        spread(fill_places, -(-q.size // LANES), arguments)
+        points = Points(numbers, self.functions.memory, np.array(q).ravel(), flat, every, given_rows)
+        fill_points(self.function("curves_at"), points)
         return out
 
     def function(self, name: str) -> TileFunction:
@@ -123,57 +101,3 @@ class Tabulation:
         if name not in self._compiled:
             self._compiled[name] = TileFunction(getattr(load_printed(self.functions.text), name))
         return self._compiled[name]
-
-
-class FilledPlaces(NamedTuple):
-    """Output of a call at a number of points, and its input; point i belongs to variant i modulo their number.
-
-    Attributes
-    ----------
-    parameters : ndarray (numbers, variants)
-    memory : ndarray
-        All tables.
-    q : ndarray (points,)
-        Crank angles [rad].
-    given : ndarray (given, points)
-        Numbers that replace parameters.
-    given_rows : ndarray (given,) of int
-        Rows of these.
-    out : ndarray (curves, points)
-    """
-
-    parameters: np.ndarray
-    memory: np.ndarray
-    q: np.ndarray
-    given: np.ndarray
-    given_rows: np.ndarray
-    out: np.ndarray
-
-
-# Rows of a block in addition to numbers and curves: position with cosine and sine.
-_ALSO = 3
-
-
-@driver
-def fill_places(begin: int, end: int, fill: Callable, batch: FilledPlaces, room: np.ndarray) -> None:
-    """Fill the blocks begin … end − 1 of points; `room` is scratch memory for a block."""
-    (count, variants), (rows, points) = batch.parameters.shape, batch.out.shape
-    block, place, tile = room[:count], room[count : count + 3], room[count + 3 :].reshape(rows, 1, LANES)
-    numbers, position, filled = in_lanes(block), in_lanes(place), in_lanes(room[count + 3 :])
-    for b in range(begin, end):
-        first = b * LANES
-        # Lanes of successive variants load faster.
-        successive = first % variants + LANES <= variants
-        if successive:
-            gather(batch.parameters, first % variants, numbers)
-        for lane in range(LANES):
-            point = min(first + lane, points - 1)
-            variant = point % variants
-            for i in range(0 if successive else count):
-                numbers[i, lane] = batch.parameters[i, variant]
-            for i in range(batch.given_rows.shape[0]):
-                numbers[batch.given_rows[i], lane] = batch.given[i, point]
-            position[0, lane] = batch.q[point]
-            position[1, lane], position[2, lane] = direction_of(position[0, lane])
-        fill(block, batch.memory, place[0:1], place[1:2], place[2:3], tile)
-        hand_out(filled, first, batch.out)

@@ -13,7 +13,7 @@ from engine.elements.element import Rank
 from engine.graph.nodes import Node
 from engine.mechanism.input_motion import multiple_angle
 from engine.mechanism.mechanics import Mechanics
-from engine.parts.skeleton import OF_FLUCTUATION
+from engine.parts.bodies import OF_FLUCTUATION
 from engine.quantities.expressions import (
     Expression,
     Integral,

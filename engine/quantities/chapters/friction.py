@@ -1,15 +1,11 @@
 """Friction in pairs and meshes: forces, losses, efficiency, and the margin against jamming."""
 
-import numpy as np
-
-from engine.cycle.measured import Measured
 from engine.elements.element import Rank
 from engine.mechanism.actions.paths import input_sense
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import (
     Exactly,
     Expression,
-    Formula,
     Integral,
     VariantNumber,
     least,
@@ -96,19 +92,13 @@ def declare(mechanics: Mechanics) -> Declared:
 
 
 def _efficiency(m: Mechanics) -> Expression:
-    """Mechanical efficiency over a cycle: mean power delivered over mean power supplied."""
+    """Mechanical efficiency over a cycle: mean power delivered over mean power supplied; undefined if none is."""
     sense = VariantNumber(input_sense(m.kinematics))
     useful, driving = (mean(m, m.moment_of(frozenset({role}))) * sense for role in ("useful", "driving"))
     taken = (-mean(m, m.moment_of()) - mean(m, m.reactions.variables["friction_moment"])) * sense
     out = _positive(-useful) + _positive(-taken)
-    return Formula(_ratio, (out, _positive(driving) + _positive(taken)))
+    return out / (_positive(driving) + _positive(taken))
 
 
 def _positive(x: Expression) -> Expression:
     return maximum(x, x * 0.0)
-
-
-def _ratio(out: Measured, put_in: Measured) -> Measured:
-    """A ratio; undefined if no power is supplied."""
-    with np.errstate(all="ignore"):
-        return out / put_in

@@ -76,7 +76,7 @@ def _fields_of(m: Mechanics, pair: Pair) -> Declared:
         return
     yield _variable(m, f"{pair.name}.reaction", force, "N", "R", asked)
     words = f"direction of the {force}, continuous over the range"
-    yield Field(f"{pair.name}.reaction_direction", words, "rad", lambda: _direction(m, pair))
+    yield Field(f"{pair.name}.reaction_direction", words, "rad", lambda: Angle(m.reactions.force_in(pair.name)))
     yield _variable(m, f"{pair.name}.reaction_along", f"component along link {pair.link} of the {force}", "N")
     words = f"component to the left across link {pair.link} of the {force}"
     yield _variable(m, f"{pair.name}.reaction_across", words, "N")
@@ -101,11 +101,6 @@ def _bearing(scene: Scene, pair: Pair) -> str:
     if side == "inner" and group in scene.groups and scene.groups[group].type == "RRP":
         return "wrist-pin"
     return "bearing" if pair.other == FRAME else "pin"
-
-
-def _direction(m: Mechanics, pair: Pair) -> Angle:
-    """Direction of a reaction."""
-    return Angle(m.reactions.force_in(pair.name))
 
 
 def acting_fields(scene: Scene) -> list[Quantity]:

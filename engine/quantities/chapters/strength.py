@@ -10,7 +10,7 @@ from engine.graph.nodes import Node
 from engine.laws.buckling import MATERIALS, critical_stress, flat, solid
 from engine.mechanism.mechanics import Mechanics
 from engine.mechanism.vectors import Vector
-from engine.parts.strength import Strut
+from engine.parts.requirements import Strut
 from engine.quantities.expressions import Expression, Formula, VariantNumber, greatest, maximum
 from engine.quantities.register import Declared, Field, Summary
 from engine.scene.pairs import Pair, rods_of
@@ -24,14 +24,13 @@ def declare(mechanics: Mechanics) -> Declared:
         at = f"pins.{name}"
         area = m.graph.derived(f"{at}.area", lambda n, at=at: n[f"{at}.diameter"] * n[f"{at}.width"])
         words = f"bearing pressure of pin {name}: force in {pin.pair} over its projected area"
-        pair = f"{pin.pair}.reaction"
-        yield Field(f"{name}.pressure", words, "Pa", partial(_pressure, m, pair, area), "p", ("peak",))
+        yield Field(f"{name}.pressure", words, "Pa", partial(_pressure, m, pin.pair, area), "p", ("peak",))
     for name, strut in m.scene.struts.items():
         yield from _of_strut(m, name, strut)
 
 
 def _pressure(m: Mechanics, pair: str, area: Node) -> Node:
-    return m.reactions.variables[pair] / area
+    return m.reactions.variables[f"{pair}.reaction"] / area
 
 
 def _of_strut(m: Mechanics, name: str, strut: Strut) -> Declared:

@@ -11,8 +11,8 @@ from engine.laws.tables import entry
 from engine.mechanism.actions.tables import rows_over_angle
 from engine.mechanism.mechanics import Mechanics
 from engine.mechanism.vectors import Vector
-from engine.parts.wanted_motion import WantedAngle, WantedPath, WantedSlide
-from engine.quantities.expressions import Expression, Extreme, Formula, Integral, peak, sqrt
+from engine.parts.requirements import WantedAngle, WantedPath, WantedSlide
+from engine.quantities.expressions import Expression, Extreme, Formula, Integral, maximum, peak, sqrt
 from engine.quantities.register import Declared, Field, Summary
 
 
@@ -22,7 +22,7 @@ def declare(mechanics: Mechanics) -> Declared:
         if isinstance(wanted, WantedPath):
             what, units = f"distance of the points wanted in {name} from the path of {wanted.point}", "m"
             squared = _squared_distances(mechanics, wanted)
-            rms, most = Formula(_rms, squared), Formula(_maximum, squared)
+            rms, most = Formula(_rms, squared), sqrt(maximum(*squared))
         else:
             what, units = f"deviation of {wanted.of} from {name}", "rad" if isinstance(wanted, WantedAngle) else "m"
             inside = rows_over_angle(mechanics.kinematics, _from_to(wanted), [1.0, 1.0], "linear", "zero")
@@ -67,10 +67,3 @@ def _deviation(mechanics: Mechanics, name: str, wanted: WantedSlide | WantedAngl
 
 def _rms(*squares: Measured) -> Measured:
     return numbers.sqrt(sum(squares) / len(squares))
-
-
-def _maximum(*squares: Measured) -> Measured:
-    found = squares[0]
-    for square in squares[1:]:
-        found = numbers.maximum(found, square)
-    return numbers.sqrt(found)

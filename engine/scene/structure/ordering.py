@@ -7,7 +7,7 @@ freedom as input links. Lower pairs only: W = 3n − 2p₁ (Chebyshev), and W = 
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from engine.parts.driving_gears import Pinion, Rack
+from engine.parts.higher_pairs import Pinion, Rack
 from engine.parts.skeleton import FRAME
 from engine.scene import structure
 from engine.scene.attachments import (

@@ -4,7 +4,8 @@ By Willis, the speeds of both wheels relative to the carrier have a constant rat
 geared to the crank, on a carrier with a constant ratio to the crank, also has a constant ratio to it.
 """
 
-from engine.parts.skeleton import FRAME, Shaft
+from engine.parts.higher_pairs import Shaft
+from engine.parts.skeleton import FRAME
 from engine.scene.attachments import places_on, still_links
 from engine.scene.scene import Problem, Scene
 from engine.scene.structure.meshes import has_known_angle

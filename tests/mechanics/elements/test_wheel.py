@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from engine.elements.flywheel_wheels import MATERIALS, make_wheel
-from engine.parts.skeleton import WheelForm
+from engine.parts.bodies import WheelForm
 
 # Sums, products and quotients of a dozen numbers: tens of roundings of 1.1e-16.
 ROUNDED = 1e-13

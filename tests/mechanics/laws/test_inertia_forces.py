@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from machines import changed, crank, frame, moving, on, rrp
 from oracle import EPS
 
-from engine.laws.masses.inertia_forces import (
+from engine.laws.masses.link_inertia import (
     inertia_force,
     inertia_moment,
     inertia_offset,

@@ -15,7 +15,7 @@ from engine import (
     warnings_from_numbers,
     warnings_in_words,
 )
-from engine.parts.warning_limits import WarningLimits
+from engine.parts.requirements import WarningLimits
 
 CRANK = {"type": "crank", "pivot": "O", "pin": "A", "length": 0.05, "speed": 20.0}
 # Only the crank matters: what follows it has no mass and no load.

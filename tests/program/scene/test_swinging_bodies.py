@@ -10,8 +10,8 @@ from machines import slider_crank
 from scipy.integrate import quad
 
 from engine import Machine, Scene, SceneError, Verdict
-from engine.laws.masses.moments_of_inertia import bifilar_inertia, compound_inertia, trifilar_inertia
-from engine.parts.skeleton import STANDARD_GRAVITY
+from engine.laws.masses.link_inertia import bifilar_inertia, compound_inertia, trifilar_inertia
+from engine.parts.bodies import STANDARD_GRAVITY
 
 EPS = np.finfo(float).eps
 few = settings(deadline=None, max_examples=60)

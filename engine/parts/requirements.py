@@ -1,4 +1,4 @@
-"""Motion wanted of a mechanism: the path of a point, or a motion over the crank angle."""
+"""What is required of a machine: wanted motions, pins and struts to check, limits beyond which the program warns."""
 
 import math
 from typing import Annotated, ClassVar, Literal
@@ -13,8 +13,10 @@ from engine.parts.skeleton import (
     Faults,
     Length,
     LinkRef,
+    Number,
     Part,
     PointRef,
+    Positive,
     Refers,
     SliderInput,
     SliderRef,
@@ -97,3 +99,59 @@ def wrong_angles(name: str, wanted: WantedMotion, drive: CrankInput | SliderInpu
         rows, cycle = (f"{math.degrees(a):g} deg to {math.degrees(b):g} deg" for a, b in ((first, last), (low, high)))
         return [(path, f"{rows} isn't within the range of the crank, {cycle}; give angles in it")]
     return []
+
+
+# The materials of `engine.laws.buckling`.
+StrutMaterialName = Literal["S235", "E335", "grey cast iron"]
+
+
+class Pin(Part):
+    """The pin of a revolute pair: its `diameter` and the `width` of its bearing.
+
+    `pair` is GROUP.first, GROUP.inner or GROUP.second, LINK.JOINT of a free link, input, or a shaft with a pivot.
+    """
+
+    pair: Annotated[str, Refers("revolute pair")]
+    diameter: Positive
+    width: Positive
+
+
+class Strut(Part):
+    """A rod between two joints that may buckle: of a `diameter`, a tube, or flat with a `width` and a `thickness`.
+
+    `end_fixity` is the effective length over the distance of its joints, 1 between two pins. `material` is S235 (mild
+    structural steel), E335 (harder machine steel) or grey cast iron.
+    """
+
+    link: Annotated[LinkRef, Refers("rod")]
+    material: StrutMaterialName = "S235"
+    diameter: Positive | None = None
+    inner_diameter: Positive | None = None
+    width: Positive | None = None
+    thickness: Positive | None = None
+    end_fixity: Annotated[Number, Field(gt=0)] = 1.0
+
+    def _faults(self) -> Faults:
+        round_one, flat_one = self.diameter is not None, self.width is not None and self.thickness is not None
+        if round_one == flat_one or (round_one and (self.width or self.thickness)):
+            yield "give the diameter of a round rod, or width and thickness of a flat one"
+        if self.inner_diameter is not None and not (round_one and self.inner_diameter < self.diameter):
+            yield "inner_diameter belongs to a tube: give a larger diameter with it"
+
+
+class WarningLimits(Part):
+    """Limits beyond which the program warns; they change no result, and zero or very large limits never warn.
+
+    `transmission_angle` is the minimum: 40° is usual, 30° suffices for slow machines. `clearance` is the maximum
+    clearance volume over the swept volume. `slenderness` is the maximum of a rod in compression, its length over the
+    radius of gyration of its section. `rim_width` is the minimum width of a flywheel's rim. `flywheel_ratio` is the
+    maximum inertia of a flywheel over the mean reduced inertia of the machine. `friction` is the maximum coefficient
+    of friction.
+    """
+
+    transmission_angle: Annotated[Angle, Field(ge=0, lt=math.pi / 2)] = math.radians(40)
+    clearance: Annotated[Number, Field(gt=0)] = 0.5
+    slenderness: Annotated[Number, Field(gt=0)] = 200.0
+    rim_width: Annotated[Length, Field(ge=0)] = 1e-3
+    flywheel_ratio: Annotated[Number, Field(gt=0)] = 100.0
+    friction: Annotated[Number, Field(gt=0)] = 1.5
