@@ -92,11 +92,11 @@ def variants_text(result: SweepResult, variants: Iterable[int], names: Sequence[
     result : SweepResult
     variants : iterable of int
     names : sequence of str
-        Summaries to show (default: the answers).
+        Columns to show with the parameters (default: the answers).
     every : bool
         All summaries, and derived helper numbers.
     """
-    shown = [*shown_parameters(result, every), *(names or shown_summaries(result, every))]
+    shown = list(dict.fromkeys([*shown_parameters(result, every), *(names or shown_summaries(result, every))]))
     variants = [int(variant) for variant in variants]
     units = {name: engine.display_unit(result.units[name], result.columns[name][variants]) for name in shown}
     rows = [["variant", *shown], ["", *(label if label != "1" else "" for _, label in units.values())]]

@@ -50,7 +50,11 @@ class TableThrottle(Part):
 
 
 class FullAndShutThrottle(_Throttle):
-    """On-off valve: torque `full` below the lift `switch`, `closed` above it."""
+    """On-off valve: torque `full` below the lift `switch`, `closed` above it.
+
+    Its engine never runs steadily. A change of load begins with the valve open and the governor in equilibrium, its
+    balls at 99 % of their way from the inner stop to the switch.
+    """
 
     type: Literal["full and shut"]
     switch: Positive

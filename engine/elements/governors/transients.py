@@ -1,9 +1,10 @@
 """Response to a change of load: the motion of governors and their engines.
 
 A walk along time ends where friction stops or releases the sleeve, and at the stops, which absorb all of its velocity.
-A step also ends, without ending the walk, where a valve switches, where the engine speed enters or leaves its band, and
-where a sleeve without friction reverses, so that no contact with a stop is missed. Error estimates come from a second
-run with longer steps, and with every second position of the curves if the engine is a mechanism.
+A step also ends, without ending the walk, where a valve switches, where the engine speed enters or leaves its band,
+where a sleeve without friction reverses, so that no contact with a stop is missed, and at extremes of the velocity of
+one with friction, so that no reversal is missed. Error estimates come from a second run with longer steps, and with
+every second position of the curves if the engine is a mechanism.
 """
 
 import math
@@ -37,9 +38,12 @@ LAST_PART = 0.75
 LEAST_RECORDED = 500
 # Number of equally spaced crank angles of the curves over a mechanism's cycle.
 CYCLE_POSITIONS = 360
-# Guards are offset by BEHIND of the range so that none vanishes at the start of a step; a valve starts BELOW_SWITCH
-# of the range below its switch; a sleeve without friction has reversed at TURNED of its reference speed.
-BEHIND, BELOW_SWITCH, TURNED = 1e-15, 1e-9, 1e-4
+# Guards are offset by BEHIND of the range so that none vanishes at the start of a step; what turns has turned at TURNED
+# of its reference.
+BEHIND, TURNED = 1e-15, 1e-4
+# Start of an on-off valve's run, as a fraction of the way from the inner stop to its switch. From the switch itself the
+# swing would build up from nothing, at the rate of the rounding errors.
+BELOW_SWITCH = 0.99
 # Relative tolerance of event times in a step: the speed, exact to rounding, allows no smaller one.
 ROOT = 1e-12
 ENDINGS = ("stalls", "inner", "outer", "reverses", "rises", "falls")
@@ -88,7 +92,7 @@ class Flipped(NamedTuple):
     opens : node or int
         +1 or −1: whether a valve is open.
     rising : node or int
-        +1 or −1: whether a sleeve without friction rises; 0 otherwise.
+        +1 or −1: whether a sleeve without friction rises, or the velocity of one with friction.
     """
 
     inside: Given | int
@@ -148,7 +152,10 @@ def governed_system(governor: Element, machine: bool) -> tuple[System, Graph, Sl
         "falls": speed - held.falls,
     }
     clock = graph.given("time", Stage.STATE)
-    turns = flipped.rising * velocity + TURNED * swift
+    # Within a step the velocity of a sleeve with friction, or the position of one without, has one root at most.
+    rubs = held.sense * held.sense
+    turning = (1.0 - rubs) * velocity + rubs * (graph.number("width") / swift) * acceleration
+    turns = flipped.rising * turning + TURNED * swift
     in_band = flipped.inside * (band - abs(speed - steady)) + BEHIND * steady
     guards = [
         *(Guard(name, ends[name]) for name in ENDINGS),
@@ -234,18 +241,16 @@ class _Runs(WalkedRuns):
         self.g, self.marks, self.records, count = g, marks, records, marks.inner.size
         super().__init__(count, TOLERANCE, longer)
         low, high, n, ratio = marks.inner, marks.outer, g.n, g.n["engine.ratio"]
-        begin, goal, half, inner, outer = g.at(
-            np.stack([marks.before, marks.after, marks.middle, low, high]), low
-        ).each()
+        valve = g.governor.has_valve
+        before = low + BELOW_SWITCH * (marks.before - low) if valve else marks.before
+        begin, goal, half, inner, outer = g.at(np.stack([before, marks.after, marks.middle, low, high]), low).each()
         self.duration, self.width = n["engine.duration"], high - low
         self.steady, self.band = goal.speed / ratio, n["engine.settling_band"] * goal.speed / ratio
-        direction = goal.speed - begin.speed
+        direction = 0.0 * low if valve else goal.speed - begin.speed
         self.upward = np.where(direction == 0.0, n["engine.load"] - n["engine.new_load"], direction) > 0.0
         # With this origin all states except the rate of the position are positive.
         self.origin = low - self.width
-        position = marks.before - self.origin
-        # At the switch a valve would be neither open nor shut.
-        position = position - (BELOW_SWITCH * self.width if g.governor.has_valve else 0.0)
+        position = before - self.origin
         speed = begin.speed / ratio
         self.state = Moving(np.zeros(count), speed.copy(), np.zeros(count), position)
         swift = self.width * np.sqrt(half.sleeve / (half.mass * outer.lift))
@@ -276,14 +281,14 @@ class _Runs(WalkedRuns):
         self.flipped = Flipped(*(rows.get(node, -1) for node in flipped))
         inside = np.abs(speed - self.steady) <= self.band
         self.numbers[self.flipped.inside] = np.where(inside, 1.0, -1.0)
-        if g.governor.has_valve:
+        if valve:
             self.numbers[self.flipped.opens] = 1.0
         self.time, self.pace, self.steps = np.zeros(count), 1e-3 * self.duration, np.zeros(count)
         self.settled = np.where(inside, 0.0, np.nan)
         self.extremes, self.late = np.array([speed, speed]), np.array([np.inf + speed, -np.inf - speed])
         self.hits = np.zeros((2, count))
         self.recorded: list[np.ndarray] = []
-        at_stop = (marks.before <= low) | (marks.before >= high)
+        at_stop = (before <= low) | (before >= high)
         rests = (n["friction"] > 0.0) | at_stop
         for way, moves in ((1.0, self.upward), (-1.0, ~self.upward)):
             self._move(np.flatnonzero(~rests & moves), way)
@@ -338,7 +343,7 @@ class _Runs(WalkedRuns):
         held.moves[who], held.rises[who], held.falls[who] = 1.0, np.inf, -np.inf
         held.low[who], held.high[who] = width * (1.0 - BEHIND), width * (2.0 + BEHIND)
         held.sense[who] = np.where(friction > 0.0, sense, 0.0)
-        self.numbers[self.flipped.rising, who] = np.where(friction > 0.0, 0.0, sense)
+        self.numbers[self.flipped.rising, who] = sense
 
     def _walk(self, who: np.ndarray, mark: np.ndarray) -> Walks:
         """Walk up to a time, or to an earlier change."""

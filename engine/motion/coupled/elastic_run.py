@@ -66,9 +66,12 @@ def run_on_shaft(
     standing = Standing(sides.crank.start, machine, zero, zero.astype(np.uint8), CoupledStanding(motor, zero))
     runs = CoupledRuns(sides, standing, Ends.never(zero.size, time=duration), stepping, observers)
     at_rest = (twist == 0.0) & (motor == 0.0) & (machine == 0.0)
-    touch = np.where(backlash > 0.0, np.where(at_rest, 0.0, np.where(twist < 0.0, -1.0, 1.0)), 1.0)
-    runs.joined.touch[:] = touch
-    runs.state[TURNED], runs.state[SHAFT_TURNED] = turned, twist - np.where(touch < 1.0, backlash, 0.0)
+    side = np.where(twist < 0.0, -1.0, 1.0)
+    # Steady running ignores backlash: where the damper pulls, the sides part.
+    pressed = side * sides.coupling.moment(np.ones_like(twist), twist, motor - machine) > 0.0
+    runs.joined.touch[:] = np.where(backlash > 0.0, side * (pressed & ~at_rest), 1.0)
+    behind = at_rest | (side < 0.0)
+    runs.state[TURNED], runs.state[SHAFT_TURNED] = turned, twist - np.where(behind, backlash, 0.0)
     # Refused variants take no steps.
     hopeless = steps_on_shaft(frequency, duration) == 0.0
     runs.give_up(np.flatnonzero(hopeless), Verdict.SHAFT_RIGID)

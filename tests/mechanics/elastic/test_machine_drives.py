@@ -510,6 +510,15 @@ def test_start_through_backlash__loses_no_energy_but_to_drag_and_damper():
     assert (history.moment[inside] == 0.0).all()
 
 
+# At φ = 0 the shaft of the first is ahead while its damper pulls back, that of the second the other way round.
+@pytest.mark.parametrize(("stiffness", "damping"), [(400.0, 8.0), (1000.0, 3.0)])
+def test_run_out_of_steady_motion_with_backlash__begins_without_pulling_at_teeth(stiffness, damping):
+    run = {"begin": "steady", "time": 0.3, "backlash": 0.05, **only("load")}
+    history = drive_run(yoke({"run": run, "stiffness": stiffness, "damping": damping}), "d")
+    forward = history.twist > -0.025
+    assert (np.where(forward, history.moment, -history.moment) >= -1e-9).all()
+
+
 def test_template__answers_everything_of_its_drive():
     scene = read_scene(bundled_templates()["driven_machine"])
     names = [name for name in Machine(scene).available_summaries if name.startswith("coupling.")]

@@ -27,6 +27,18 @@ CASES = {
     "more load": PORTER | {"friction": 3.0, "damping": 500.0, "engine": FOLLOWED | {"load": 100.0, "new_load": 330.0}},
     "valve": PORTER | {"damping": 400.0, "engine": FOLLOWED | {"throttle": SWITCHED}},
     "valve, friction": PORTER | {"friction": 5.0, "damping": 400.0, "engine": FOLLOWED | {"throttle": SWITCHED}},
+    # The sleeve falls, rises for a moment and falls again, all within one step.
+    "valve, short reversal": PORTER
+    | {
+        "ball_mass": 1.54,
+        "sleeve_mass": 10.6,
+        "stiffness": 2940.0,
+        "preload": 14.6,
+        "friction": 1.39,
+        "damping": 124.0,
+        "engine": FOLLOWED
+        | {"inertia": 4.83, "ratio": 1.37, "new_load": 37.0, "throttle": SWITCHED | {"switch": 0.0252}},
+    },
 }
 
 

@@ -11,7 +11,8 @@ STICKS, RISES, FALLS = 0, 1, -1
 class GovernedMotion:
     """What a change of load does, in the angle of the arms; one regime after another.
 
-    Kinetic energy ½ (2 m l² + 4 M l² sin² ψ) ψ̇² + ½ (I + i² 2 m l² sin² ψ) ω²; weights 2 m g l cos ψ + 2 M g l cos ψ.
+    Kinetic energy ½ (2 m l² + 4 M l² sin² ψ) ψ̇² + ½ (I + i² 2 m l² sin² ψ) ω²; weights 2 m g l cos ψ + 2 M g l cos ψ;
+    a spring holds the sleeve down.
     """
 
     def __init__(self, governor, gravity=9.80665):
@@ -19,6 +20,7 @@ class GovernedMotion:
         self.m, self.big, self.arm = governor["ball_mass"], governor["sleeve_mass"], governor["upper_arm"]
         self.turning = 2 * self.m
         self.weight = self.gravity * 2 * (self.m + self.big)
+        self.stiffness, self.preload = governor.get("stiffness", 0.0), governor.get("preload", 0.0)
         self.low, self.high = (math.asin(governor[f"{key}_radius"] / self.arm) for key in ("least", "greatest"))
         self.whole = self.lift(self.high)
         self.ratio, self.s = self.e.get("ratio", 1.0), self.e.get("self_regulation", 0.0)
@@ -32,8 +34,12 @@ class GovernedMotion:
     def lift(self, psi):
         return 2 * self.arm * (math.cos(self.low) - math.cos(psi))
 
+    def held(self, psi):
+        """Force on the angle of weights and spring, over l sin ψ."""
+        return self.weight + 2 * (self.preload + self.stiffness * self.lift(psi))
+
     def speed_at(self, psi):
-        return math.sqrt(self.weight / (self.turning * self.arm * math.cos(psi)))
+        return math.sqrt(self.held(psi) / (self.turning * self.arm * math.cos(psi)))
 
     def psi_of(self, lift):
         return math.acos(math.cos(self.low) - lift / (2 * self.arm))
@@ -62,9 +68,9 @@ class GovernedMotion:
         return low
 
     def left(self, psi, omega):
-        """Force on the angle that centrifugal forces leave of the weights."""
+        """Force on the angle that centrifugal forces leave of weights and spring."""
         out = self.turning * self.arm**2 * math.sin(psi) * math.cos(psi) * (self.ratio * omega) ** 2
-        return out - self.weight * self.arm * math.sin(psi)
+        return out - self.held(psi) * self.arm * math.sin(psi)
 
     def rates(self, y, mode, load):
         psi, velocity, omega, phi = y
@@ -91,8 +97,9 @@ class GovernedMotion:
         psi = self.steady(load)
         y, t = [psi, 0.0, self.speed_at(psi) / self.ratio, 0.0], 0.0
         if self.e["throttle"]["type"] != "linear":
-            # Just below the switch, as far as the engine begins: how the swing builds up depends on that.
-            y[0] -= 1e-9 * (math.sin(self.high) - math.sin(self.low)) / math.cos(psi)
+            # At 99 % of the balls' way from the inner stop to the switch.
+            y[0] = math.asin(0.01 * math.sin(self.low) + 0.99 * math.sin(psi))
+            y[2] = self.speed_at(y[0]) / self.ratio
         mode, hits = (STICKS if self.friction else RISES), [0, 0]
         regimes, speeds = [], [y[2]]
         while t < duration - 1e-12:
@@ -172,4 +179,6 @@ class GovernedMotion:
         force = self.left(y[0], y[2])
         if (came[1] and force <= hindering) or (came[2] and force >= -hindering) or abs(force) <= hindering:
             return STICKS
+        # Under way by less than what counts, so that the next event isn't this one.
+        y[1] = math.copysign(1e-14, force)
         return RISES if force > 0 else FALLS

@@ -144,6 +144,12 @@ def test_show_json__has_the_best_and_what_is_listed(press_result):
     assert told["units"]["input.length"] == "m"
 
 
+def test_show__lists_a_column_once_however_often_it_is_asked(press_result):
+    shown = said("show", press_result, "--columns", "excess_work,input.length,excess_work", "--limit", "1").stdout
+    heading = next(line for line in shown.splitlines() if line.startswith("variant "))
+    assert (heading.count("excess_work"), heading.count("input.length")) == (1, 1)
+
+
 # Pictures and tables
 
 
