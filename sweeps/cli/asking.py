@@ -16,7 +16,7 @@ def quantities(file: str, words: tuple[str, ...]) -> None:
     from sweeps.cli.named_machine import machine_of
     from sweeps.report.help.quantity_list import quantities_text
 
-    tell(quantities_text(machine_of(file, None)[0], file, words))
+    tell(quantities_text(machine_of(file, None).written, file, words))
 
 
 @main.command("help")

@@ -67,11 +67,11 @@ def modes(scene: str, out: Path | None, no_plots: bool) -> None:
     from sweeps.pictures.drawing.mode_pictures import mode_pictures
     from sweeps.report.mode_table import mode_table
 
-    machine, _, name = machine_of(scene, None)
-    found = assembly_modes(machine)
-    tell(mode_table(machine, found))
+    machine = machine_of(scene, None)
+    found = assembly_modes(machine.scene)
+    tell(mode_table(machine.scene, found))
     if found and not no_plots:
-        made = mode_pictures(machine, found, out or Path(f"{name}_modes.png"))
+        made = mode_pictures(machine.scene, found, out or Path(f"{machine.name}_modes.png"))
         for path, refusal in made.items():
             tell(f"Wrote {path}" if refusal is None else f"Not drawn: {path}: {refusal}")
 

@@ -4,12 +4,9 @@ from .creating import part_path
 from .errors import DamagedError, StoreError
 from .layout import NOT_COMPUTED, POSITION_NAMES, Column, FieldAxis, FileLayout, columns_of_number
 from .reading import (
-    Description,
     MappedResult,
     VariantIndex,
     damage_text,
-    describe_result,
-    mapped_columns,
     open_dataset,
     read_columns,
     variant_keys,

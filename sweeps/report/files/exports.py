@@ -5,14 +5,14 @@ from pathlib import Path
 
 import numpy as np
 
-from engine import Scene, Verdict, did_you_mean, history, history_fields
+from engine import Scene, Verdict, history, history_fields
 from sweeps.report.files.data_files import DataTable
 from sweeps.report.readings import Readings
 from sweeps.report.readings_in_time import HistoryColumn, history_columns
 from sweeps.report.regime_words import failure_text
 from sweeps.report.sweep_result import SweepResult
 from sweeps.text.conditions import Where
-from sweeps.text.input_files import InputError
+from sweeps.text.input_files import InputError, need_known
 
 # Rows in memory at once.
 ROWS_AT_A_TIME = 1 << 16
@@ -38,11 +38,8 @@ def result_table(path: Path, names: Sequence[str] = (), where: Where = None) -> 
     """
     result = SweepResult(path)
     result.show_own_units()
-    known = [c.name for c in result.description.columns]
-    for name in names:
-        if name not in known:
-            message = f"{name!r} is not in this result; {did_you_mean(name, known)}"
-            raise InputError.of(str(path), message, key="--columns")
+    known = [c.name for c in result.file.described]
+    need_known(names, known, str(path), "is not in this result", "--columns")
     met = result.meets(where) if where or names else None
     if not names:
         errors = [f"{name}_error" for name in result.summaries]
@@ -68,7 +65,7 @@ def result_table(path: Path, names: Sequence[str] = (), where: Where = None) -> 
             yield {name: column(name, here) for name in wanted}
 
     along = {axis.name: axis.units} if axis else {}
-    return DataTable((*asked, *along, *fields), dict(result.units) | along, result.description.title, parts)
+    return DataTable((*asked, *along, *fields), dict(result.units) | along, result.file.title, parts)
 
 
 def reading_table(readings: Readings, title: str) -> DataTable:
@@ -100,10 +97,7 @@ def history_table(scene: Scene, fields: Sequence[str] = ()) -> tuple[DataTable, 
         message = 'a history needs regimes; add [regimes.NAME] with type = "run" or "steady"'
         raise InputError.of(scene.title or "scene", message, key="regimes")
     known = history_fields(scene) if fields else {}
-    for name in fields:
-        if name not in known:
-            message = f"{name!r} is not a load of a history; {did_you_mean(name, known)}"
-            raise InputError.of(scene.title or "scene", message, key="--columns")
+    need_known(fields, known, scene.title or "scene", "is not a load of a history", "--columns")
     seen = history(scene, fields=fields)
     columns = history_columns(scene, seen)
     if scene.couplings:
