@@ -5,17 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
-from engine import (
-    CrankInput,
-    Element,
-    Mechanics,
-    Scene,
-    SceneError,
-    UnitError,
-    full_names,
-    in_text,
-    scene_numbers,
-)
+from engine import CrankInput, Element, Mechanics, Scene, SceneError, UnitError, full_names, in_text, scene_numbers
 from sweeps.report.readings import Readings, readings_at
 from sweeps.study.bundled import find_study
 from sweeps.study.study_text import is_scene

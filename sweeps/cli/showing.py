@@ -38,15 +38,7 @@ def show(asked: shared.Options) -> None:
         return
     from sweeps.optimising.optimum import is_front, is_search, optimum_text
     from sweeps.report.files.result_data import result_data
-    from sweeps.report.result_report import (
-        answer_text,
-        counts_text,
-        fields_text,
-        meeting_text,
-        variants_done_text,
-        variants_text,
-        varied_text,
-    )
+    from sweeps.report.result_report import answer_text, contents_text, meeting_text, variants_text
     from sweeps.report.sweep_result import SweepResult
 
     if asked.settings or asked.variant is not None:
@@ -66,15 +58,9 @@ def show(asked: shared.Options) -> None:
         shared.tell_data(result_data(result, chosen, names) | {"warnings": shared.warnings_of(result)})
         shared.stop_without_answer(result)
         return
-    d = result.file
-    shared.tell(f"{d.title}: {variants_done_text(result)}")
-    if d.variants > 1:
-        shared.tell(f"varied: {varied_text(result)}")
-    for line in fields_text(result):
-        shared.tell(line)
-    shared.tell(counts_text(result))
+    shared.tell(contents_text(result))
     # The answer lists a single machine.
-    if d.variants > 1 or asked.where or names:
+    if result.file.variants > 1 or asked.where or names:
         shared.tell(f"{meeting_text(result, condition)}; the first {chosen.size}:")
         shared.tell(variants_text(result, chosen, names, asked.every))
     if not asked.where:

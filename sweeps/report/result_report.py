@@ -15,30 +15,24 @@ from sweeps.text.conditions import Where
 from sweeps.text.tables import table
 
 
-def variants_done_text(result: SweepResult) -> str:
-    """Number of variants, and of those done."""
+def contents_text(result: SweepResult) -> str:
+    """What a result holds: variants done, axes with their sizes, kept fields by axis, and verdicts."""
     count, done = result.file.variants, result.done
-    words = engine.counted(count, "variant")
+    words = f"{engine.counted(count, 'variant')}, all done {result.finished}".rstrip()
     if done < count:
-        return f"{done} of {words} done; run the study again to resume"
-    return f"{words}, all done {result.finished}".rstrip()
-
-
-def varied_text(result: SweepResult) -> str:
-    """The axes and their sizes."""
-    if "search" in result.record:
-        return f"{'+'.join(result.varied)}[{result.file.variants}]"
-    return " x ".join(f"{'+'.join(axis['names'])}[{axis['size']}]" for axis in result.record["vary"])
-
-
-def fields_text(result: SweepResult) -> list[str]:
-    """The kept fields, a line per axis."""
-    found: dict[str, list[str]] = {}
+        words = f"{done} of {engine.counted(count, 'variant')} done; run the study again to resume"
+    lines = [f"{result.file.title}: {words}"]
+    if count > 1:
+        axes = [("+".join(axis["names"]), axis["size"]) for axis in result.record["vary"]]
+        axes = [("+".join(result.varied), count)] if "search" in result.record else axes
+        lines.append(f"varied: {' x '.join(f'{names}[{size}]' for names, size in axes)}")
+    kept: dict[str, list[str]] = {}
     for name in result.fields:
         axis = result.along(name)
         over = "positions" if axis.over_positions else f"values of {axis.name}"
-        found.setdefault(f"fields over {axis.values.size} {over}", []).append(name)
-    return [f"{words}: {', '.join(names)}" for words, names in found.items()]
+        kept.setdefault(f"fields over {axis.values.size} {over}", []).append(name)
+    lines += [f"{over}: {', '.join(names)}" for over, names in kept.items()]
+    return "\n".join([*lines, counts_text(result)])
 
 
 def meeting_text(result: SweepResult, where: Where) -> str:

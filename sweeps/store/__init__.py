@@ -3,13 +3,5 @@
 from .creating import part_path
 from .errors import DamagedError, StoreError
 from .layout import NOT_COMPUTED, POSITION_NAMES, Column, FieldAxis, FileLayout, columns_of_number
-from .reading import (
-    MappedResult,
-    VariantIndex,
-    damage_text,
-    open_dataset,
-    read_columns,
-    variant_keys,
-    variants_kept,
-)
+from .reading import MappedResult, VariantIndex, damage_text, open_dataset, read_columns, variant_keys, variants_kept
 from .writing import Store, reword
