@@ -5,11 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from engine import Scene, Verdict, history, history_fields
+from engine import Scene, history, history_fields
 from sweeps.report.files.data_files import DataTable
 from sweeps.report.readings import Readings
-from sweeps.report.readings_in_time import HistoryColumn, history_columns
-from sweeps.report.regime_words import failure_text
+from sweeps.report.readings_in_time import history_readings
 from sweeps.report.sweep_result import SweepResult
 from sweeps.text.conditions import Where
 from sweeps.text.input_files import InputError, need_known
@@ -99,12 +98,11 @@ def history_table(scene: Scene, fields: Sequence[str] = ()) -> tuple[DataTable, 
     known = history_fields(scene) if fields else {}
     need_known(fields, known, scene.title or "scene", "is not a load of a history", "--columns")
     seen = history(scene, fields=fields)
-    columns = history_columns(scene, seen)
+    found = history_readings(scene, seen)
+    further = {name: (row, known[name].units) for name, row in seen.loads_on_pairs.items()}
     if scene.couplings:
-        columns["shaft_speed"] = HistoryColumn(seen.shaft_speed, "rad s-1")
-        columns["coupling_moment"] = HistoryColumn(seen.coupling_moment, "N m")
-    columns |= {name: HistoryColumn(row, known[name].units) for name, row in seen.loads_on_pairs.items()}
-    numbers = {"regime": seen.regime, "time": seen.time} | {name: column.row for name, column in columns.items()}
-    units = {"time": "s"} | {name: column.units for name, column in columns.items()}
-    ended = "" if seen.verdict == Verdict.OK else failure_text(scene, seen.verdict, seen)
-    return DataTable.whole(numbers, units, scene.title), ended
+        coupled = {"shaft_speed": (seen.shaft_speed, "rad s-1"), "coupling_moment": (seen.coupling_moment, "N m")}
+        further = coupled | further
+    values = found.values | {name: row for name, (row, _) in further.items()}
+    units = found.units | {name: unit for name, (_, unit) in further.items()}
+    return DataTable.whole({"regime": seen.regime, "time": seen.time} | values, units, scene.title), found.remark
