@@ -23,7 +23,7 @@ import sweeps
 from sweeps.__main__ import start
 from sweeps.run import runner
 from sweeps.run.cluster.crew import Crew
-from sweeps.store import MappedResult, Store, StoreError, describe_result
+from sweeps.store import MappedResult, Store, StoreError
 from sweeps.store.checksums import CHANGING
 from sweeps.text.templates import template_text
 
@@ -308,8 +308,9 @@ class Bench:
         path = self.work / name
         if not name.endswith(".h5"):
             return {"": path.read_bytes()}
-        texts = {k: str(v).encode() for k, v in describe_result(path).attributes.items() if k not in CHANGING}
-        return texts | {key: np.array(values).tobytes() for key, values in MappedResult(path).columns.items()}
+        file = MappedResult(path)
+        texts = {k: str(v).encode() for k, v in file.attributes.items() if k not in CHANGING}
+        return texts | {key: np.array(values).tobytes() for key, values in file.columns.items()}
 
     def is_whole(self, job: Job) -> bool:
         """Whether a finished file holds what the undisturbed job's does."""

@@ -1,11 +1,12 @@
-"""Reference commands: quantities, help, compare."""
+"""Commands that answer questions on files: quantities, help, compare, verify."""
 
 import sys
 from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import DIFFERENT, ERRORS, main, tell
+from engine import counted
+from sweeps.cli.shared import DAMAGED, DIFFERENT, ERRORS, main, tell, tell_aside
 
 
 @main.command()
@@ -16,7 +17,7 @@ def quantities(file: str, words: tuple[str, ...]) -> None:
     from sweeps.cli.named_machine import machine_of
     from sweeps.report.help.quantity_list import quantities_text
 
-    tell(quantities_text(machine_of(file, None)[0], file, words))
+    tell(quantities_text(machine_of(file, None).written, file, words))
 
 
 @main.command("help")
@@ -46,3 +47,26 @@ def compare_command(one: Path, other: Path) -> None:
     tell(found.text)
     if not found.agrees:
         sys.exit(DIFFERENT)
+
+
+@main.command()
+@click.argument("file", type=click.Path(path_type=Path))
+def verify(file: Path) -> None:
+    """Check a result file against its checksums; exit code 1 if it was modified."""
+    from sweeps.store import MappedResult, damage_text
+
+    found = MappedResult(file)
+    if not found.has_checksums:
+        tell_aside(f"{file} has no checksums (written by an older version).")
+        sys.exit(DAMAGED)
+    blocks = [int(i) for i in found.done.nonzero()[0]]
+    variants = sum(found.rows(i).stop - found.rows(i).start for i in blocks)
+    damaged = found.damaged()
+    for name in found.edited:
+        tell_aside(f"{file}: {name.removeprefix('progress/')} was modified")
+    if damaged:
+        tell_aside(f"{file}: variants {damage_text(found, damaged)} are damaged; run the study again to repair them")
+    if damaged or found.edited:
+        sys.exit(DAMAGED)
+    left = f", {found.variants - variants} not computed yet" if variants < found.variants else ""
+    tell(f"{file}: {counted(variants, 'variant')} intact{left}")

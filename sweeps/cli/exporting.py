@@ -50,7 +50,6 @@ def export(asked: shared.Options) -> None:
     from sweeps.report.files import exports
     from sweeps.report.files.data_files import write_table
     from sweeps.report.readings import readings_at
-    from sweeps.text.scene_text import with_values
 
     if asked.to.suffix not in (*TABLES, *DRAWINGS, ".toml"):
         allowed = ", ".join((*TABLES, *DRAWINGS, ".toml"))
@@ -71,23 +70,22 @@ def export(asked: shared.Options) -> None:
             write_table(asked.to, exports.result_table(source, columns, where))
         shared.tell(f"Wrote {asked.to}")
         return
-    scene, values, name = named_machine.machine_of(asked.file, asked.variant, asked.settings)
-    machine, columns = with_values(scene, values), shared.names_in(asked.columns)
+    machine = named_machine.machine_of(asked.file, asked.variant, asked.settings)
+    scene, columns = machine.scene, shared.names_in(asked.columns)
     if asked.to.suffix == ".toml":
-        text = named_machine.edited_machine(asked.file, asked.variant, asked.settings, asked.to.parent)
-        write_text(asked.to, text, asked.overwrite, "name another file, or give --overwrite")
-    elif (cam := named_machine.element_named(machine, ["cam"], asked.element)) is not None:
+        write_text(asked.to, machine.edited(asked.to.parent), asked.overwrite, "name another file, or give --overwrite")
+    elif (cam := named_machine.element_named(scene, ["cam"], asked.element)) is not None:
         export_cam(cam, asked.to)
     elif asked.to.suffix in DRAWINGS:
         places = named_machine.positions_of(scene, asked.at)
-        picture_files.drawing_file(scene, values, asked.to, next(iter(places), None))
+        picture_files.drawing_file(scene, asked.to, next(iter(places), None))
     elif asked.history:
-        table, ended = exports.history_table(machine, columns)
+        table, ended = exports.history_table(scene, columns)
         write_table(asked.to, table)
         if ended:
             shared.tell(f"The history ends early: {ended}", err=True)
     else:
         at, positions = asked.at, asked.positions or 360
-        readings = named_machine.read_at(machine, at, columns) if at else readings_at(machine, positions, columns)
+        readings = named_machine.read_at(scene, at, columns) if at else readings_at(scene, positions, columns)
         write_table(asked.to, exports.reading_table(readings, scene.title))
-    shared.tell(f"Wrote {asked.to} of {name}")
+    shared.tell(f"Wrote {asked.to} of {machine.name}")

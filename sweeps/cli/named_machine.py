@@ -1,25 +1,15 @@
 """The machine described by a file (scene, study or result variant), and input positions."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple
 
-from engine import (
-    CrankInput,
-    Element,
-    Mechanics,
-    Scene,
-    SceneError,
-    UnitError,
-    did_you_mean,
-    full_names,
-    in_text,
-    scene_numbers,
-)
+from engine import CrankInput, Element, Mechanics, Scene, SceneError, UnitError, full_names, in_text, scene_numbers
 from sweeps.report.readings import Readings, readings_at
 from sweeps.study.bundled import find_study
 from sweeps.study.study_text import is_scene
-from sweeps.text.input_files import InputError, is_hdf5, read_text
+from sweeps.text.input_files import InputError, is_hdf5, need_known, read_text
 from sweeps.text.scene_settings import changed_scene, given_values
 from sweeps.text.scene_text import scene_from, with_values
 from sweeps.text.toml_text import parse_toml, problems_in
@@ -30,44 +20,95 @@ def is_result(file: str) -> bool:
     return file.endswith(".h5") or is_hdf5(Path(file))
 
 
-class _Written(NamedTuple):
-    """A scene as it is written, its TOML source ("" if unknown), and a variant's numbers (SI) and name."""
+@dataclass(frozen=True)
+class NamedMachine:
+    """The machine that a file describes.
 
-    scene: Scene
+    Attributes
+    ----------
+    written : Scene
+        As in the file.
+    text : str
+        Its TOML source, "" if unknown.
+    values : mapping of str to float
+        Numbers (SI) of a variant.
+    name : str
+    settings : tuple of str
+        Changed numbers, as for `given_values`; they replace the variant's.
+    """
+
+    written: Scene
     text: str
     values: Mapping[str, float]
     name: str
+    settings: tuple[str, ...] = ()
+
+    @cached_property
+    def before(self) -> Scene:
+        """The scene with the settings, without the variant's numbers."""
+        return changed_scene(self.written, self.settings)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The scene with all its numbers.
+
+        Raises
+        ------
+        SceneError
+            The variant can't be assembled in the scene's assembly mode.
+        """
+        anew = given_values(self.written, self.settings)
+        return with_values(self.before, {path: value for path, value in self.values.items() if path not in anew})
+
+    def edited(self, folder: Path) -> str:
+        """TOML text of the scene with all its numbers, in its author's words and units.
+
+        Parameters
+        ----------
+        folder : Path
+            Of the files that the text names.
+
+        Raises
+        ------
+        SceneError
+            As for `scene`.
+        """
+        from sweeps.text.edited_text import edited_scene
+
+        replaced = {**self.values, **given_values(self.written, self.settings)}
+        if replaced:
+            numbers = scene_numbers(self.scene).items()
+            replaced |= {path: number.value for path, number in numbers if path.startswith("near.")}
+        return edited_scene(self.written, replaced, self.text, folder)
 
 
-def _written(file: str, variant: int | None) -> _Written:
-    """What a file says of a machine, as for `machine_of`."""
+def _written(file: str, variant: int | None) -> NamedMachine:
+    """The machine of a file without settings, as for `machine_of`."""
     if is_result(file):
         # Slow imports that a scene doesn't need.
-        from sweeps.optimising.optimum import choices, is_front
+        from sweeps.optimising.optimum import answering
         from sweeps.report.sweep_result import SweepResult
 
         result = SweepResult(Path(file))
         result.show_own_units()
         if variant is None:
-            variant = result.best()
-        if variant is None and is_front(result):
-            variant = next((choice.variant for choice in reversed(choices(result))), None)
-        chosen, text = 0 if variant is None else variant, result.description.attributes.get("scene_text", "")
-        return _Written(result.scene, text, result.variant_values(chosen), f"{Path(file).stem}_{chosen}")
+            variant = next(reversed(answering(result)), 0)
+        text = result.file.attributes.get("scene_text", "")
+        return NamedMachine(result.scene, text, result.variant_values(variant), f"{Path(file).stem}_{variant}")
     if variant is None and (alone := _scene_alone(find_study(file))):
         return alone
     from sweeps.study.study_reader import read_study
 
     study = read_study(find_study(file))
     if variant is None:
-        return _Written(study.scene, study.scene_text, {}, study.name)
+        return NamedMachine(study.scene, study.scene_text, {}, study.name)
     if not 0 <= variant < study.design.size:
         raise InputError.of(file, f"{variant} is not one of 0 … {study.design.size - 1}", key="variant")
     values = {path: float(row[0]) for path, row in study.values(variant, variant + 1)[0].items() if path in study.fixed}
-    return _Written(study.scene, study.scene_text, values, f"{study.name}_{variant}")
+    return NamedMachine(study.scene, study.scene_text, values, f"{study.name}_{variant}")
 
 
-def _scene_alone(path: Path) -> _Written | None:
+def _scene_alone(path: Path) -> NamedMachine | None:
     """The scene in a file; None for a study, whose reader is slow to import."""
     text = read_text(path)
     data = parse_toml(text, path.name)
@@ -79,11 +120,11 @@ def _scene_alone(path: Path) -> _Written | None:
             Mechanics(scene)
     except SceneError as error:
         raise InputError(path.name, problems_in(text, error.problems)) from None
-    return _Written(scene, text, {}, path.stem)
+    return NamedMachine(scene, text, {}, path.stem)
 
 
-def machine_of(file: str, variant: int | None, settings: Sequence[str] = ()) -> tuple[Scene, Mapping[str, float], str]:
-    """Scene, replaced values and name from a result, study or scene file.
+def machine_of(file: str, variant: int | None, settings: Sequence[str] = ()) -> NamedMachine:
+    """The machine that a result, study or scene file describes.
 
     Parameters
     ----------
@@ -99,14 +140,7 @@ def machine_of(file: str, variant: int | None, settings: Sequence[str] = ()) -> 
     InputError, StoreError
         The file can't be read, or has no such variant.
     """
-    found = _written(file, variant)
-    return (*_set_anew(found.scene, found.values, settings), found.name)
-
-
-def _set_anew(scene: Scene, values: Mapping[str, float], settings: Sequence[str]) -> tuple[Scene, Mapping[str, float]]:
-    """A scene and its replaced numbers, with the settings applied."""
-    anew = given_values(scene, settings)
-    return changed_scene(scene, settings), {path: value for path, value in values.items() if path not in anew}
+    return replace(_written(file, variant), settings=tuple(settings))
 
 
 def in_full(file: str, asked: str | tuple[str, ...]) -> str | tuple[str, ...]:
@@ -117,34 +151,8 @@ def in_full(file: str, asked: str | tuple[str, ...]) -> str | tuple[str, ...]:
     AskError
         Several pairs are in a joint.
     """
-    scene = machine_of(file, 0 if is_result(file) else None)[0]
+    scene = machine_of(file, 0 if is_result(file) else None).written
     return full_names(scene, asked) if isinstance(asked, str) else tuple(full_names(scene, text) for text in asked)
-
-
-def edited_machine(file: str, variant: int | None, settings: Sequence[str], folder: Path) -> str:
-    """TOML text of a file's scene with the numbers of a variant and of settings, in its author's words and units.
-
-    Parameters
-    ----------
-    file, variant, settings
-        As for `machine_of`.
-    folder : Path
-        Of the files that the text names.
-
-    Raises
-    ------
-    SceneError
-        The variant can't be assembled in the scene's assembly mode.
-    """
-    from sweeps.text.edited_text import edited_scene
-
-    scene, text, values, _ = _written(file, variant)
-    own, rest = _set_anew(scene, values, settings)
-    replaced = {**values, **given_values(scene, settings)}
-    if rest or settings:
-        numbers = scene_numbers(with_values(own, rest)).items()
-        replaced |= {path: number.value for path, number in numbers if path.startswith("near.")}
-    return edited_scene(scene, replaced, text, folder)
 
 
 def element_named(scene: Scene, types: Sequence[str], name: str | None) -> Element | None:
@@ -233,10 +241,7 @@ def read_at(scene: Scene, text: str, names: Sequence[str] = ()) -> Readings:
         from sweeps.report.readings_in_time import readings_in_time
 
         found = readings_in_time(scene, [time for time in times if time is not None])
-        unknown = [name for name in names if name not in found.values]
-        if unknown:
-            message = f"{unknown[0]!r} is not available at an instant; {did_you_mean(unknown[0], found.values)}"
-            raise InputError.of("--at", message)
+        need_known(names, found.values, "--at", "is not available at an instant")
         kept = names or found.values
         return found._replace(values={name: found.values[name] for name in kept})
     return readings_at(scene, positions_of(scene, text), names)

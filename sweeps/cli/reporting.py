@@ -62,7 +62,7 @@ def watch(file: str) -> None:
 
     if is_result(file):
         raise InputError.of(file, "is a result, which doesn't change; sweeps report makes its page")
-    page = WatchedPage(find_study(file).name, lambda: machine_of(file, None), foreseen_errors())
+    page = WatchedPage(find_study(file).name, lambda: machine_of(file, None).scene, foreseen_errors())
     with PageServer(page) as server, keeping(lambda: "the page isn't served any more"):
         Thread(target=server.serve_forever, daemon=True).start()
         tell(f"{file} is shown at {server.address} (Ctrl-C ends this)")

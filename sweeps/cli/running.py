@@ -146,6 +146,6 @@ def optimise(asked: shared.Options) -> None:
     with keeping(bar.kept_text):
         _compute(asked, bar, partial(optimise_study, found))
         result = SweepResult(asked.out)
-        head = f"{found.title or found.name}: {counted(result.description.variants, 'candidate')}"
+        head = f"{found.title or found.name}: {counted(result.file.variants, 'candidate')}"
         _tell(asked, result, file, begun, (head, counts_text(result), optimum_text(result, asked.every)))
     shared.stop_without_answer(result)

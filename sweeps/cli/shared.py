@@ -27,6 +27,7 @@ WRONG_INPUT = 2
 NO_ANSWER = 1
 NOT_ALL_DONE = 1
 DIFFERENT = 1
+DAMAGED = 1
 
 LONGEST_MESSAGE, LONGEST_WORD = 2900, 200
 
@@ -258,8 +259,8 @@ def stop_without_answer(result: "SweepResult") -> None:
     """Exit with a special code if no variant has a result, or none meets the conditions of the question."""
     from engine import Verdict
 
-    works = result.verdict_counts().get(Verdict.OK, 0)
-    if not works or (result.aim is not None and result.description.variants > 1 and result.best(result.aim) is None):
+    works = result.verdict_counts()[Verdict.OK]
+    if not works or (result.aim is not None and result.file.variants > 1 and result.best(result.aim) is None):
         sys.exit(NO_ANSWER)
 
 
@@ -277,13 +278,11 @@ def tell_altered(file: Path | str) -> None:
 
 
 def warnings_of(result: "SweepResult") -> list[str]:
-    """Warnings on the answer of a result: its best or only variant, or the choices of a front."""
-    from sweeps.optimising.optimum import choices, is_search
-    from sweeps.report.variant_warnings import answer_warnings, result_warnings
+    """Warnings on the variants that answer the question of a result."""
+    from sweeps.optimising.optimum import answering
+    from sweeps.report.variant_warnings import result_warnings
 
-    if is_search(result):
-        return result_warnings(result, [choice.variant for choice in choices(result)])
-    return answer_warnings(result)
+    return result_warnings(result, answering(result))
 
 
 def tell_warnings(result: "SweepResult") -> None:

@@ -8,7 +8,7 @@ import click
 from sweeps.cli import shared
 from sweeps.cli.shared import POSITIONS, main
 from sweeps.cli.waiting import doing
-from sweeps.text.input_files import InputError
+from sweeps.text.input_files import InputError, need_known
 
 
 @main.command()
@@ -36,19 +36,9 @@ def show(asked: shared.Options) -> None:
     if asked.at is not None:
         _show_at(asked)
         return
-    from engine import did_you_mean
     from sweeps.optimising.optimum import is_front, is_search, optimum_text
     from sweeps.report.files.result_data import result_data
-    from sweeps.report.result_report import (
-        answer_text,
-        counts_text,
-        fields_text,
-        meeting_text,
-        variant_text,
-        variants_done_text,
-        variants_text,
-        varied_text,
-    )
+    from sweeps.report.result_report import answer_text, contents_text, meeting_text, variant_text, variants_text
     from sweeps.report.sweep_result import SweepResult
 
     if asked.settings:
@@ -57,10 +47,7 @@ def show(asked: shared.Options) -> None:
     result.show_own_units()
     shared.tell_altered(asked.file)
     names = shared.names_in(asked.columns or "")
-    unknown = [n for n in names if n not in result.columns]
-    if unknown:
-        message = f"{unknown[0]!r} is not in the result; {did_you_mean(unknown[0], result.columns)}"
-        raise InputError.of(str(asked.file), message, key="columns")
+    need_known(names, result.columns, str(asked.file), "is not in the result", "columns")
     if asked.variant is not None:
         # Refuses one that isn't there.
         result.variant_values(asked.variant)
@@ -76,15 +63,9 @@ def show(asked: shared.Options) -> None:
         shared.tell_data(result_data(result, chosen, names) | {"warnings": shared.warnings_of(result)})
         shared.stop_without_answer(result)
         return
-    d = result.description
-    shared.tell(f"{d.title}: {variants_done_text(result)}")
-    if d.variants > 1:
-        shared.tell(f"varied: {varied_text(result)}")
-    for line in fields_text(result):
-        shared.tell(line)
-    shared.tell(counts_text(result))
+    shared.tell(contents_text(result))
     # The answer lists a single machine.
-    if d.variants > 1 or asked.where or names:
+    if result.file.variants > 1 or asked.where or names:
         shared.tell(meeting_text(result, condition) + (f"; the first {chosen.size}:" if chosen.size else ""))
         if chosen.size:
             shared.tell(variants_text(result, chosen, names, asked.every))
@@ -98,10 +79,9 @@ def _show_at(asked: shared.Options) -> None:
     """Show fields of one machine at given positions or times."""
     from sweeps.cli.named_machine import machine_of, read_at
     from sweeps.report.readings import readings_text
-    from sweeps.text.scene_text import with_values
 
-    scene, values, _ = machine_of(str(asked.file), asked.variant, asked.settings)
-    readings = read_at(with_values(scene, values), asked.at, shared.names_in(asked.columns or ""))
+    scene = machine_of(str(asked.file), asked.variant, asked.settings).scene
+    readings = read_at(scene, asked.at, shared.names_in(asked.columns or ""))
     if asked.as_json:
         from sweeps.report.files.data_files import table_data
         from sweeps.report.files.exports import reading_table
@@ -155,8 +135,6 @@ def plot(asked: shared.Options) -> None:
     torques over speed, Holzer tables. Gear trains: velocity diagrams with a table.
     """
     from sweeps.cli.named_machine import is_result, machine_of, positions_of
-    from sweeps.pictures import picture_files
-    from sweeps.text.scene_text import with_values
 
     # Loaded modules live to the end: spare the garbage collector.
     gc.freeze()
@@ -176,28 +154,39 @@ def plot(asked: shared.Options) -> None:
         from sweeps.pictures.machine.cycle_sheets import POSITIONS, field_curves
         from sweeps.pictures.style import save
 
-        scene, values, name = machine_of(asked.file, asked.variant, asked.settings)
+        machine = machine_of(asked.file, asked.variant, asked.settings)
         fields = shared.names_in(asked.y or "")
-        target = asked.out or Path(f"{name}_{'_'.join(fields).replace('.', '_') or 'fields'}.png")
-        save(field_curves(with_values(scene, values), fields, asked.x, asked.positions or POSITIONS), target)
+        target = asked.out or Path(f"{machine.name}_{'_'.join(fields).replace('.', '_') or 'fields'}.png")
+        save(field_curves(machine.scene, fields, asked.x, asked.positions or POSITIONS), target)
         made = [target]
     else:
-        scene, values, name = machine_of(asked.file, asked.variant, asked.settings)
-        stem, places = asked.out or Path(f"{name}.png"), positions_of(scene, asked.at)
+        from sweeps.pictures.picture_files import machine_pictures
+
+        machine = machine_of(asked.file, asked.variant, asked.settings)
+        scene, stem = machine.scene, asked.out or Path(f"{machine.name}.png")
+        places = positions_of(scene, asked.at)
         shown = places, shared.names_in(asked.paths), shared.names_in(asked.shown)
-        made = picture_files.machine_pictures(scene, values, stem, *shown, parts=shared.names_in(asked.motion))
+        made = machine_pictures(scene, stem, *shown, parts=shared.names_in(asked.motion))
         if asked.plans or asked.bearings:
             from sweeps.pictures.plans.files import bearing_pictures, plan_pictures
 
-            made += plan_pictures(scene, stem, next(iter(places), None), values) if asked.plans else []
-            made += bearing_pictures(scene, stem, shared.names_in(asked.bearings), values)
+            made += plan_pictures(scene, stem, next(iter(places), None)) if asked.plans else []
+            made += bearing_pictures(scene, stem, shared.names_in(asked.bearings))
         if asked.hodograph or asked.beside:
-            other = machine_of(asked.beside, None) if asked.beside else None
-            made.append(picture_files.hodograph_picture((scene, values, name), other, stem))
+            from sweeps.pictures.machine.hodographs import hodographs
+            from sweeps.pictures.style import save_beside
+
+            others = {} if scene is machine.before else {"scene": machine.before}
+            if asked.beside:
+                other = machine_of(asked.beside, None)
+                others = {other.name: other.scene}
+            # Distinguish equal names.
+            others = {f"{name} (other)" if name == machine.name else name: shown for name, shown in others.items()}
+            made += save_beside(stem, [("hodograph", hodographs({**others, machine.name: scene}))])
         if scene.elements:
             from sweeps.pictures.elements.element_pictures import element_tables
 
-            tables = element_tables(with_values(scene, values))
+            tables = element_tables(scene)
     if tables:
         shared.tell(tables)
     shared.tell("\n".join(f"Wrote {path}" for path in dict.fromkeys(made)))
@@ -213,12 +202,10 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
     from sweeps.pictures.elements.order_picture import order_picture
     from sweeps.pictures.style import save
     from sweeps.report.order_table import engine_rows, order_table, well_known_engines
-    from sweeps.text.scene_text import with_values
 
     rows = well_known_engines()
     if file is not None:
-        scene, values, _ = machine_of(file, variant)
-        rows = engine_rows(with_values(scene, values))
+        rows = engine_rows(machine_of(file, variant).scene)
         if not rows:
             raise InputError.of(file, 'has no engine; add [elements.NAME] with type = "engine"', key="elements")
     shared.tell(order_table(rows))
@@ -242,15 +229,14 @@ def animate(asked: shared.Options) -> None:
     from sweeps.cli.named_machine import element_named, machine_of
     from sweeps.pictures.elements.element_motion import element_frames
     from sweeps.pictures.machine.animation import machine_frames, save_animation
-    from sweeps.text.scene_text import with_numbers
 
-    scene, values, name = machine_of(asked.file, asked.variant, asked.settings)
-    out = asked.out or Path(f"{name}.gif")
-    moving = element_named(with_numbers(scene, values), ["cam", "gear_train"], asked.element)
+    machine = machine_of(asked.file, asked.variant, asked.settings)
+    out = asked.out or Path(f"{machine.name}.gif")
+    moving = element_named(machine.scene, ["cam", "gear_train"], asked.element)
     if moving is not None:
         save_animation(lambda count: element_frames(moving, count), out, asked.frames)
     else:
         save_animation(
-            lambda count: machine_frames(scene, count, shared.names_in(asked.paths), values), out, asked.frames
+            lambda count: machine_frames(machine.scene, count, shared.names_in(asked.paths)), out, asked.frames
         )
     shared.tell(f"Wrote {out}")

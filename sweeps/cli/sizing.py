@@ -69,10 +69,9 @@ def balance_command(asked: Options) -> None:
     from sweeps.cli.named_machine import machine_of
     from sweeps.report.sizing.balance_shaft_table import balance_shaft_text, engines_of
     from sweeps.report.sizing.counterweight_table import counterweight_text, counterweights_of
-    from sweeps.text.scene_text import with_values, write_scene
+    from sweeps.text.scene_text import write_scene
 
-    scene, values, _ = machine_of(asked.file, asked.variant)
-    scene = with_values(scene, values)
+    scene = machine_of(asked.file, asked.variant).scene
     if scene.input is None and engines_of(scene):
         tell(balance_shaft_text(scene, asked.planes))
         return

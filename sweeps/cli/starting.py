@@ -1,4 +1,4 @@
-"""Commands to get started: list, new, schema, modes, guide."""
+"""Commands to get started: list, new, import, schema, modes, guide."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -36,6 +36,29 @@ def new(template: str, out: Path | None) -> None:
     tell("Editors complete and check it after: sweeps schema")
 
 
+@main.command("import")
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--unit", help="Length unit of FILE (default: 1 mm, or the unit in a PMKS+ address).")
+@click.option("--speed", help="Crank speed (default: 60 rpm, or the speed in a PMKS+ address).")
+@click.option("--out", type=click.Path(path_type=Path), help="Scene to write; default: FILE with .toml.")
+def import_command(file: Path, unit: str | None, speed: str | None, out: Path | None) -> None:
+    """Convert a linkage from pylinkage (JSON), PMKS (rows of joints, or an address with mech=) or PMKS+ to a scene.
+
+    For PMKS+, FILE contains the shared address, https://app.pmksplus.com/?…
+    """
+    from sweeps.imports.foreign_scene import import_scene
+    from sweeps.text.numbers_in_row import numbers_in_row
+    from sweeps.text.scene_text import write_scene
+
+    if speed is not None:
+        numbers_in_row("--speed", speed, ("angular_speed",))
+    size = None if unit is None else numbers_in_row("--unit", unit, ("length",))[0]
+    scene = import_scene(file, size, speed)
+    out = out or file.with_suffix(".toml")
+    write_text(out, f"# Imported from {file.name}: kinematics only.\n\n{write_scene(scene)}")
+    tell(f"Wrote {out}: sweeps check {out}; sweeps plot {out}")
+
+
 @main.command()
 @click.option("--out", type=click.Path(path_type=Path), default=Path("."), help="Folder of the scenes; default: this.")
 def schema(out: Path) -> None:
@@ -67,11 +90,11 @@ def modes(scene: str, out: Path | None, no_plots: bool) -> None:
     from sweeps.pictures.drawing.mode_pictures import mode_pictures
     from sweeps.report.mode_table import mode_table
 
-    machine, _, name = machine_of(scene, None)
-    found = assembly_modes(machine)
-    tell(mode_table(machine, found))
+    machine = machine_of(scene, None)
+    found = assembly_modes(machine.scene)
+    tell(mode_table(machine.scene, found))
     if found and not no_plots:
-        made = mode_pictures(machine, found, out or Path(f"{name}_modes.png"))
+        made = mode_pictures(machine.scene, found, out or Path(f"{machine.name}_modes.png"))
         for path, refusal in made.items():
             tell(f"Wrote {path}" if refusal is None else f"Not drawn: {path}: {refusal}")
 

@@ -82,6 +82,14 @@ def choices(result: SweepResult) -> list[Choice]:
     return found
 
 
+def answering(result: SweepResult) -> list[int]:
+    """Variants that answer the question: the only one, the choices of a search, or the best."""
+    if is_search(result):
+        return [choice.variant for choice in choices(result)]
+    best = 0 if result.file.variants == 1 else result.best()
+    return [] if best is None else [best]
+
+
 def optimum_text(result: SweepResult, every: bool = False) -> str:
     """The answer of a search: the best candidate with its active limits, or chosen candidates of the front.
 
@@ -93,7 +101,7 @@ def optimum_text(result: SweepResult, every: bool = False) -> str:
     """
     search, there = result.record["search"], front(result)
     head = [result.question] if result.question else []
-    found = f"{search['method']}, seed {search['seed']}: {result.description.attributes.get('outcome', '')}"
+    found = f"{search['method']}, seed {search['seed']}: {result.file.attributes.get('outcome', '')}"
     if not there.size:
         return "\n".join([*head, no_answer_text(result, "candidate"), found])
     if is_front(result):

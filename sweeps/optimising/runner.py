@@ -28,7 +28,6 @@ from sweeps.store import (
     Store,
     StoreError,
     columns_of_number,
-    describe_result,
     make_folder_of,
     part_path,
     read_columns,
@@ -138,16 +137,16 @@ def _search(
 def _is_finished(path: Path, trials: Trials, tell: Callable[[str], None]) -> bool:
     """Whether a file is this search's undamaged result; updates its texts."""
     try:
-        described, mapped = describe_result(path), MappedResult(path)
+        mapped = MappedResult(path)
     except DamagedError as error:
         tell(f"{error} The search is run again.")
         return False
-    if described.attributes.get("study_hash") != trials.task.digest:
+    if mapped.attributes.get("study_hash") != trials.task.digest:
         return False
     if mapped.edited or mapped.damaged():
         tell(f"{path} is damaged: the search is run again.")
         return False
-    layout = _final_layout(trials, described.variants)
+    layout = _final_layout(trials, mapped.variants)
     reword(path, {name: layout.attributes[name] for name in WORDS})
     tell(complete_text(path))
     return True

@@ -11,7 +11,7 @@ import numpy as np
 from engine import Verdict
 from sweeps.optimising.optimum import front, is_front
 from sweeps.report.sweep_result import SweepResult
-from sweeps.text.conditions import Condition
+from sweeps.text.conditions import Condition, parts_of
 
 MOST_BEST, MOST_SAMPLED = 500, 2000
 # Ordered axes, whose variants have neighbours; samples and tables have no order.
@@ -84,19 +84,19 @@ class Digest:
     @property
     def conditions(self) -> tuple[Condition, ...]:
         """The parts of that condition."""
-        return Condition.parse(self.where).parts if self.where else ()
+        return parts_of(self.where)
 
     # Over all variants
 
     @cached_property
     def counts(self) -> Counter:
         """Number of variants per verdict."""
-        return Counter(self.result.verdict_counts())
+        return self.result.verdict_counts()
 
     @cached_property
     def undecided(self) -> int:
         """Number of variants for which the condition is undecided."""
-        return self.result.undecided(self.where) if self.where else 0
+        return self.result.undecided(self.where)
 
     @cached_property
     def rivals(self) -> int:
@@ -190,7 +190,7 @@ class Digest:
     @property
     def is_one(self) -> bool:
         """Whether there is only one variant."""
-        return self.result.description.variants == 1
+        return self.result.file.variants == 1
 
     @cached_property
     def drawn(self) -> int | None:

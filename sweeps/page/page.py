@@ -13,7 +13,6 @@ from sweeps.report.answers.unmet_conditions import no_answer_text
 from sweeps.report.regime_words import MOTION_VERDICTS, failure_text
 from sweeps.report.result_report import value_text
 from sweeps.report.variant_warnings import result_warnings
-from sweeps.text.scene_text import with_values
 from sweeps.text.whole_files import write_whole_text
 
 
@@ -42,9 +41,9 @@ def _parts(digest: Digest) -> dict[str, Any]:
     """Data for the template."""
     result, pictures = digest.result, drawn_pictures(digest)
     motion = machines_data(digest) if pictures.machine else None
-    attributes = result.description.attributes
+    attributes = result.file.attributes
     return {
-        "title": result.description.title,
+        "title": result.file.title,
         "question": result.question,
         "answer": _answer(digest),
         "remark": _remark(digest),
@@ -75,7 +74,7 @@ def _answer(digest: Digest) -> str:
     if digest.is_one:
         verdict = next(iter(digest.counts))
         if verdict in MOTION_VERDICTS:
-            return failure_text(with_values(result.scene, result.variant_values(0)), verdict)
+            return failure_text(result.scene_of(0), verdict)
         return "A single machine; its numbers are below." if verdict == Verdict.OK else f"No result: {verdict.sentence}"
     if aim is None:
         return "The study has no [best], so there is no best variant."
@@ -89,7 +88,7 @@ def _answer(digest: Digest) -> str:
 def _remark(digest: Digest) -> str:
     if digest.is_one:
         return ""
-    text = f"{digest.counts[Verdict.OK]} of {digest.result.description.variants} variants work."
+    text = f"{digest.counts[Verdict.OK]} of {digest.result.file.variants} variants work."
     return (
         f"{text} {digest.result.count_meeting(digest.where)} meet the condition."
         if digest.aim and digest.aim.where
@@ -120,8 +119,8 @@ def _warnings(digest: Digest) -> list[str]:
             "choose between them on other grounds."
         )
     works = digest.counts[Verdict.OK]
-    failed = result.description.variants - works - digest.counts[Verdict.DROPPED] - digest.counts[Verdict.NOT_COMPUTED]
-    if failed and result.description.variants > 1:
+    failed = result.file.variants - works - digest.counts[Verdict.DROPPED] - digest.counts[Verdict.NOT_COMPUTED]
+    if failed and result.file.variants > 1:
         found.append(f"{counted(failed, 'variant')} without a result; see the verdicts.")
     coarse = [name for name, share in digest.worst_errors.items() if share > (result.accuracy or 0.01)]
     if coarse:

@@ -14,8 +14,7 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from PIL import Image
 
-from engine import Mechanics, scene_numbers
-from sweeps.optimising.optimum import is_front
+from engine import SceneError, scene_numbers
 from sweeps.page.digest import Digest
 from sweeps.page.machine_motion import BRIEF, looks, motion_data
 from sweeps.page.page_text import SHORT
@@ -23,10 +22,9 @@ from sweeps.pictures.drawing import DrawnMotion
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.picture_files import machine_pictures
 from sweeps.pictures.style import COLOURS, save, wrapped
-from sweeps.pictures.sweep.front_picture import front_picture
 from sweeps.pictures.sweep.maps import plot_result
 from sweeps.pictures.sweep.parallel_coordinates import chosen_columns
-from sweeps.pictures.sweep.result_pictures import plot_data, sweep_data
+from sweeps.pictures.sweep.result_pictures import plot_data, sweep_figure
 from sweeps.pictures.sweep.sweep_data import SweepData
 from sweeps.text.scene_text import number_text
 from sweeps.text.visible import visible
@@ -66,9 +64,8 @@ def drawn_pictures(digest: Digest) -> Drawn:
     machine, variants, complaints = [], None, []
     with scratch_folder() as folder:
         if digest.drawn is not None:
-            scene, path = digest.result.scene, folder / "machine.svg"
             try:
-                made = machine_pictures(scene, digest.result.variant_values(digest.drawn), path)
+                made = machine_pictures(digest.result.scene_of(digest.drawn), folder / "machine.svg")
                 machine = [inline_svg(picture, f"m{k}") for k, picture in enumerate(made)]
             except PictureError as error:
                 complaints.append(f"No drawing of the machine: {error}")
@@ -84,11 +81,8 @@ def drawn_pictures(digest: Digest) -> Drawn:
 
 def _variants_drawn(digest: Digest) -> Figure:
     result = digest.result
-    if result.description.variants <= DRAWN_WHOLE:
-        data, best = sweep_data(result, (), digest.best)
-        if "search" in result.record and is_front(result):
-            return front_picture(result, data)
-        return plot_result(data, best=best)
+    if result.file.variants <= DRAWN_WHOLE:
+        return sweep_figure(result, None, None, None, digest.best)
     best = None if digest.best is None else int(np.searchsorted(digest.shown, digest.best))
     return plot_result(_data_of(digest), best=best)
 
@@ -191,23 +185,22 @@ def machines_data(digest: Digest) -> dict[str, Any] | None:
     ----------
     digest : Digest
     """
-    first, scene = digest.drawn, digest.result.scene
-    if first is None or scene.input is None:
+    first = digest.drawn
+    if first is None or digest.result.scene.input is None:
         return None
-    known = Mechanics(scene, frozenset(digest.result.variant_values(first)))
     machines, room = [], MOST_MOTION
     for number in dict.fromkeys([first, *([] if digest.is_one else _carried(digest))]):
         try:
-            motion = DrawnMotion(scene, digest.result.variant_values(number), known)
+            motion = DrawnMotion(digest.result.scene_of(number))
             machine = motion_data(motion, BRIEF, arrows=False) if machines else motion_data(motion)
-        except PictureError:
+        except (PictureError, SceneError):
             if not machines:
                 return None
             continue
         room -= len(json.dumps(machine, separators=SHORT))
         if machines and room < 0:
             break
-        name = digest.result.description.title if digest.is_one else f"Variant {number}"
+        name = digest.result.file.title if digest.is_one else f"Variant {number}"
         machines.append({"number": number, "name": visible(name), **machine})
     return {"looks": looks(), "machines": machines}
 

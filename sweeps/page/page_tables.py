@@ -10,7 +10,7 @@ from engine import Verdict, display_unit, figure_text, quantity_text
 from sweeps.page.digest import Digest
 from sweeps.report.answers.shown_results import shown_summaries
 from sweeps.report.regime_words import by_regime, regime_words
-from sweeps.report.result_report import range_text, value_text
+from sweeps.report.result_report import end_rows, value_text
 from sweeps.report.sweep_result import drop_counts
 from sweeps.study.sensitivity import RSS, WORST_CASE
 
@@ -83,7 +83,7 @@ def limit_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
         head = ("required", "variants dropped", "only by this")
         yield "Variants dropped before computation:", PageTable(head, rows, (1, 2))
     if digest.best is not None:
-        rows = list(_ends(digest, digest.best))
+        rows = list(end_rows(digest.result, digest.best))
         if rows:
             words = "These numbers lie at the end of their range; a wider range may give a better answer:"
             yield words, PageTable(("number", "value", "", "tried"), rows, (1,))
@@ -93,12 +93,6 @@ def _room(margin: float) -> str:
     if np.isnan(margin):
         return "–"
     return "on its limit" if abs(margin) < NEAR else f"{margin:.2%}"
-
-
-def _ends(digest: Digest, best: int) -> Iterator[tuple[str, str, str, str]]:
-    result = digest.result
-    for name, end in result.range_ends(best).items():
-        yield name, value_text(result, name, best), end.word, range_text(result, name, end)
 
 
 def sensitivity_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
@@ -200,7 +194,7 @@ def verdicts_table(digest: Digest) -> PageTable:
 def provenance_table(digest: Digest) -> PageTable:
     """Origin of a result."""
     result = digest.result
-    attributes = result.description.attributes
+    attributes = result.file.attributes
     rows = [
         ("result file", result.path.name),
         ("study", attributes.get("study_hash", "")),

@@ -1,7 +1,7 @@
 """The page of a machine whose file is being edited, made again whenever the file is saved."""
 
 import secrets
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from threading import Condition
 from typing import Any
@@ -12,8 +12,6 @@ from sweeps.page.page_text import page_text
 from sweeps.pictures.drawing import DrawnMotion
 from sweeps.text.input_files import Stamp, files_read
 
-Reader = Callable[[], tuple[Scene, Mapping[str, float], str]]
-
 
 class WatchedPage:
     """The page of one machine, with its last motion that could be drawn and what is wrong with its text now.
@@ -22,10 +20,10 @@ class WatchedPage:
 
     Parameters
     ----------
-    title : str
-        Heading as long as there is no machine.
+    file : str
+        Its name, the heading as long as there is no machine.
     read : callable
-        Reads the machine: its scene, numbers that replace the scene's, and its name.
+        Reads the scene.
     errors : tuple of exception types
         Errors meant for the user.
 
@@ -38,11 +36,11 @@ class WatchedPage:
         What is wrong, with file and line; "" if nothing is.
     """
 
-    def __init__(self, title: str, read: Reader, errors: tuple[type[Exception], ...]) -> None:
+    def __init__(self, file: str, read: Callable[[], Scene], errors: tuple[type[Exception], ...]) -> None:
         self._read, self._errors = read, errors
         self._changed, self._files = Condition(), dict[Path, Stamp | None]()
-        self._session, self._count, self._parts = secrets.token_hex(8), 0, {"title": title}
-        self._file = title
+        self._session, self._count, self._parts = secrets.token_hex(8), 0, {"title": file}
+        self._file = file
         self.version = self.text = self.message = ""
         self._make()
 
@@ -68,7 +66,7 @@ class WatchedPage:
     def _make(self) -> None:
         with files_read() as self._files:
             try:
-                self._parts, self.message = _parts(*self._read(), self._file), ""
+                self._parts, self.message = _parts(self._read(), self._file), ""
             except self._errors as error:
                 self.message = str(error)
         self._count += 1
@@ -82,10 +80,10 @@ class WatchedPage:
             self._changed.notify_all()
 
 
-def _parts(scene: Scene, values: Mapping[str, float], name: str, file: str) -> dict[str, Any]:
+def _parts(scene: Scene, file: str) -> dict[str, Any]:
     """Data for the template."""
-    title = scene.title or name
-    machine = {"number": 0, "name": title, **motion_data(DrawnMotion(scene, values), BRIEF)}
+    title = scene.title or Path(file).stem
+    machine = {"number": 0, "name": title, **motion_data(DrawnMotion(scene), BRIEF)}
     # A walk over time is compiled, which takes seconds.
     regimes = f"The motion is that at constant speed. sweeps plot {file} draws the regimes: {', '.join(scene.regimes)}."
     return {
@@ -93,5 +91,5 @@ def _parts(scene: Scene, values: Mapping[str, float], name: str, file: str) -> d
         "remark": regimes if scene.regimes else "",
         "drawn": "The machine",
         "motion": {"looks": looks(), "machines": [machine]},
-        "warnings": warnings_from_numbers(scene, values),
+        "warnings": warnings_from_numbers(scene),
     }

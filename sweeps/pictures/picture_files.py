@@ -1,30 +1,24 @@
 """Plot files of a machine: drawing, diagrams, fields, shaking force."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from engine import Mechanics, Scene
+from engine import Scene
 from sweeps.pictures.drawing import DrawnMotion, picture
 from sweeps.pictures.drawing.figures import default_position
 from sweeps.pictures.machine.cycle_sheets import indicator_diagrams, motion_of_part
 from sweeps.pictures.machine.diagrams import diagrams
-from sweeps.pictures.machine.hodographs import hodographs
 from sweeps.pictures.style import format_of, save, save_beside
-from sweeps.text.scene_text import with_values
-
-Named = tuple[Scene, Mapping[str, float], str]
 
 
 def machine_pictures(
     scene: Scene,
-    values: Mapping[str, float],
     path: Path,
     at: Sequence[float] = (),
     paths: Sequence[str] = (),
     shown: Sequence[str] = (),
-    known: Mechanics | None = None,
     parts: Sequence[str] = (),
 ) -> list[Path]:
     """Draw a machine and its diagrams, regimes and elements to separate files.
@@ -32,8 +26,6 @@ def machine_pictures(
     Parameters
     ----------
     scene : Scene
-    values : mapping of path to float
-        Numbers (SI) that replace the scene's.
     path : Path
         File of the drawing; diagrams get `_diagrams` appended.
     at : sequence of float
@@ -42,8 +34,6 @@ def machine_pictures(
         Points whose paths are drawn.
     shown : sequence of str
         Optional items: from `ANNOTATIONS`, and `SCALE`.
-    known : Mechanics, optional
-        As for `MovingMachine`.
     parts : sequence of str
         Sliders and links whose motion is drawn, up to their jerk.
 
@@ -58,9 +48,8 @@ def machine_pictures(
         Unknown extension; the mechanism can't be assembled, or an element can't be drawn.
     """
     format_of(path)
-    whole = with_values(scene, values)
-    motion = None if scene.input is None else DrawnMotion(scene, values, known)
-    made = save_beside(path, _sheets(whole, motion, parts))
+    motion = None if scene.input is None else DrawnMotion(scene)
+    made = save_beside(path, _sheets(scene, motion, parts))
     if motion is None:
         return made
     # Last: where it is there, so are the others.
@@ -87,41 +76,7 @@ def _sheets(scene: Scene, motion: DrawnMotion | None, parts: Sequence[str]) -> I
         yield from element_sheets(scene)
 
 
-def hodograph_picture(machine: Named, beside: Named | None, path: Path) -> Path:
-    """Draw the shaking force of a machine, compared with another machine or the unmodified scene.
-
-    Parameters
-    ----------
-    machine : (Scene, mapping of path to float, str)
-        Scene, replaced numbers (SI) and name.
-    beside : (Scene, mapping of path to float, str), optional
-        Another machine; default: the unmodified scene if numbers are replaced.
-    path : Path
-        Base name; `_hodograph` is appended.
-
-    Returns
-    -------
-    Path
-        File written.
-
-    Raises
-    ------
-    PictureError
-        A machine can't be computed or its crank doesn't turn fully.
-    """
-    scene, values, name = machine
-    shown = {}
-    if beside is not None:
-        shown[beside[2]] = with_values(*beside[:2])
-    elif values:
-        shown["scene"] = scene
-    # Distinguish equal names.
-    shown = {f"{other} (other)" if other == name else other: s for other, s in shown.items()}
-    drawn = hodographs({**shown, name: with_values(scene, values)})
-    return save_beside(path, [("hodograph", drawn)])[0]
-
-
-def drawing_file(scene: Scene, values: Mapping[str, float], out: Path, position: float | None = None) -> None:
+def drawing_file(scene: Scene, out: Path, position: float | None = None) -> None:
     """Draw the mechanism at one position (default: a suitable one) as SVG or DXF, by file extension.
 
     Raises
@@ -129,7 +84,7 @@ def drawing_file(scene: Scene, values: Mapping[str, float], out: Path, position:
     PictureError
         The scene has only machine elements, or can't be drawn.
     """
-    motion = DrawnMotion(scene, values)
+    motion = DrawnMotion(scene)
     if out.suffix == ".dxf":
         from sweeps.pictures.drawing.dxf import write_dxf
 

@@ -231,6 +231,11 @@ def sheet(width: float, height: float, title: str = "") -> Iterator[Figure]:
             figure.suptitle(title, fontweight="bold")
 
 
+def titled(title: str, words: str) -> str:
+    """Title of a sheet: that of its machine, if it has one, and some words."""
+    return f"{title}: {words}" if title else words[:1].upper() + words[1:]
+
+
 def legend_below(figure: Figure, axes: Iterable[Axes], columns: int) -> None:
     """One legend for all panels, below them; nothing if none of them has a label."""
     entries = {label: handle for ax in axes for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)}

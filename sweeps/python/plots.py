@@ -7,19 +7,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from engine import MovingMachine, Scene, history, history_fields, show_system
-from sweeps.optimising.optimum import is_front
-from sweeps.pictures.drawing import DrawnMotion, picture
+from engine import Scene, history, history_fields, show_system
+from sweeps.pictures.drawing import picture
 from sweeps.pictures.machine.cycle_sheets import POSITIONS, field_curves
 from sweeps.pictures.machine.diagrams import diagrams
 from sweeps.pictures.machine.motion_diagrams import history_diagrams
 from sweeps.pictures.picture_error import PictureError, need_mechanism
-from sweeps.pictures.sweep.front_picture import front_picture
 from sweeps.pictures.sweep.maps import plot_result
-from sweeps.pictures.sweep.result_pictures import sweep_data
+from sweeps.pictures.sweep.result_pictures import sweep_figure
 from sweeps.pictures.sweep.sweep_data import SweepData
 from sweeps.report.sweep_result import SweepResult
 from sweeps.store import FieldAxis
+from sweeps.text.scene_text import with_values
 
 if TYPE_CHECKING:
     import xarray
@@ -53,7 +52,7 @@ def plot_mechanism(
         The scene has no mechanism, a position can't be drawn, or a point of `paths` doesn't exist.
     """
     show_system(scene.units)
-    return picture(DrawnMotion(scene, values), at, paths, shown)
+    return picture(with_values(scene, values or {}), at, paths, shown)
 
 
 def plot_diagrams(scene: Scene, values: Mapping[str, float] | None = None) -> Figure:
@@ -72,7 +71,7 @@ def plot_diagrams(scene: Scene, values: Mapping[str, float] | None = None) -> Fi
     """
     need_mechanism(scene)
     show_system(scene.units)
-    return diagrams(MovingMachine(scene, values))
+    return diagrams(with_values(scene, values or {}))
 
 
 def plot_fields(scene: Scene, names: Sequence[str], x: str | None = None, positions: int = POSITIONS) -> Figure:
@@ -142,10 +141,7 @@ def plot_sweep(
         return plot_result(_data_of(result), x, y, colour)
     found = SweepResult(Path(result))
     found.show_own_units()
-    if is_front(found) and x is y is colour is None:
-        return front_picture(found, sweep_data(found, ())[0])
-    shown, best = sweep_data(found, (x, y, colour), found.best())
-    return plot_result(shown, x, y, colour, best)
+    return sweep_figure(found, x, y, colour, found.best())
 
 
 def _data_of(data: "xarray.Dataset") -> SweepData:

@@ -1,7 +1,6 @@
 """The motion of one machine at given times."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -12,16 +11,8 @@ from sweeps.report.regime_words import failure_text
 from sweeps.text.input_files import InputError
 
 
-class HistoryColumn(NamedTuple):
-    """A quantity over the instants of a history (instants,): SI values, unit, and meaning."""
-
-    row: np.ndarray
-    units: str
-    words: str = ""
-
-
-def history_columns(scene: Scene, seen: "engine.History") -> dict[str, HistoryColumn]:
-    """Motion, torques and energy of a history, position and speed first.
+def history_readings(scene: Scene, seen: "engine.History") -> Readings:
+    """Motion, torques and energy of a history at all its instants, position and speed first.
 
     Parameters
     ----------
@@ -44,7 +35,10 @@ def history_columns(scene: Scene, seen: "engine.History") -> dict[str, HistoryCo
     if not turns:
         found = {name: (row, *sliding_quantity(words, unit)[::-1]) for name, (row, unit, words) in found.items()}
         found["displacement"] = (seen.angle, "m", "input displacement")
-    return {name: HistoryColumn(*column) for name, column in found.items()}
+    failed = "" if seen.verdict == Verdict.OK else failure_text(scene, seen.verdict, seen)
+    values, units, long_names = ({name: column[k] for name, column in found.items()} for k in range(3))
+    about = {"time": "s"} | units, {"time": "time after the start"} | long_names
+    return Readings("time", seen.time, values, *about, failed)
 
 
 def readings_in_time(scene: Scene, at: Sequence[float]) -> Readings:
@@ -64,16 +58,13 @@ def readings_in_time(scene: Scene, at: Sequence[float]) -> Readings:
     if not scene.regimes:
         raise InputError.of("--at", 'a time needs regimes; give an angle, or add [regimes.NAME] with type = "run"')
     seen, times = engine.history(scene), np.asarray(at, float)
-    failed = "" if seen.verdict == Verdict.OK else failure_text(scene, seen.verdict, seen)
+    whole = history_readings(scene, seen)
     if times.min() < 0 or times.max() > seen.time[-1]:
-        message = f"the regimes last from 0 to {seen.time[-1]:.6g} s" + (f": {failed}" if failed else "")
+        message = f"the regimes last from 0 to {seen.time[-1]:.6g} s" + (f": {whole.remark}" if whole.remark else "")
         raise InputError.of("--at", message)
-    columns = history_columns(scene, seen)
-    slopes = dict(zip(columns, (seen.speed, seen.acceleration), strict=False))
-    values = {name: _between(seen.time, times, c.row, slopes.get(name)) for name, c in columns.items()}
-    units = {"time": "s"} | {name: column.units for name, column in columns.items()}
-    long_names = {"time": "time after the start"} | {name: column.words for name, column in columns.items()}
-    return Readings("time", times, values, units, long_names, failed)
+    slopes = dict(zip(whole.values, (seen.speed, seen.acceleration), strict=False))
+    values = {name: _between(seen.time, times, row, slopes.get(name)) for name, row in whole.values.items()}
+    return whole._replace(at=times, values=values)
 
 
 def _between(time: np.ndarray, at: np.ndarray, row: np.ndarray, slopes: np.ndarray | None) -> np.ndarray:

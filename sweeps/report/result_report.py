@@ -1,6 +1,6 @@
 """Text report on sweep results."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -9,37 +9,30 @@ from sweeps.report import accuracy_words
 from sweeps.report.answers.shown_results import hidden_text, shown_parameters, shown_summaries
 from sweeps.report.answers.unmet_conditions import drop_lines, no_answer_text, undecided_text
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
-from sweeps.report.sweep_result import RangeEnd, SweepResult
+from sweeps.report.sweep_result import SweepResult
 from sweeps.study.study_text import Best
 from sweeps.text.conditions import Where
-from sweeps.text.scene_text import with_values
 from sweeps.text.tables import table
 
 
-def variants_done_text(result: SweepResult) -> str:
-    """Number of variants, and of those done."""
-    count, done = result.description.variants, result.done
-    words = engine.counted(count, "variant")
+def contents_text(result: SweepResult) -> str:
+    """What a result holds: variants done, axes with their sizes, kept fields by axis, and verdicts."""
+    count, done = result.file.variants, result.done
+    words = f"{engine.counted(count, 'variant')}, all done {result.finished}".rstrip()
     if done < count:
-        return f"{done} of {words} done; run the study again to resume"
-    return f"{words}, all done {result.finished}".rstrip()
-
-
-def varied_text(result: SweepResult) -> str:
-    """The axes and their sizes."""
-    if "search" in result.record:
-        return f"{'+'.join(result.varied)}[{result.description.variants}]"
-    return " x ".join(f"{'+'.join(axis['names'])}[{axis['size']}]" for axis in result.record["vary"])
-
-
-def fields_text(result: SweepResult) -> list[str]:
-    """The kept fields, a line per axis."""
-    found: dict[str, list[str]] = {}
+        words = f"{done} of {engine.counted(count, 'variant')} done; run the study again to resume"
+    lines = [f"{result.file.title}: {words}"]
+    if count > 1:
+        axes = [("+".join(axis["names"]), axis["size"]) for axis in result.record["vary"]]
+        axes = [("+".join(result.varied), count)] if "search" in result.record else axes
+        lines.append(f"varied: {' x '.join(f'{names}[{size}]' for names, size in axes)}")
+    kept: dict[str, list[str]] = {}
     for name in result.fields:
         axis = result.along(name)
         over = "positions" if axis.over_positions else f"values of {axis.name}"
-        found.setdefault(f"fields over {axis.values.size} {over}", []).append(name)
-    return [f"{words}: {', '.join(names)}" for words, names in found.items()]
+        kept.setdefault(f"fields over {axis.values.size} {over}", []).append(name)
+    lines += [f"{over}: {', '.join(names)}" for over, names in kept.items()]
+    return "\n".join([*lines, counts_text(result)])
 
 
 def meeting_text(result: SweepResult, where: Where) -> str:
@@ -56,7 +49,7 @@ def counts_text(result: SweepResult) -> str:
         rows.append((f"{count}", verdict.name.lower().replace("_", " "), sentence))
         dropped = verdict == engine.Verdict.DROPPED
         lines = drop_lines(result.record["require"], result.missed()) if dropped else _blame(result, verdict)
-        if verdict in MOTION_VERDICTS and result.description.variants > 1:
+        if verdict in MOTION_VERDICTS and result.file.variants > 1:
             shown = f"sweeps plot {result.path} --variant {result.first_with(verdict)}"
             lines = [f"motion of the first one up to its failure: {shown}"]
         rows += [("", "", line) for line in lines]
@@ -122,7 +115,7 @@ def answer_text(result: SweepResult, every: bool = False) -> str:
         All results, also further ones, checks, and derived helper numbers.
     """
     goal, lines = result.goal, [result.question] if result.question else []
-    if result.description.variants == 1:
+    if result.file.variants == 1:
         return "\n".join([*lines, _summaries_text(result, 0, every)])
     if goal is None:
         return "The study has no [best]; see `sweeps show`."
@@ -172,7 +165,7 @@ def _summaries_text(result: SweepResult, variant: int, every: bool) -> str:
         head = f"{regime}: {regime_words(scene, regime)}" if regime else _cycle_words(scene)
         parts.append(f"{head}\n{table(summary_rows(result, variant, names), '  ')}")
     if failed:
-        parts.append(failure_text(with_values(scene, result.variant_values(variant)), verdict))
+        parts.append(failure_text(result.scene_of(variant), verdict))
     return "\n".join([*parts, *hidden])
 
 
@@ -191,16 +184,15 @@ def summary_rows(result: SweepResult, variant: int, names: Iterable[str]) -> lis
 
 def ends_text(result: SweepResult, variant: int) -> list[str]:
     """A line on the variables of a variant that lie at an end of their range, if there are any."""
-    found = [
-        f"{name} = {value_text(result, name, variant)} ({end.word} of {range_text(result, name, end)})"
-        for name, end in result.range_ends(variant).items()
-    ]
+    found = [f"{name} = {value} ({end} of {span})" for name, value, end, span in end_rows(result, variant)]
     return [f"At the end of its range: {', '.join(found)}; a wider range may give a better answer."] if found else []
 
 
-def range_text(result: SweepResult, name: str, end: RangeEnd) -> str:
-    """The range of a variable."""
-    return " … ".join(engine.quantity_text(limit, result.units[name]) for limit in (end.low, end.high))
+def end_rows(result: SweepResult, variant: int) -> Iterator[tuple[str, str, str, str]]:
+    """Name, value, end and range of each variable of a variant that lies at an end of its range."""
+    for name, end in result.range_ends(variant).items():
+        span = " … ".join(engine.quantity_text(limit, result.units[name]) for limit in (end.low, end.high))
+        yield name, value_text(result, name, variant), end.word, span
 
 
 def value_text(result: SweepResult, name: str, variant: int) -> str:

@@ -1,5 +1,6 @@
 """A result file: parameters, summaries, verdicts, and selection of variants."""
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,12 +11,13 @@ import numpy as np
 
 import engine
 from sweeps.report.recorded_study import recorded_scene, recorded_study
-from sweeps.store import Description, FieldAxis, MappedResult, describe_result, mapped_columns, read_columns
+from sweeps.store import FieldAxis, MappedResult
 from sweeps.study.study import Requirements, Study
 from sweeps.study.study_content import number_units
 from sweeps.study.study_text import Best
-from sweeps.text.conditions import Condition, Judgement, Values, Where, all_of
+from sweeps.text.conditions import Condition, Judgement, Values, Where, all_of, parts_of
 from sweeps.text.input_files import InputError, check_file
+from sweeps.text.scene_text import with_values
 
 # Variants per part in sequential passes.
 VARIANTS_AT_A_TIME = 1 << 19
@@ -51,51 +53,47 @@ class SweepResult:
     where: Where = None
 
     @cached_property
-    def description(self) -> Description:
-        """Title, attributes, columns and progress."""
+    def file(self) -> MappedResult:
+        """The file: its texts, what it says of its columns, and its progress."""
         check_file(self.path)
-        return describe_result(self.path)
-
-    @cached_property
-    def _mapped(self) -> MappedResult:
-        return mapped_columns(self.description.path)
+        return MappedResult(self.path)
 
     @property
     def altered(self) -> list[str]:
         """Warnings on modified texts that numbers don't depend on."""
-        return [f"{self.path}: {name} was modified" for name in self._mapped.edited]
+        self.file.refuse_damage(())
+        return [f"{self.path}: {name} was modified" for name in self.file.edited]
 
     @cached_property
-    def _mapped_fields(self) -> MappedResult:
-        mapped = MappedResult(self.description.path)
-        mapped.refuse_damage(("fields",))
-        return mapped
-
-    @property
     def columns(self) -> dict[str, np.ndarray]:
-        """All columns, mapped from the file; use `parts` for many variants."""
-        return self._mapped.columns
+        """All columns over variants, mapped from the file; use `parts` for many variants."""
+        return self.file.numbers()
+
+    @cached_property
+    def _fields(self) -> dict[str, np.ndarray]:
+        self.file.refuse_damage(("fields",))
+        return {name: self.file.columns[name] for name in self.fields}
 
     def parts(self, size: int | None = None) -> Iterator[slice]:
         """Consecutive slices of variants, of a size; the memory of each is released after use."""
         size = size or VARIANTS_AT_A_TIME
-        for start in range(0, self.description.variants, size):
-            yield slice(start, min(start + size, self.description.variants))
-            self._mapped.release()
+        for start in range(0, self.file.variants, size):
+            yield slice(start, min(start + size, self.file.variants))
+            self.file.release()
 
     def release(self) -> None:
         """Release memory, as `parts` does."""
-        self._mapped.release()
+        self.file.release()
 
     @cached_property
     def units(self) -> dict[str, str]:
         """Unit of every column."""
-        return {c.name: c.units for c in self.description.columns}
+        return {c.name: c.units for c in self.file.described}
 
     @cached_property
     def long_names(self) -> dict[str, str]:
         """Meaning of every column."""
-        return {c.name: c.long_name for c in self.description.columns}
+        return {c.name: c.long_name for c in self.file.described}
 
     @cached_property
     def record(self) -> dict[str, Any]:
@@ -106,7 +104,7 @@ class SweepResult:
         DamagedError
             The file has no matching study.
         """
-        return recorded_study(self.description)
+        return recorded_study(self.file)
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -121,20 +119,20 @@ class SweepResult:
     @property
     def summaries(self) -> tuple[str, ...]:
         """Names of the summaries."""
-        names = [c.name for c in self.description.columns if c.dims == ("variant",)]
-        return tuple(n for n in names if f"{n}_error" in self.units)
+        return tuple(n for n in self.file.flat if f"{n}_error" in self.units)
 
     @property
     def fields(self) -> tuple[str, ...]:
         """Names of the fields."""
-        return tuple(c.name for c in self.description.columns if len(c.dims) > 1)
+        return tuple(self.file.fields)
 
     def along(self, field: str) -> FieldAxis:
         """Axis of a field: input positions, or times of a run."""
-        last = next(c.dims[-1] for c in self.description.columns if c.name == field)
-        axis = self.description.axes[last]
+        self.file.refuse_damage(())
+        last = next(c.dims[-1] for c in self.file.described if c.name == field)
+        axis = self.file.axes[last]
         words = "input position" if last == "position" else axis["long_name"]
-        return FieldAxis(axis["name"], words, axis["units"], read_columns(self.path, [axis["name"]])[axis["name"]])
+        return FieldAxis(axis["name"], words, axis["units"], self.file.columns[axis["name"]])
 
     @property
     def accuracy(self) -> float | None:
@@ -144,20 +142,20 @@ class SweepResult:
     @property
     def done(self) -> int:
         """Number of variants computed or dropped so far."""
-        return self.description.variants - self.verdict_counts().get(engine.Verdict.NOT_COMPUTED, 0)
+        return self.file.variants - self.verdict_counts()[engine.Verdict.NOT_COMPUTED]
 
     @property
     def finished(self) -> str:
         """When the last variant was computed, "2026-11-28 01:49 UTC"; "" if some are missing."""
-        text = self.description.attributes.get("finished", "")
+        text = self.file.attributes.get("finished", "")
         return f"{text[:16].replace('T', ' ')} UTC" if text else ""
 
-    def verdict_counts(self) -> dict[engine.Verdict, int]:
-        """Number of variants per verdict that occurs."""
+    def verdict_counts(self) -> Counter[engine.Verdict]:
+        """Number of variants per verdict."""
         status = self.columns["status"]
         # bincount converts to eight-byte integers.
         there = sum(np.bincount(status[part], minlength=256) for part in self.parts())
-        return {verdict: int(there[verdict]) for verdict in engine.Verdict if there[verdict]}
+        return Counter({verdict: int(there[verdict]) for verdict in engine.Verdict if there[verdict]})
 
     def first_with(self, verdict: engine.Verdict) -> int | None:
         """Index of the first variant with a verdict, or None."""
@@ -171,18 +169,18 @@ class SweepResult:
     def shape(self) -> tuple[int, ...]:
         """Sizes of the design's axes, the last fastest; searches have none."""
         if "search" in self.record:
-            return (self.description.variants,)
-        return tuple(axis["size"] for axis in self.record["vary"]) or (self.description.variants,)
+            return (self.file.variants,)
+        return tuple(axis["size"] for axis in self.record["vary"]) or (self.file.variants,)
 
     @property
     def question(self) -> str:
         """The design question of the study."""
-        return self.description.attributes.get("question", "")
+        return self.file.attributes.get("question", "")
 
     @cached_property
     def scene(self) -> engine.Scene:
         """The study's scene, including tables."""
-        return recorded_scene(self.record, self.description) if self.study is None else self.study.scene
+        return recorded_scene(self.record, self.file) if self.study is None else self.study.scene
 
     @property
     def mechanics(self) -> engine.Mechanics | None:
@@ -210,11 +208,15 @@ class SweepResult:
         InputError
             There is no such variant.
         """
-        count = self.description.variants
+        count = self.file.variants
         if not 0 <= variant < count:
             raise InputError.of(str(self.path), f"{variant} is not one of 0 … {count - 1}", key="variant")
         known = engine.scene_numbers(self.scene)
         return {p: float(self.columns[p][variant]) for p in self.parameters if p in known}
+
+    def scene_of(self, variant: int) -> engine.Scene:
+        """The scene with the numbers of a variant; errors as for `variant_values` and `with_values`."""
+        return with_values(self.scene, self.variant_values(variant))
 
     @property
     def goal(self) -> Best | None:
@@ -278,7 +280,7 @@ class SweepResult:
 
         Parameters
         ----------
-        where : str or sequence of str
+        where : str or sequence of str, optional
             As for `select`.
 
         Raises
@@ -286,6 +288,8 @@ class SweepResult:
         InputError
             As for `select`.
         """
+        if not where:
+            return 0
         status, judged = self.columns["status"], self._judged(where)
         parts = ((status[part] == engine.Verdict.OK) & judged(part).undecided for part in self.parts())
         return sum(int(np.count_nonzero(part)) for part in parts)
@@ -333,7 +337,7 @@ class SweepResult:
         if empty:
             yield np.zeros(0, int)
 
-    def field_rows(self, name: str, chosen: np.ndarray) -> np.ndarray:
+    def field_rows(self, name: str, chosen: np.ndarray | slice) -> np.ndarray:
         """Rows of a field (chosen, places) of some variants, in memory.
 
         Raises
@@ -341,8 +345,8 @@ class SweepResult:
         StoreError
             The fields of the file are damaged.
         """
-        rows = self._mapped_fields.columns[name][chosen]
-        self._mapped_fields.release()
+        rows = np.array(self._fields[name][chosen])
+        self.file.release()
         return rows
 
     def taken(self, chosen: np.ndarray | slice) -> dict[str, np.ndarray]:
@@ -360,7 +364,7 @@ class SweepResult:
         whole = isinstance(chosen, slice)
         for start in range(0, 1 if whole else max(chosen.size, 1), CHOSEN_AT_A_TIME):
             yield chosen if whole else chosen[start : start + CHOSEN_AT_A_TIME]
-            self._mapped.release()
+            self.file.release()
 
     def rows(self, part: slice | np.ndarray, names: Iterable[str]) -> dict[str, np.ndarray]:
         """Some columns of some variants, and their error estimates where they have any."""
@@ -460,8 +464,7 @@ class SweepResult:
         ----------
         variant : int
         """
-        where = self.aim.condition if self.aim else ""
-        parts = Condition.parse(where).parts if where else ()
+        parts = parts_of(self.aim.where if self.aim else None)
         fixed = {name for part in parts if part.is_equality for name in part.names}
         found = {}
         for name, (low, high) in self.ranges.items():
@@ -484,7 +487,7 @@ class SweepResult:
         aim, only = self.aim, np.array([variant])
         if aim is None or self.columns["status"][variant] != engine.Verdict.OK:
             return
-        for part in Condition.parse(aim.condition).parts if aim.where else ():
+        for part in parts_of(aim.where):
             if self._judged(part.text)(only).undecided[0]:
                 yield from part.names
         best, rivals = self._leader

@@ -28,12 +28,6 @@ def machine_warnings(
     return engine.warnings_in_words(machine.scene, None, {**further, **known})
 
 
-def answer_warnings(result: SweepResult) -> list[str]:
-    """Warnings on the best variant of a result, or on its only one."""
-    best = 0 if result.description.variants == 1 else result.best()
-    return result_warnings(result, [] if best is None else [best])
-
-
 def result_warnings(result: SweepResult, variants: Iterable[int]) -> list[str]:
     """Warnings on some variants of a result; on the numbers of its scene if there are none.
 

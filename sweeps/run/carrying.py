@@ -15,7 +15,7 @@ import numpy as np
 
 from engine import Verdict
 from sweeps.run.blocks import evaluate_block, evaluate_variants
-from sweeps.store import Column, FileLayout, MappedResult, StoreError, VariantIndex, describe_result, variant_keys
+from sweeps.store import Column, FileLayout, MappedResult, StoreError, VariantIndex, variant_keys
 from sweeps.study.study import Study
 from sweeps.study.study_record import machine_record
 
@@ -42,12 +42,11 @@ class Earlier:
     def __init__(self, path: Path, study: Study, layout: FileLayout) -> None:
         self.parameters, self.names = study.parameters, frozenset()
         try:
-            described = describe_result(path)
-            theirs = json.loads(described.attributes["study_json"])
             self._file = MappedResult(path)
+            theirs = json.loads(self._file.attributes["study_json"])
             ours = json.loads(layout.attributes["study_json"])
             if not self._file.edited_decisively and self._file.has_checksums:
-                self.names = _shared(theirs, ours, described.columns, layout.columns)
+                self.names = _shared(theirs, ours, self._file.described, layout.columns)
         except (StoreError, KeyError, ValueError, TypeError, RecursionError):
             # Not reliable.
             return

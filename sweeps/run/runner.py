@@ -21,17 +21,7 @@ from sweeps.run.carrying import Blocks, Earlier, Excerpt, excerpts_of, filled_in
 from sweeps.run.cluster.cluster_errors import UnfinishedError
 from sweeps.run.columns import field_columns, number_columns, position_axis
 from sweeps.run.cost import on_shafts_text, seconds_of_variant
-from sweeps.store import (
-    Column,
-    FileLayout,
-    MappedResult,
-    Store,
-    StoreError,
-    describe_result,
-    make_folder_of,
-    part_path,
-    reword,
-)
+from sweeps.store import Column, FileLayout, MappedResult, Store, StoreError, make_folder_of, part_path, reword
 from sweeps.study.study import Study
 from sweeps.study.study_record import numbers_record, study_record
 from sweeps.text.scene_text import write_scene
@@ -259,9 +249,9 @@ def _stands(path: Path, layout: FileLayout, tell: Callable[[str], None]) -> bool
     """Whether a finished file of another version has the study's results; updates its texts."""
     for found in (path, part_path(path)):
         try:
-            record = json.loads(describe_result(found).attributes["study_json"])
-            ours = json.loads(layout.attributes["study_json"])
             mapped = MappedResult(found)
+            record = json.loads(mapped.attributes["study_json"])
+            ours = json.loads(layout.attributes["study_json"])
             same = numbers_record(record) == numbers_record(ours)
         except (StoreError, KeyError, ValueError, TypeError, RecursionError):
             continue
@@ -269,7 +259,7 @@ def _stands(path: Path, layout: FileLayout, tell: Callable[[str], None]) -> bool
         if same and not mapped.edited and record.get("engine") == ours["engine"]:
             reword(found, words)
         elif same and not mapped.edited:
-            version = describe_result(found).attributes.get("versions", "").split(",")[0] or "an earlier version"
+            version = mapped.attributes.get("versions", "").split(",")[0] or "an earlier version"
             if found == path and mapped.done.all() and not mapped.damaged():
                 reword(found, words | {"study_json": json.dumps(ours | {"engine": record.get("engine")})})
                 tell(f"{path} was made by {version}; its numbers are valid. --restart recomputes them.")

@@ -6,7 +6,7 @@ import mmap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -33,68 +33,8 @@ _AGAIN = "Run its study again to recompute the damaged part."
 _DAMAGED = "It is damaged or from another program."
 
 
-class Description(NamedTuple):
-    """Description of a result file.
-
-    Attributes
-    ----------
-    path : Path
-        The file.
-    title : str
-        Its title, or "".
-    attributes : dict
-        The root's attributes.
-    columns : tuple of Column
-        Its columns.
-    variants : int
-        Number of design variants.
-    axes : dict of str to dict
-        Axes of fields by dimension, from `FieldAxis.record`.
-    blocks, blocks_done : int
-        Number of blocks, and of those computed.
-    """
-
-    path: Path
-    title: str
-    attributes: dict[str, Any]
-    columns: tuple[Column, ...]
-    variants: int
-    axes: dict[str, dict[str, Any]]
-    blocks: int
-    blocks_done: int
-
-
-def describe_result(path: Path) -> Description:
-    """Return title, attributes, columns and progress of a result file, also while it is written.
-
-    Raises
-    ------
-    StoreError
-        There is no such file, or it isn't a sweep result.
-    """
-    with opened(path) as file, explained(path, "read", _DAMAGED, DamagedError):
-        record = layout_record(file)
-        done = file["progress/block_done"][:]
-        # Fixed-length texts come as bytes.
-        attributes = {k: v.decode() if isinstance(v, bytes) else v for k, v in file.attrs.items()}
-        attributes = {k: _shown_text(v) if isinstance(v, str) else v for k, v in attributes.items()}
-        return Description(
-            path=Path(path),
-            title=attributes.get("title", ""),
-            attributes=attributes,
-            columns=tuple(
-                Column(name, c["long_name"], c["units"], tuple(c["dims"]), np.dtype(c["dtype"]).type)
-                for name, c in record["columns"].items()
-            ),
-            variants=int(record["variants"]),
-            axes={"position": record["position"]} | {axis["name"]: axis for axis in record.get("axes", ())},
-            blocks=len(done),
-            blocks_done=int(np.count_nonzero(done == DONE)),
-        )
-
-
 class MappedResult:
-    """Memory-mapped columns of a result file, and which of its blocks are intact.
+    """A result file, finished or not: its texts, memory-mapped columns, and which of its blocks are intact.
 
     Parameters
     ----------
@@ -103,6 +43,14 @@ class MappedResult:
     Attributes
     ----------
     path : Path
+    title : str
+        "" if it has none.
+    attributes : dict of str to object
+        The root's attributes.
+    described : tuple of Column
+        Names, meanings and units of the columns.
+    axes : dict of str to dict
+        Axes of fields by dimension, from `FieldAxis.record`.
     columns : dict of str to ndarray
         All columns, and the axes.
     variants, block : int
@@ -123,9 +71,18 @@ class MappedResult:
     """
 
     def __init__(self, path: Path) -> None:
-        self.path = path
+        self.path = Path(path)
         with opened(path) as file, explained(path, "read", _DAMAGED, DamagedError):
             record, progress = layout_record(file), file["progress"]
+            # Fixed-length texts come as bytes.
+            texts = {k: v.decode() if isinstance(v, bytes) else v for k, v in file.attrs.items()}
+            self.attributes = {k: _shown_text(v) if isinstance(v, str) else v for k, v in texts.items()}
+            self.title = self.attributes.get("title", "")
+            self.described = tuple(
+                Column(name, c["long_name"], c["units"], tuple(c["dims"]), np.dtype(c["dtype"]).type)
+                for name, c in record["columns"].items()
+            )
+            self.axes = {"position": record["position"]} | {axis["name"]: axis for axis in record.get("axes", ())}
             self.variants, self.block = int(record["variants"]), int(record["block"])
             # What is flagged before its rows are read was there before.
             # Looked at before the flags: of a finished file every block was done by then.
@@ -141,15 +98,14 @@ class MappedResult:
             }
             noted, found = json.loads(progress.attrs.get("text_checksums", "{}")), texts_checksums(texts_of(file))
             self.edited = [_shown_text(name) for name, crc in noted.items() if found.get(name) != crc]
-            axes = [record["position"]] if record["position"] else []
-            axes += record.get("axes", ())
+            axes = [axis for axis in self.axes.values() if axis]
             names = ("variant", *(axis["name"] for axis in axes), *record["columns"])
-            with path.open("rb") as raw:
+            with self.path.open("rb") as raw:
                 # Mapped as a whole, so that all pages can be released together.
                 self._pages = mmap.mmap(raw.fileno(), 0, access=mmap.ACCESS_READ)
             self.columns = {name: _mapped(self._pages, file[name]) for name in names}
-            self.flat = [name for name, c in record["columns"].items() if c["dims"] == ["variant"]]
-            self.fields = [name for name in record["columns"] if name not in self.flat]
+            self.flat = [c.name for c in self.described if c.dims == ("variant",)]
+            self.fields = [c.name for c in self.described if len(c.dims) > 1]
             self._refuse_other_shapes(file, record)
             if not self._is_numbered():
                 self.edited.append("variant")
@@ -223,6 +179,18 @@ class MappedResult:
         if damaged := self.damaged(kinds):
             words = damage_text(self, damaged)
             raise DamagedError(f"{self.path} is damaged (variants {words}). {_AGAIN}")
+
+    def numbers(self) -> dict[str, np.ndarray]:
+        """The columns over variants, after checking their checksums; verdicts as from `known_status`.
+
+        Raises
+        ------
+        DamagedError
+            A checksum disagrees.
+        """
+        status = self.known_status()
+        self.refuse_damage(("flat",))
+        return {name: self.columns[name] for name in self.flat} | {"status": status}
 
     def known_status(self) -> np.ndarray:
         """The column `status`; for an unfinished file a copy with pending blocks as not computed.
@@ -353,28 +321,6 @@ def variants_kept(path: Path) -> int:
             mapped = MappedResult(path.with_name(name))
             found.append(min(int(mapped.done.sum()) * mapped.block, mapped.variants))
     return max(found)
-
-
-def mapped_columns(path: Path) -> MappedResult:
-    """Map all columns over variants after checking their checksums.
-
-    If the file is still being written, verdicts are a copy from the time of opening.
-
-    Parameters
-    ----------
-    path : Path
-        A result file.
-
-    Raises
-    ------
-    StoreError
-        The file cannot be read, or is damaged.
-    """
-    mapped = MappedResult(path)
-    status = mapped.known_status()
-    mapped.refuse_damage(("flat",))
-    mapped.columns = {name: mapped.columns[name] for name in mapped.flat} | {"status": status}
-    return mapped
 
 
 def read_columns(path: Path, names: Sequence[str] | None = None) -> dict[str, np.ndarray]:

@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 
 from engine import shortened
-from sweeps.store import StoreError, describe_result, read_columns
+from sweeps.store import MappedResult, StoreError, read_columns
 from sweeps.text.csv_text import TableColumn, read_csv
 from sweeps.text.input_files import InputError, check_file
 from sweeps.text.versions import extra
@@ -80,12 +80,12 @@ def _from_hdf5(path: Path) -> dict[str, tuple[str, np.ndarray]]:
 def _from_result(path: Path) -> dict[str, tuple[str, np.ndarray]]:
     """The parameters of a finished result, after checking their checksums."""
     try:
-        result = describe_result(path)
-        if result.blocks_done < result.blocks:
+        result = MappedResult(path)
+        if not result.done.all():
             raise InputError.of(path.name, "isn't finished: run its study again")
         with _damage_told(path, "a result"):
             names = list(json.loads(result.attributes["study_json"])["parameters"])
-            units = {column.name: "" if column.units == "1" else column.units for column in result.columns}
+            units = {column.name: "" if column.units == "1" else column.units for column in result.described}
             return {name: (units[name], values) for name, values in read_columns(path, names).items()}
     except StoreError as error:
         raise InputError.of(path.name, str(error)) from None

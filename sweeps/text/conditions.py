@@ -221,6 +221,11 @@ class Condition:
         return np.where(np.isnan(found), WORST, np.clip(found, -WORST, WORST))
 
 
+def parts_of(where: Where) -> tuple[Condition, ...]:
+    """The conditions of a text joined by `and`, separately; none of no text."""
+    return Condition.parse(all_of(where)).parts if where else ()
+
+
 def errors_in(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Error estimates by name: for each column NAME with a column NAME_error.
 

@@ -2,11 +2,13 @@
 
 import errno
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
 from typing import NamedTuple
+
+from engine import did_you_mean
 
 # Maximum size of a scene or study [bytes]; long ones have some ten thousand.
 LARGEST_TEXT = 16_000_000
@@ -31,6 +33,14 @@ class InputError(ValueError):
         for line, key, message in self.problems:
             place = f"{self.source}, line {line}" if line else self.source
             yield f"{place}: {key}: {message}" if key else f"{place}: {message}"
+
+
+def need_known(names: Iterable[str], known: Iterable[str], source: str, words: str, key: str = "") -> None:
+    """Raise an `InputError` if a name is unknown: that it `words`, such as "is not in this result", with near names."""
+    known = list(known)
+    for name in names:
+        if name not in known:
+            raise InputError.of(source, f"{name!r} {words}; {did_you_mean(name, known)}", key=key)
 
 
 class Stamp(NamedTuple):

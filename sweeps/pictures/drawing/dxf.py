@@ -2,7 +2,7 @@
 
 import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -80,13 +80,33 @@ def write_dxf(path: Path | str, drawn: Scene | DrawnMotion, phi: float, paths: S
     PictureError
         ezdxf isn't installed, the mechanism can't be drawn, or the file can't be written.
     """
+    save_dxf(path, primitives(drawn, phi, paths), _LOOKS)
+
+
+def save_dxf(path: Path | str, shown: Sequence[Primitive], looks: Mapping[str, tuple[int, str]]) -> None:
+    """Write figures as DXF (R2010, mm or inches), without the lines that later ones hide.
+
+    Parameters
+    ----------
+    path : path
+        File to write.
+    shown : sequence of Primitive
+    looks : mapping of str to (int, str)
+        AutoCAD colour index and line type of each layer.
+
+    Raises
+    ------
+    PictureError
+        ezdxf isn't installed, or the file can't be written.
+    """
     document = new_document()
-    for layer, (colour, line) in _LOOKS.items():
+    for layer, (colour, line) in looks.items():
         document.layers.add(layer, color=colour, linetype=line)
     space = document.modelspace()
-    shown = primitives(drawn, phi, paths)
-    # Dash length equals text height.
-    document.header["$LTSCALE"] = per_metre() * next(p.size for p in shown if p.kind == "text")
+    for p in shown:
+        if p.kind == "text":
+            # Dash length equals text height.
+            document.header["$LTSCALE"] = per_metre() * p.size
     for i, p in enumerate(shown):
         covers = [outline for q in shown[i + 1 :] if (outline := _cover(q)) is not None]
         _add(space, p, covers)
@@ -132,9 +152,7 @@ def _cover(p: Primitive) -> np.ndarray | None:
     """Counter-clockwise outline that hides earlier lines."""
     if p.fill == "none":
         return None
-    if p.kind == "circle":
-        return p.points[0] + p.size * np.exp(2j * np.pi * np.arange(24) / 24)
-    corners = np.array(p.points)
+    corners = p.outline(24)[:-1]
     turn = (corners * np.roll(corners, 1).conj()).imag.sum()
     return corners if turn > 0 else corners[::-1]
 

@@ -1,7 +1,7 @@
 """Positions of a mechanism's points, links and sliders over the cycle, as complex numbers x + iy [m]."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -40,10 +40,6 @@ class DrawnMotion:
     Parameters
     ----------
     scene : Scene
-    values : mapping of path to float, optional
-        Numbers (SI) that replace the scene's.
-    known : Mechanics, optional
-        As for `MovingMachine`.
 
     Attributes
     ----------
@@ -66,15 +62,13 @@ class DrawnMotion:
     Raises
     ------
     PictureError
-        The mechanism can't be assembled at any position, or a value is out of range.
+        There is no mechanism, or it can't be assembled at any position.
     """
 
-    def __init__(
-        self, scene: engine.Scene, values: Mapping[str, float] | None = None, known: engine.Mechanics | None = None
-    ) -> None:
+    def __init__(self, scene: engine.Scene) -> None:
         need_mechanism(scene)
         self.scene = scene
-        self.machine = engine.MovingMachine(scene, values, POSITIONS, known)
+        self.machine = engine.MovingMachine(scene, positions=POSITIONS)
         self.numbers, self.q = self.machine.numbers, self.machine.q
         try:
             places = self.machine.places

@@ -63,25 +63,10 @@ def _sliding_arrow(centre: complex, way: complex, r: float) -> list[Primitive]:
     return arrow([face, face + 4 * r * way], r)
 
 
-def _segments(drawn: Iterable[Primitive]) -> np.ndarray:
-    """All outlines as segments, complex (segments, 2)."""
-    found = []
-    for p in drawn:
-        corners = np.array(p.points)
-        if p.kind == "circle":
-            corners = p.points[0] + p.size * np.exp(2j * np.pi * np.arange(8) / 8)
-        if p.kind == "text":
-            half = complex(0.36 * len(p.text), 0.5) * p.size
-            corners = p.points[0] + np.array([half, half.conjugate(), -half, -half.conjugate()])
-        if p.kind in ("circle", "polygon", "text"):
-            corners = np.append(corners, corners[0])
-        found.append(np.stack([corners[:-1], corners[1:]], axis=1))
-    return np.concatenate(found)
-
-
 def outline_points(drawn: Iterable[Primitive], step: float) -> np.ndarray:
     """Points along all outlines, at most a step apart."""
-    pieces = _segments(drawn)
+    outlines = [p.outline() for p in drawn]
+    pieces = np.concatenate([np.stack([outline[:-1], outline[1:]], axis=1) for outline in outlines])
     pieces = pieces[np.isfinite(pieces).all(axis=1)]
     along = pieces[:, 1] - pieces[:, 0]
     counts = np.minimum(np.ceil(np.abs(along) / step).astype(int) + 1, 400)

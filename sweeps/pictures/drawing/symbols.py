@@ -47,6 +47,16 @@ class Primitive(NamedTuple):
     text: str = ""
     link: str = ""
 
+    def outline(self, corners: int = 8) -> np.ndarray:
+        """Its points along its outline, closed unless it is a line: a circle as a polygon, a text as its box."""
+        points = np.array(self.points)
+        if self.kind == "circle":
+            points = points + self.size * np.exp(2j * np.pi * np.arange(corners) / corners)
+        elif self.kind == "text":
+            half = complex(0.36 * len(self.text), 0.5) * self.size
+            points = points + np.array([half, half.conjugate(), -half, -half.conjugate()])
+        return points if self.kind == "line" else np.append(points, points[0])
+
 
 def of_link(link: str, *figures: Primitive) -> list[Primitive]:
     """Figures as parts of a link."""

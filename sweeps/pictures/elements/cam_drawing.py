@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from engine import CamCurves, CamElement, cam_curves
-from sweeps.pictures.drawing.dxf import new_document, per_metre
+from sweeps.pictures.drawing.dxf import save_dxf
+from sweeps.pictures.drawing.symbols import line
 from sweeps.pictures.picture_error import PictureError
 from sweeps.report.files.cam_tables import cam_csv
 from sweeps.text.whole_files import new_file
@@ -13,15 +14,13 @@ from sweeps.text.whole_files import new_file
 MM = 1e3
 # Chord error below a millionth of the radius.
 POINTS = 3600
-# AutoCAD colour index, line type, SVG colour.
-_LOOKS = {
-    "profile": (7, "CONTINUOUS", "black"),
-    "pitch": (8, "CENTER", "grey"),
-    "cutter": (3, "DASHED", "green"),
-    "axis": (1, "CONTINUOUS", "red"),
-}
-# SVG margin, and half the size of the cross at the cam's axis [mm].
-MARGIN, CROSS = 5.0, 3.0
+# AutoCAD colour index and line type, and SVG colour.
+_LOOKS = {"profile": (7, "CONTINUOUS"), "pitch": (8, "CENTER"), "cutter": (3, "DASHED"), "axis": (1, "CONTINUOUS")}
+_COLOURS = {"profile": "black", "pitch": "grey", "cutter": "green", "axis": "red"}
+# SVG margin [mm].
+MARGIN = 5.0
+# Cross at the cam's axis [m].
+_CROSS = ((-3e-3 + 0j, 3e-3 + 0j), (-3e-3j, 3e-3j))
 
 
 def export_cam(cam: CamElement, out: Path) -> None:
@@ -63,42 +62,24 @@ def cam_drawing(cam: CamElement, out: Path, points: int) -> None:
     if not curves.angle.size:
         raise PictureError("the follower of the cam doesn't reach the base circle; enlarge base_radius")
     lines = _outlines(cam, curves)
+    if out.suffix == ".dxf":
+        figures = [line(*outline, outline[0], layer=name) for name, outline in lines.items()]
+        figures += [line(*ends, layer="axis") for ends in _CROSS]
+        save_dxf(out, figures, {name: _LOOKS[name] for name in (*lines, "axis")})
+        return
     with new_file(out, PictureError.of) as draft:
-        if out.suffix == ".dxf":
-            _dxf(draft, lines)
-        else:
-            draft.write_text(_svg(lines), encoding="utf8")
+        draft.write_text(_svg({name: MM * outline for name, outline in lines.items()}), encoding="utf8")
 
 
 def _outlines(cam: CamElement, curves: CamCurves) -> dict[str, np.ndarray]:
-    """Closed outlines by name, without repeated points [mm]."""
+    """Closed outlines by name, without repeated points [m]."""
     lines = {"profile": curves.profile}
     if cam.follower.contact == "roller":
         lines["pitch"] = curves.pitch
     if cam.cutter_radius is not None:
         lines["cutter"] = curves.cutter
-    found = {}
-    for name, line in lines.items():
-        apart = np.abs(np.roll(line, -1) - line) > 1e-9 * np.abs(line).max()
-        found[name] = MM * line[apart]
-    return found
-
-
-def _cross() -> list[tuple[complex, complex]]:
-    return [(-CROSS + 0j, CROSS + 0j), (-CROSS * 1j, CROSS * 1j)]
-
-
-def _dxf(out: Path, lines: dict[str, np.ndarray]) -> None:
-    document, size = new_document(), per_metre() / MM
-    space = document.modelspace()
-    for name in (*lines, "axis"):
-        colour, kind, _ = _LOOKS[name]
-        document.layers.add(name, color=colour, linetype=kind)
-    for name, line in lines.items():
-        space.add_lwpolyline([(p.real, p.imag) for p in size * line], close=True, dxfattribs={"layer": name})
-    for a, b in size * np.array(_cross()):
-        space.add_line((a.real, a.imag), (b.real, b.imag), dxfattribs={"layer": "axis"})
-    document.saveas(out)
+    apart = {name: np.abs(np.roll(row, -1) - row) > 1e-9 * np.abs(row).max() for name, row in lines.items()}
+    return {name: row[apart[name]] for name, row in lines.items()}
 
 
 def _svg(lines: dict[str, np.ndarray]) -> str:
@@ -106,9 +87,9 @@ def _svg(lines: dict[str, np.ndarray]) -> str:
     left, right = every.real.min() - MARGIN, every.real.max() + MARGIN
     low, high = every.imag.min() - MARGIN, every.imag.max() + MARGIN
     paths = {name: "M" + " ".join(f"{p.real:.6f},{-p.imag:.6f}" for p in line) + "Z" for name, line in lines.items()}
-    paths["axis"] = " ".join(f"M{a.real:g},{-a.imag:g} {b.real:g},{-b.imag:g}" for a, b in _cross())
+    paths["axis"] = " ".join(f"M{a.real:g},{-a.imag:g} {b.real:g},{-b.imag:g}" for a, b in MM * np.array(_CROSS))
     drawn = "\n".join(
-        f'  <path id="{name}" d="{path}" fill="none" stroke="{_LOOKS[name][2]}" stroke-width="0.2"/>'
+        f'  <path id="{name}" d="{path}" fill="none" stroke="{_COLOURS[name]}" stroke-width="0.2"/>'
         for name, path in paths.items()
     )
     width, height = right - left, high - low

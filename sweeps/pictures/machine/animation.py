@@ -1,6 +1,6 @@
 """Animated GIFs."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -32,9 +32,7 @@ class Frames(NamedTuple):
     radius: float
 
 
-def machine_frames(
-    scene: Scene, frames: int, paths: Sequence[str] = (), values: Mapping[str, float] | None = None
-) -> Frames:
+def machine_frames(scene: Scene, frames: int, paths: Sequence[str] = ()) -> Frames:
     """Positions of a mechanism over its motion; a limited input moves back and forth.
 
     Parameters
@@ -43,15 +41,13 @@ def machine_frames(
     frames : int
     paths : sequence of str
         Points whose paths are drawn.
-    values : mapping of path to float, optional
-        Numbers (SI) that replace the scene's.
 
     Raises
     ------
     PictureError
         A position can't be drawn, or a point doesn't exist.
     """
-    motion = drawing.DrawnMotion(scene, values)
+    motion = drawing.DrawnMotion(scene)
     moments = _moments(motion, frames)
     poses = [[p for p in drawing.figures(motion, [at], paths)[-1] if p.layer != "names"] for at in moments]
     nodes = [motion.node(at) for at in moments]

@@ -89,12 +89,7 @@ def motion_of_part(moving: engine.MovingMachine, part: str) -> Figure:
     return panel_sheet(panels, f"{moving.scene.title or ''}\nMotion of {part} at constant input speed".lstrip())
 
 
-def field_curves(
-    scene: engine.Scene,
-    names: Sequence[str],
-    x: str | None = None,
-    positions: int = POSITIONS,
-) -> Figure:
+def field_curves(scene: engine.Scene, names: Sequence[str], x: str | None = None, positions: int = POSITIONS) -> Figure:
     """Draw fields of a machine in stacked panels.
 
     Parameters

@@ -9,7 +9,7 @@ from engine import Curve, Mark, MovingMachine, Panel, PanelAxis, Scene, Verdict,
 from sweeps.pictures.machine.cycle_rows import closed
 from sweeps.pictures.panels import draw_panel
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import sheet
+from sweeps.pictures.style import sheet, titled
 
 ORDERS = np.arange(1, 9)
 POSITIONS = 720
@@ -41,8 +41,8 @@ def hodographs(scenes: Mapping[str, Scene]) -> Figure:
         draw_panel(left, Panel(*axes, every, loops, [*origin, *starts], words, kind="plan"))
         draw_panel(right, Panel(*of_orders, ORDERS, sizes, title="Orders", kind="bars"))
         titles = {scene.title for scene in scenes.values()}
-        title = titles.pop() if len(titles) == 1 else ""
-        figure.suptitle(f"{title}: shaking force" if title else "Shaking force", fontweight="bold")
+        title = titled(titles.pop() if len(titles) == 1 else "", "shaking force")
+        figure.suptitle(title, fontweight="bold")
     return figure
 
 

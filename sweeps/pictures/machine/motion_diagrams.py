@@ -39,6 +39,8 @@ _WORDS = {
     "shaft_speed": "driven shaft of the coupling",
     "energy": "kinetic energy E",
 }
+# Rows that are drawn even where they are zero.
+_ALWAYS = ("speed", "shaft_speed", "coupling", "energy", "reaction")
 # Points drawn per regime; of more, the minimum and maximum per interval.
 MOST_INSTANTS = 20_000
 # Minimum width of a regime, relative to equal widths.
@@ -52,19 +54,13 @@ HEIGHT, OF_REACTION, LOW = 165, 22, 0.6
 
 
 class _Course(NamedTuple):
-    """One regime of a history; arrays (instants,) in SI units."""
+    """One regime of a history: its time from 0, its rows by diagram, and the pairs with a diagram; SI units."""
 
     name: str
     time: np.ndarray
     angle: np.ndarray
-    speed: np.ndarray
-    acceleration: np.ndarray
-    energy: np.ndarray
-    moments: dict[str, np.ndarray]
-    powers: dict[str, np.ndarray]
-    works: dict[str, np.ndarray]
-    reactions: dict[str, np.ndarray]
-    coupled: dict[str, np.ndarray]
+    rows: dict[str, dict[str, np.ndarray]]
+    pairs: tuple[str, ...]
 
 
 def courses(seen: "engine.History") -> list[_Course]:
@@ -77,37 +73,39 @@ def courses(seen: "engine.History") -> list[_Course]:
     whole = np.isfinite(seen.speed) & np.isfinite(seen.time)
     moments = {"motors": seen.motor_moment} | seen.load_moments
     moments = {name: row for name, row in moments.items() if np.any(row[whole])}
+    powers = {key: seen.powers[key] for key in moments}
+    rates, along = moments, seen.angle
+    if seen.powers["coupling"].any():
+        # With a single speed, integrate over the angle, which is exact at speed jumps.
+        powers["coupling"] = seen.powers["coupling"]
+        rates, along = powers, seen.time
+    within = whole[1:] & whole[:-1] & (seen.regime[1:] == seen.regime[:-1])
+    steps = {key: np.where(within, 0.5 * np.diff(along) * (row[1:] + row[:-1]), 0.0) for key, row in rates.items()}
+    known = {pair: np.abs(row) for pair, row in seen.loads_on_pairs.items() if np.isfinite(row).any()}
+    reactions = {pair.removesuffix(".reaction"): {"reaction": row} for pair, row in known.items()}
+    diagrams = {
+        "speed": {"speed": seen.speed, "shaft_speed": seen.shaft_speed},
+        "acceleration": {"acceleration": seen.acceleration},
+        "moments": moments | {"coupling": seen.coupling_moment},
+        "powers": powers,
+        "works": {"energy": seen.energy} | {key: np.append(0.0, np.cumsum(row)) for key, row in steps.items()},
+        **reactions,
+    }
     found = []
-    done = dict.fromkeys([*moments, *(["coupling"] if seen.powers["coupling"].any() else [])], 0.0)
     for name in dict.fromkeys(seen.regime):
         chosen = whole & (seen.regime == name)
-        if chosen.sum() < 2:
-            continue
-        own = {key: row[chosen] for key, row in moments.items()}
-        powers = {key: seen.powers[key][chosen] for key in done}
-        turned, spent = np.diff(seen.angle[chosen]), np.diff(seen.time[chosen])
-        # With a single speed, integrate over the angle, which is exact at speed jumps.
-        rates = powers if seen.powers["coupling"].any() else own
-        steps = spent if seen.powers["coupling"].any() else turned
-        works = {
-            key: done[key] + np.concatenate(([0.0], np.cumsum(0.5 * steps * (row[1:] + row[:-1]))))
-            for key, row in rates.items()
-        }
-        done = {key: row[-1] for key, row in works.items()}
-        time = seen.time[chosen] - seen.time[chosen][0]
-        rows = (row[chosen] for row in (seen.angle, seen.speed, seen.acceleration, seen.energy))
-        known = {key: row for key, row in seen.loads_on_pairs.items() if np.isfinite(row).any()}
-        reactions = {key.removesuffix(".reaction"): np.abs(row[chosen]) for key, row in known.items()}
-        coupled = {"shaft_speed": seen.shaft_speed[chosen], "coupling": seen.coupling_moment[chosen]}
-        coupled = {key: row for key, row in coupled.items() if np.isfinite(row).any()}
-        found.append(_Course(str(name), time, *rows, own, powers, works, reactions, coupled))
+        if chosen.sum() > 1:
+            rows = {key: {k: row[chosen] for k, row in own.items()} for key, own in diagrams.items()}
+            rows = {key: {k: row for k, row in own.items() if np.isfinite(row).any()} for key, own in rows.items()}
+            time = seen.time[chosen]
+            found.append(_Course(str(name), time - time[0], seen.angle[chosen], rows, tuple(reactions)))
     return found
 
 
 def _above_rounding(rows: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Those of some torques, powers or works that are more than rounding in a regime."""
+    """Rows of a diagram without torques, powers or works that are rounding in a regime."""
     sizes = {key: np.abs(row).max(initial=0.0) for key, row in rows.items()}
-    return {key: row for key, row in rows.items() if sizes[key] > NOTHING * max(sizes.values())}
+    return {key: row for key, row in rows.items() if key in _ALWAYS or sizes[key] > NOTHING * max(sizes.values())}
 
 
 def history_diagrams(scene: Scene, seen: "engine.History") -> Figure:
@@ -122,7 +120,7 @@ def history_diagrams(scene: Scene, seen: "engine.History") -> Figure:
         From `engine.machine.one_machine.history.history`.
     """
     parts, title = courses(seen), f"{scene.title or 'Machine'}: history"
-    height = HEIGHT + OF_REACTION * len(parts[0].reactions) if parts else 30
+    height = HEIGHT + OF_REACTION * len(parts[0].pairs) if parts else 30
     with sheet(180, height) as figure:
         if parts:
             _history_sheet(figure, scene, parts)
@@ -137,21 +135,19 @@ def _history_sheet(figure: Figure, scene: Scene, parts: Sequence[_Course]) -> No
     times = np.array([max(part.time[-1], 1e-9) for part in parts])
     widths = np.maximum(times / times.sum(), LEAST_SHARE / len(parts))
     # Reactions hide each other: each has a row.
-    pairs = list(parts[0].reactions)
+    pairs = parts[0].pairs
     heights = [1.0] * 4 + [LOW] * len(pairs)
     grid = {"width_ratios": widths, "height_ratios": heights}
     axes = figure.subplots(len(heights), len(parts), sharex="col", squeeze=False, gridspec_kw=grid)
     units = engine.InputUnits.of(scene)
     _, speed, load = units.symbols
-    rows = (
-        (speed, units.speed, [{"speed": part.speed} | _only(part.coupled, "shaft_speed") for part in parts]),
-        (load, units.moment, [_above_rounding(part.moments) | _only(part.coupled, "coupling") for part in parts]),
-        ("P", "W", [_above_rounding(part.powers) for part in parts]),
-        ("E, W", "J", [{"energy": part.energy} | _above_rounding(part.works) for part in parts]),
-        *(("R", "N", [{"reaction": part.reactions[pair]} for part in parts]) for pair in pairs),
+    shown = (
+        *((speed, units.speed, "speed"), (load, units.moment, "moments"), ("P", "W", "powers"), ("E, W", "J", "works")),
+        *(("R", "N", pair) for pair in pairs),
     )
-    for row, (symbol, units, columns) in zip(axes, rows, strict=True):
-        factor, label = display_unit(units, np.concatenate([v for column in columns for v in column.values()] or [[0]]))
+    for row, (symbol, unit, of) in zip(axes, shown, strict=True):
+        columns = [_above_rounding(part.rows[of]) for part in parts]
+        factor, label = display_unit(unit, np.concatenate([v for column in columns for v in column.values()] or [[0]]))
         for ax, part, column in zip(row, parts, columns, strict=True):
             _lines(ax, part.time, {key: factor * values for key, values in column.items()})
         row[0].set_ylabel(f"{symbol}, {label}")
@@ -185,10 +181,6 @@ def _lines(ax: Axes, x: np.ndarray, rows: dict[str, np.ndarray]) -> None:
     for key, row in rows.items():
         look = {"linestyle": (0, (4, 2))} if key == "shaft_speed" else {}
         ax.plot(*_thinned(x, row), color=_COLOURS.get(key, "black"), label=_WORDS.get(key), linewidth=1.0, **look)
-
-
-def _only(rows: dict[str, np.ndarray], key: str) -> dict[str, np.ndarray]:
-    return {key: rows[key]} if key in rows else {}
 
 
 def _thinned(x: np.ndarray, row: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -225,10 +217,10 @@ def cycle_diagrams(scene: Scene, seen: "engine.History", regime: str) -> Figure:
         axes = figure.subplots(2, 2, sharex=True)
         title, marks = _speed_words(scene, part)
         panels = (
-            (title, engine.PanelAxis("", "rad s-1", "ω"), {"speed": part.speed}, marks),
-            ("Torques on the crank", engine.PanelAxis("", "N m", "M"), _above_rounding(part.moments), ()),
-            ("Angular acceleration", engine.PanelAxis("", "rad s-2", "ε"), {"acceleration": part.acceleration}, ()),
-            ("Power", engine.PanelAxis("", "W", "P"), part.powers, ()),
+            (title, engine.PanelAxis("", "rad s-1", "ω"), {"speed": part.rows["speed"]["speed"]}, marks),
+            ("Torques on the crank", engine.PanelAxis("", "N m", "M"), _above_rounding(part.rows["moments"]), ()),
+            ("Angular acceleration", engine.PanelAxis("", "rad s-2", "ε"), part.rows["acceleration"], ()),
+            ("Power", engine.PanelAxis("", "W", "P"), part.rows["powers"], ()),
         )
         for ax, (title, axis, rows, marks) in zip(axes.flat, panels, strict=True):
             curves = [engine.Curve(_WORDS.get(key, ""), row) for key, row in rows.items()]
@@ -248,7 +240,7 @@ def _speed_words(scene: Scene, part: _Course) -> tuple[str, list[engine.Mark]]:
     found = engine.Machine(scene, [*names, *sized]).evaluate({}).summaries
     *marked, delta = (float(found[name][0]) for name in names)
     title = f"δ = {engine.quantity_text(delta, '1')}, mean speed {engine.quantity_text(marked[0], 'rad s-1')}"
-    return title, [engine.Mark("", None, math.copysign(height, part.speed[0])) for height in marked]
+    return title, [engine.Mark("", None, math.copysign(height, part.rows["speed"]["speed"][0])) for height in marked]
 
 
 def motion_sheets(scene: Scene) -> Iterator[tuple[str, Figure]]:

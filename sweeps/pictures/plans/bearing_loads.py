@@ -14,8 +14,7 @@ from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.plans.lettering import size_text
 from sweeps.pictures.plans.pose import MachineCycle
 from sweeps.pictures.plans.reaction_curves import reaction_panel
-from sweeps.pictures.plans.sheets import blank_sheet, heading, place, write
-from sweeps.pictures.style import BLUE, GREY, SKY, VERMILION, house_style
+from sweeps.pictures.style import BLUE, GREY, SKY, VERMILION, sheet, titled
 
 # Directions of the load, every degree; arc about each whose load is summed [rad].
 DIRECTIONS, WIDTH = np.radians(np.arange(360)), math.radians(10)
@@ -191,25 +190,19 @@ def bearing_sheet(cycle: MachineCycle, pair: str) -> Figure:
     pair : str
         A revolute pair.
     """
-    frame = bearing_load(cycle, pair)
-    link, other = frame.pair.link, frame.pair.other
-    with house_style():
-        figure = blank_sheet(180, 185)
-        heading(figure, cycle.scene, f"load of {pair} ({frame.pair.place})")
-        corners = [(14, 101), (104, 101), (14, 16), (104, 16)]
-        polar = [place(figure, *corner, 62, 62, projection="polar") for corner in corners[:2] + corners[3:]]
-        own = bearing_load(cycle, pair, link)
-        load_polar(frame, polar[0])
-        load_polar(own, polar[1])
-        load_rose(own, polar[2])
+    frame, scene = bearing_load(cycle, pair), cycle.scene
+    own, other = bearing_load(cycle, pair, frame.pair.link), frame.pair.other
+    words = f"load of {pair} ({frame.pair.place})"
+    with sheet(180, 185, titled(scene.title, words)) as figure:
+        for number, draw, load in ((1, load_polar, frame), (2, load_polar, own), (4, load_rose, own)):
+            draw(load, figure.add_subplot(2, 2, number, projection="polar"))
         if other == FRAME:
-            reaction_panel(cycle, frame.pair, place(figure, 16, 20, 66, 56))
+            reaction_panel(cycle, frame.pair, figure.add_subplot(2, 2, 3))
         else:
-            ax = place(figure, *corners[2], 62, 62, projection="polar")
-            load_polar(bearing_load(cycle, pair, other), ax)
+            load_polar(bearing_load(cycle, pair, other), figure.add_subplot(2, 2, 3, projection="polar"))
         note = (
             "Marks: input position. Link axes: 0° along the link's x axis. A journal bears on the side opposite "
             "to its load,\na bush on the side that its load points to."
         )
-        write(figure, 4, 9, note, fontsize=6.5)
+        figure.supxlabel(note, fontsize=6.5, x=0.01, ha="left")
     return figure

@@ -1,12 +1,12 @@
 """Files of plans at a position, and of reactions and bearing loads over the cycle."""
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from engine import Mechanics, Scene, pairs_of
+from engine import Scene, pairs_of
 from sweeps.pictures.plans.bearing_loads import bearing_sheet, revolute_pairs
 from sweeps.pictures.plans.forces.loads import loaded_links
 from sweeps.pictures.plans.pose import MachineCycle
@@ -18,9 +18,7 @@ from sweeps.pictures.style import save_beside
 MOST_BEARINGS = 8
 
 
-def plan_pictures(
-    scene: Scene, path: Path, at: float | None = None, values: Mapping[str, float] | None = None
-) -> list[Path]:
+def plan_pictures(scene: Scene, path: Path, at: float | None = None) -> list[Path]:
     """Draw all plans of a machine at one position, and its reactions over the cycle.
 
     Velocity and acceleration plans; for a loaded machine also force sheets for each group, the input link and other
@@ -33,8 +31,6 @@ def plan_pictures(
         Base name; `_velocity`, `_acceleration`, `_forces_GROUP`, `_reactions` and `_bearing_PAIR` are appended.
     at : float, optional
         Crank angle [rad] or displacement of a sliding input [m] (default: a suitable position).
-    values : mapping of path to float, optional
-        Numbers (SI) that replace the scene's.
 
     Returns
     -------
@@ -46,7 +42,7 @@ def plan_pictures(
     PictureError
         The position can't be drawn, or unknown picture format.
     """
-    cycle = MachineCycle(scene, values)
+    cycle = MachineCycle(scene)
     pose = cycle.at(at)
     made = save_beside(path, ((which, kinematic_sheet(pose, which)) for which in ("velocity", "acceleration")))
     if revolute_pairs(cycle):
@@ -56,9 +52,7 @@ def plan_pictures(
     return made
 
 
-def bearing_pictures(
-    scene: Scene, path: Path, bearings: Collection[str], values: Mapping[str, float] | None = None
-) -> list[Path]:
+def bearing_pictures(scene: Scene, path: Path, bearings: Collection[str]) -> list[Path]:
     """Draw some bearing loads over the cycle; arguments as for `plan_pictures`.
 
     Parameters
@@ -67,7 +61,6 @@ def bearing_pictures(
     path : Path
     bearings : collection of str
         Names of revolute pairs.
-    values : mapping of path to float, optional
 
     Returns
     -------
@@ -79,7 +72,7 @@ def bearing_pictures(
     PictureError
         No such pair, or it isn't revolute or loaded.
     """
-    return save_beside(path, _bearings(MachineCycle(scene, values), dict.fromkeys(bearings))) if bearings else []
+    return save_beside(path, _bearings(MachineCycle(scene), dict.fromkeys(bearings))) if bearings else []
 
 
 def _most_loaded(cycle: MachineCycle) -> list[str]:
@@ -92,13 +85,7 @@ def _bearings(cycle: MachineCycle, names: Iterable[str]) -> Iterator[tuple[str, 
         yield f"bearing_{name.replace('.', '_')}", bearing_sheet(cycle, name)
 
 
-def reaction_pictures(
-    scene: Scene,
-    path: Path,
-    fields: Collection[str],
-    values: Mapping[str, float] | None = None,
-    known: Mechanics | None = None,
-) -> list[Path]:
+def reaction_pictures(scene: Scene, path: Path, fields: Collection[str]) -> list[Path]:
     """Draw the reactions over the cycle, and the load of each bearing among the fields.
 
     Parameters
@@ -108,10 +95,6 @@ def reaction_pictures(
         As for `plan_pictures`.
     fields : collection of str
         Names of fields; without pair reactions nothing is drawn.
-    values : mapping of path to float, optional
-        Numbers (SI) that replace the scene's.
-    known : Mechanics, optional
-        As for `MovingMachine`.
 
     Returns
     -------
@@ -119,7 +102,7 @@ def reaction_pictures(
         Files written.
     """
     asked = {name.rpartition(".reaction")[0] for name in fields} & {pair.name for pair in pairs_of(scene)}
-    return save_beside(path, _reactions(MachineCycle(scene, values, known), asked)) if asked else []
+    return save_beside(path, _reactions(MachineCycle(scene), asked)) if asked else []
 
 
 def _reactions(cycle: MachineCycle, asked: Collection[str]) -> Iterator[tuple[str, Figure]]:

@@ -115,12 +115,7 @@ class Paper:
         drawn = [p for p in drawn if p.kind != "text"]
         paint(self.ax, drawn, 1.0)
         for p in drawn:
-            corners = np.array(p.points)
-            if p.kind == "circle":
-                corners = p.points[0] + p.size * np.exp(2j * np.pi * np.arange(9) / 8)
-            elif p.kind == "polygon":
-                corners = np.append(corners, corners[:1])
-            self.mark(corners)
+            self.mark(p.outline())
 
     def line(self, points: Sequence[complex], colour: str = GREY, width: float = 0.5, dashes: object = "solid") -> None:
         """Draw a polyline."""

@@ -1,7 +1,7 @@
 """One machine over its cycle, and its velocities and accelerations at a position, at constant input speed."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import cached_property
 from typing import NamedTuple, TypeVar
 
@@ -21,10 +21,6 @@ class MachineCycle:
     Parameters
     ----------
     scene : Scene
-    values : mapping of path to float, optional
-        Numbers (SI) that replace the scene's.
-    known : Mechanics, optional
-        As for `MovingMachine`.
 
     Attributes
     ----------
@@ -39,11 +35,9 @@ class MachineCycle:
         The mechanism can't be assembled at any position.
     """
 
-    def __init__(
-        self, scene: engine.Scene, values: Mapping[str, float] | None = None, known: engine.Mechanics | None = None
-    ) -> None:
+    def __init__(self, scene: engine.Scene) -> None:
         self.scene = scene
-        self.motion = DrawnMotion(scene, values, known)
+        self.motion = DrawnMotion(scene)
         self.numbers = self.motion.numbers
         self.structure = engine.order_groups(scene)
         in_groups = [link for links in self.groups.values() for link in links]

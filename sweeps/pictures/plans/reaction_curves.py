@@ -12,15 +12,10 @@ from sweeps.pictures.machine.cycle_rows import closed, panel_over_cycle
 from sweeps.pictures.panels import draw_panel
 from sweeps.pictures.plans.lettering import size_text
 from sweeps.pictures.plans.pose import MachineCycle
-from sweeps.pictures.plans.sheets import blank_sheet, heading, place
-from sweeps.pictures.style import PURPLE, house_style
+from sweeps.pictures.style import PURPLE, legend_below, sheet, titled
 
-COLUMNS = 3
-# Sizes on paper [mm]: a panel with its labels, and its left, right, lower and upper margins.
-PANEL_WIDTH, PANEL_HEIGHT = 59.0, 56.0
-LEFT, RIGHT, BELOW, ABOVE = 15.0, 4.0, 11.0, 10.0
-# Right margin of a panel with moments.
-OF_MOMENTS = 14.0
+# Panels side by side, and the height of each [mm].
+COLUMNS, HEIGHT = 3, 56
 # Reactions below this share of the maximum are rounding.
 NOTHING = 1e-9
 
@@ -74,21 +69,16 @@ def _moment(cycle: MachineCycle, pair: Pair, ax: Axes) -> None:
 
 def reaction_sheet(cycle: MachineCycle) -> Figure:
     """Sheet of all pair reactions and the drive torque over the cycle, 180 mm wide."""
-    shown = pairs_of(cycle.scene)
+    scene, shown = cycle.scene, pairs_of(cycle.scene)
     rows = math.ceil((len(shown) + 1) / COLUMNS)
-    right = OF_MOMENTS if any(_bears_moment(cycle, pair) for pair in shown) else RIGHT
-    with house_style():
-        figure = blank_sheet(180, 16 + PANEL_HEIGHT * rows)
-        heading(figure, cycle.scene, "reactions at constant speed")
-        axes = []
-        for i in range(len(shown) + 1):
-            row, column = divmod(i, COLUMNS)
-            left, bottom = 2 + PANEL_WIDTH * column + LEFT, 6 + PANEL_HEIGHT * (rows - 1 - row) + BELOW
-            axes.append(place(figure, left, bottom, PANEL_WIDTH - LEFT - right, PANEL_HEIGHT - BELOW - ABOVE))
+    with sheet(180, 16 + HEIGHT * rows, titled(scene.title, "reactions at constant speed")) as figure:
+        axes = figure.subplots(rows, COLUMNS, squeeze=False).ravel()
+        for ax in axes[len(shown) + 1 :]:
+            ax.remove()
         for ax, pair in zip(axes, shown, strict=False):
             reaction_panel(cycle, pair, ax, with_legend=False)
-        units, moment = InputUnits.of(cycle.scene), closed(cycle.scene, cycle.forces["input_moment_by_equilibrium"])
+        units, moment = InputUnits.of(scene), closed(scene, cycle.forces["input_moment_by_equilibrium"])
         axis = PanelAxis("", units.moment, f"{units.symbols[2]}_in")
-        _draw(cycle, axes[-1], axis, [Curve("", moment)], drive_words(cycle.scene).replace(" for", "\nfor"))
-        figure.legend(*axes[0].get_legend_handles_labels(), loc="lower right", ncols=3)
+        _draw(cycle, axes[len(shown)], axis, [Curve("", moment)], drive_words(scene).replace(" for", "\nfor"))
+        legend_below(figure, axes[:1], 3)
     return figure

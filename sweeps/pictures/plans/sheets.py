@@ -15,7 +15,7 @@ from sweeps.pictures.plans.lettering import subscript
 from sweeps.pictures.plans.mechanism_plan import mechanism_plan
 from sweeps.pictures.plans.polygons import VectorPlan, accelerations, velocities
 from sweeps.pictures.plans.pose import Pose
-from sweeps.pictures.style import MM_PER_INCH, Sheet, house_style
+from sweeps.pictures.style import MM_PER_INCH, Sheet, house_style, titled
 
 WIDTH, HEIGHT = 180.0, 130.0
 HEADING = 8.0
@@ -45,9 +45,8 @@ def write(figure: Figure, left: float, top: float, text: str, **look: object) ->
 def heading(figure: Figure, scene: Scene, what: str) -> None:
     """Title of a sheet."""
     w, h = figure.get_size_inches() * MM_PER_INCH
-    text = f"{scene.title}: {what}" if scene.title else what[:1].upper() + what[1:]
     look = {"fontsize": 10, "fontweight": "bold", "parse_math": False}
-    figure.text(4 / w, (h - 3) / h, text, ha="left", va="top", **look)
+    figure.text(4 / w, (h - 3) / h, titled(scene.title, what), ha="left", va="top", **look)
 
 
 def links_line(pose: Pose) -> str:

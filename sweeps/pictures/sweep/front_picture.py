@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from engine import quantity_text
 from sweeps.optimising.optimum import Choice, choices, front, met, objectives
-from sweeps.pictures.drawing import DrawnMotion, draw
+from sweeps.pictures.drawing import draw
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, COLOURS, GREY, PALE, VERMILION, sheet, wrapped
 from sweeps.pictures.sweep.sweep_data import SweepData
@@ -91,7 +91,7 @@ def _differing(result: SweepResult, chosen: Sequence[Choice]) -> list[list[str]]
 def _mechanisms(axes: Sequence[Axes], result: SweepResult, chosen: Sequence[Choice]) -> None:
     """The machines of chosen points, all to the same scale."""
     for letter, ax, choice, numbers in zip("ABCDEFGH", axes, chosen, _differing(result, chosen), strict=False):
-        draw(DrawnMotion(result.scene, result.variant_values(choice.variant)), ax)
+        draw(result.scene_of(choice.variant), ax)
         ax.set_title("\n".join([*wrapped(f"{letter}: {choice.why}", 30), *numbers]), fontsize=7)
         ax.tick_params(labelsize=6)
     x, y = ([f(ax) for ax in axes] for f in (Axes.get_xlim, Axes.get_ylim))

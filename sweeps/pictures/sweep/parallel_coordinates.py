@@ -11,7 +11,7 @@ from engine import display_unit
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import COLOURS, GREY, PALE, VERMILION, wrapped
 from sweeps.pictures.sweep.sweep_data import SweepData
-from sweeps.text.conditions import Condition
+from sweeps.text.conditions import parts_of
 
 MOST_LINES = 3000
 # Up to this number, lines stay lines in an SVG file, which is smaller than their pixels.
@@ -38,7 +38,7 @@ def chosen_columns(data: SweepData, colour: str) -> list[str]:
         At most 10, with at least one summary if there is any; constant columns are omitted, and summaries that the
         condition makes equal.
     """
-    parts = Condition.parse(data.condition).parts if data.condition else ()
+    parts = parts_of(data.condition)
     asked = {name for part in parts for name in part.names}
     # The same for all variants that meet the condition.
     equal = {name for part in parts if part.is_equality for name in part.names} - {colour}

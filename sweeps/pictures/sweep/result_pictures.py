@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from engine import Verdict
 from sweeps.optimising.optimum import is_front
@@ -14,7 +15,6 @@ from sweeps.pictures.sweep.front_picture import front_picture
 from sweeps.pictures.sweep.maps import plot_result
 from sweeps.pictures.sweep.sweep_data import SweepData, evenly_chosen
 from sweeps.report.sweep_result import SweepResult
-from sweeps.store import read_columns
 from sweeps.study.sensitivity import RSS, WORST_CASE
 from sweeps.study.study_text import Best
 
@@ -46,19 +46,32 @@ def result_pictures(
     """
     result.show_own_units()
     path = result.path
-    if result.description.variants == 1:
+    if result.file.variants == 1:
         return _pictures_of(result, 0, out or path.with_suffix(".png"))
     best = result.best()
     made = [out or path.with_suffix(".png")]
-    if is_front(result) and x is y is colour is None:
-        save(front_picture(result, sweep_data(result, ())[0]), made[0])
-        return made
-    data, marked = sweep_data(result, (x, y, colour), best)
-    if out is None and x is y is colour is None:
+    if out is None and x is y is colour is None and not is_front(result):
         made += _pictures_of_one(result, best)
     # Last: where it is there, so are the others.
-    save(plot_result(data, x, y, colour, marked), made[0])
+    save(sweep_figure(result, x, y, colour, best), made[0])
     return made
+
+
+def sweep_figure(result: SweepResult, x: str | None, y: str | None, colour: str | None, best: int | None) -> Figure:
+    """The front of a search with several objectives, unless columns are named, or a sweep as by `plot_result`.
+
+    Parameters
+    ----------
+    result : SweepResult
+    x, y, colour : str or None
+        Columns to show.
+    best : int or None
+        Variant to mark.
+    """
+    if is_front(result) and x is y is colour is None:
+        return front_picture(result, sweep_data(result, ())[0])
+    data, marked = sweep_data(result, (x, y, colour), best)
+    return plot_result(data, x, y, colour, marked)
 
 
 def _pictures_of_one(result: SweepResult, best: int | None) -> list[Path]:
@@ -69,17 +82,15 @@ def _pictures_of_one(result: SweepResult, best: int | None) -> list[Path]:
         if first is None or result.goal is not None or result.scene.input is None:
             return []
         stem = path.with_name(f"{path.stem}_{first}.png")
-        return reaction_pictures(result.scene, stem, result.fields, result.variant_values(first), result.mechanics)
+        return reaction_pictures(result.scene_of(first), stem, result.fields)
     return _pictures_of(result, best, path.with_name(f"{path.stem}_best.png"))
 
 
 def _pictures_of(result: SweepResult, variant: int, stem: Path) -> list[Path]:
     """Plot the machine of a variant and the kept reactions."""
-    values = result.variant_values(variant)
-    made = machine_pictures(result.scene, values, stem, known=result.mechanics)
-    if result.scene.input is not None:
-        made += reaction_pictures(result.scene, stem, result.fields, values, result.mechanics)
-    return made
+    scene = result.scene_of(variant)
+    made = machine_pictures(scene, stem)
+    return made if scene.input is None else [*made, *reaction_pictures(scene, stem, result.fields)]
 
 
 def sweep_data(
@@ -95,16 +106,16 @@ def sweep_data(
     best : int, optional
         Variant to mark.
     """
-    d, shape, chosen = result.description, result.shape, slice(None)
-    if is_too_many := d.variants > MOST_DRAWN and "search" not in result.record:
+    variants, shape, chosen = result.file.variants, result.shape, slice(None)
+    if is_too_many := variants > MOST_DRAWN and "search" not in result.record:
         shape, chosen = evenly_chosen(shape, best, MOST_DRAWN)
         best = None if best is None else int(np.searchsorted(chosen, best))
     arrays = result.taken(chosen)
     along = {f: result.along(f) for f in result.fields if f in asked}
-    small = [f for f, axis in along.items() if d.variants * axis.values.size * 8 <= LARGEST_FIELD]
-    arrays |= {name: rows[chosen] for name, rows in read_columns(result.path, small).items()}
+    small = [f for f, axis in along.items() if variants * axis.values.size * 8 <= LARGEST_FIELD]
+    arrays |= {name: result.field_rows(name, chosen) for name in small}
     data = plot_data(result, arrays, shape, result.goal, result.candidates(chosen))
-    chosen_of = d.variants if is_too_many else None
+    chosen_of = variants if is_too_many else None
     return data._replace(along=along, condition=result.condition, chosen_of=chosen_of), best
 
 

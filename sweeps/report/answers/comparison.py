@@ -55,7 +55,7 @@ def comparison(one: SweepResult, other: SweepResult) -> Comparison:
     if len(differing) > MOST_LISTED:
         parts.append(f"  and {len(differing) - MOST_LISTED} more")
     shared = {name: _Gap(name, one, other) for name in one.summaries if name in other.summaries}
-    common, apart, first = 0, 0, (one.description.variants, 0)
+    common, apart, first = 0, 0, (one.file.variants, 0)
     for here, there in _common(one, other):
         differs = one.columns["status"][here] != other.columns["status"][there]
         if differs.any():
@@ -68,7 +68,7 @@ def comparison(one: SweepResult, other: SweepResult) -> Comparison:
         other.release()
     if not common:
         raise InputError.of(str(one.path), f"has no variant in common with {other.path}")
-    parts.append(f"Variants: {one.description.variants} and {other.description.variants}, {common} in common")
+    parts.append(f"Variants: {one.file.variants} and {other.file.variants}, {common} in common")
     if apart:
         pair = [Verdict(int(r.columns["status"][v])).name.lower() for r, v in zip((one, other), first, strict=True)]
         parts.append(f"  {apart} with another status, first variant {first[0]}: {' and '.join(pair)}")
@@ -83,7 +83,7 @@ def comparison(one: SweepResult, other: SweepResult) -> Comparison:
 def _best_text(one: SweepResult, other: SweepResult) -> list[str]:
     """Lines on the answers of two results: which number changed by how many per cent."""
     results = (one, other)
-    best = [0 if r.description.variants == 1 else None if r.aim is None else r.best(r.aim) for r in results]
+    best = [0 if r.file.variants == 1 else None if r.aim is None else r.best(r.aim) for r in results]
     if None in best:
         return [no_answer_text(r) for r, v in zip(results, best, strict=True) if v is None and r.aim is not None]
     questions = dict.fromkeys(r.question for r in results if r.question)
@@ -153,7 +153,7 @@ def _common(one: SweepResult, other: SweepResult) -> Iterator[tuple[np.ndarray, 
     """Variants with equal parameters, ascending in the first result, and the same in the other; in parts."""
     names = [name for name in one.parameters if name in other.parameters]
     of_same_numbers = set(one.parameters) ^ set(other.parameters) or not names
-    if of_same_numbers and one.description.variants != other.description.variants:
+    if of_same_numbers and one.file.variants != other.file.variants:
         message = f"{other.path} has different variables and another number of variants: nothing to compare"
         raise InputError.of(str(one.path), message)
     elsewhere = []
@@ -164,7 +164,7 @@ def _common(one: SweepResult, other: SweepResult) -> Iterator[tuple[np.ndarray, 
         else:
             elsewhere.append(part)
     # Other studies have the same variants in other rows.
-    seen = np.zeros(one.description.variants if elsewhere else 0, bool)
+    seen = np.zeros(one.file.variants if elsewhere else 0, bool)
     for some in other.parts(INDEXED) if elsewhere else ():
         index = VariantIndex(other.columns, names, some)
         for part in elsewhere:

@@ -7,7 +7,7 @@ import numpy as np
 
 from engine import Verdict, counted, figure_text, quantity_text
 from sweeps.report.sweep_result import SweepResult, drop_counts
-from sweeps.text.conditions import Condition, Judgement, Where
+from sweeps.text.conditions import Condition, Judgement, Where, parts_of
 
 # Limits that are missed by more than this factor are reported without it.
 _FAR = 10.0
@@ -46,7 +46,7 @@ def drop_lines(conditions: Sequence[str], missed: Iterable[np.ndarray], variants
 
 def undecided_text(result: SweepResult, where: Where) -> str:
     """Number of variants undecided within error estimates, as a clause; "" if none."""
-    count = result.undecided(where) if where else 0
+    count = result.undecided(where)
     return f"; {count} {'is' if count == 1 else 'are'} undecided within error estimates" if count else ""
 
 
@@ -75,10 +75,10 @@ def no_answer_text(result: SweepResult, noun: str = "variant") -> str:
 
 def _asked(result: SweepResult) -> _Asked | None:
     """Conditions on the computed variants, or if none is computed those that dropped the others."""
-    counts, where = result.verdict_counts(), result.aim.condition
-    if counts.get(Verdict.OK) and where:
-        return _Asked(Condition.parse(where).parts, Verdict.OK)
-    if counts.get(Verdict.DROPPED):
+    counts, conditions = result.verdict_counts(), parts_of(result.aim.where)
+    if counts[Verdict.OK] and conditions:
+        return _Asked(conditions, Verdict.OK)
+    if counts[Verdict.DROPPED]:
         return _Asked(tuple(part for one in result.requirements.conditions for part in one.parts), Verdict.DROPPED)
     return None
 

@@ -5,14 +5,13 @@ from pathlib import Path
 
 import numpy as np
 
-from engine import Scene, Verdict, did_you_mean, history, history_fields
+from engine import Scene, history, history_fields
 from sweeps.report.files.data_files import DataTable
 from sweeps.report.readings import Readings
-from sweeps.report.readings_in_time import HistoryColumn, history_columns
-from sweeps.report.regime_words import failure_text
+from sweeps.report.readings_in_time import history_readings
 from sweeps.report.sweep_result import SweepResult
 from sweeps.text.conditions import Where
-from sweeps.text.input_files import InputError
+from sweeps.text.input_files import InputError, need_known
 
 # Rows in memory at once.
 ROWS_AT_A_TIME = 1 << 16
@@ -38,11 +37,8 @@ def result_table(path: Path, names: Sequence[str] = (), where: Where = None) -> 
     """
     result = SweepResult(path)
     result.show_own_units()
-    known = [c.name for c in result.description.columns]
-    for name in names:
-        if name not in known:
-            message = f"{name!r} is not in this result; {did_you_mean(name, known)}"
-            raise InputError.of(str(path), message, key="--columns")
+    known = [c.name for c in result.file.described]
+    need_known(names, known, str(path), "is not in this result", "--columns")
     met = result.meets(where) if where or names else None
     if not names:
         errors = [f"{name}_error" for name in result.summaries]
@@ -68,7 +64,7 @@ def result_table(path: Path, names: Sequence[str] = (), where: Where = None) -> 
             yield {name: column(name, here) for name in wanted}
 
     along = {axis.name: axis.units} if axis else {}
-    return DataTable((*asked, *along, *fields), dict(result.units) | along, result.description.title, parts)
+    return DataTable((*asked, *along, *fields), dict(result.units) | along, result.file.title, parts)
 
 
 def reading_table(readings: Readings, title: str) -> DataTable:
@@ -100,17 +96,13 @@ def history_table(scene: Scene, fields: Sequence[str] = ()) -> tuple[DataTable, 
         message = 'a history needs regimes; add [regimes.NAME] with type = "run" or "steady"'
         raise InputError.of(scene.title or "scene", message, key="regimes")
     known = history_fields(scene) if fields else {}
-    for name in fields:
-        if name not in known:
-            message = f"{name!r} is not a load of a history; {did_you_mean(name, known)}"
-            raise InputError.of(scene.title or "scene", message, key="--columns")
+    need_known(fields, known, scene.title or "scene", "is not a load of a history", "--columns")
     seen = history(scene, fields=fields)
-    columns = history_columns(scene, seen)
+    found = history_readings(scene, seen)
+    further = {name: (row, known[name].units) for name, row in seen.loads_on_pairs.items()}
     if scene.couplings:
-        columns["shaft_speed"] = HistoryColumn(seen.shaft_speed, "rad s-1")
-        columns["coupling_moment"] = HistoryColumn(seen.coupling_moment, "N m")
-    columns |= {name: HistoryColumn(row, known[name].units) for name, row in seen.loads_on_pairs.items()}
-    numbers = {"regime": seen.regime, "time": seen.time} | {name: column.row for name, column in columns.items()}
-    units = {"time": "s"} | {name: column.units for name, column in columns.items()}
-    ended = "" if seen.verdict == Verdict.OK else failure_text(scene, seen.verdict, seen)
-    return DataTable.whole(numbers, units, scene.title), ended
+        coupled = {"shaft_speed": (seen.shaft_speed, "rad s-1"), "coupling_moment": (seen.coupling_moment, "N m")}
+        further = coupled | further
+    values = found.values | {name: row for name, (row, _) in further.items()}
+    units = found.units | {name: unit for name, (_, unit) in further.items()}
+    return DataTable.whole({"regime": seen.regime, "time": seen.time} | values, units, scene.title), found.remark

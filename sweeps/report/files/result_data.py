@@ -22,9 +22,9 @@ def result_data(result: SweepResult, variants: Iterable[int], names: Sequence[st
     counts = {verdict.name.lower(): count for verdict, count in result.verdict_counts().items()}
     shown = [*result.parameters, *(names or result.summaries)]
     return {
-        "title": result.description.title,
+        "title": result.file.title,
         "file": str(result.path),
-        "variants": result.description.variants,
+        "variants": result.file.variants,
         "status": counts,
         "best": result.best(),
         "units": {name: result.units[name] for name in shown},

@@ -127,6 +127,6 @@ def test_rays_of_angular_velocities__are_parallel_to_lines_of_linear_ones():
 
 def test_pictures_of_a_scene__are_those_of_its_trains(tmp_path):
     scene = read_scene(bundled_templates()["planetary_train"])
-    made = machine_pictures(scene, {}, tmp_path / "train.png")
+    made = machine_pictures(scene, tmp_path / "train.png")
     assert [path.name for path in made] == ["train_velocities.png"]
     assert Path(made[0]).stat().st_size > 20_000

@@ -23,7 +23,7 @@ from sweeps.run import runner
 from sweeps.run.cluster.cluster_errors import ClusterError, UnfinishedError
 from sweeps.run.cluster.connecting import connected
 from sweeps.run.runner import run_study
-from sweeps.store import describe_result
+from sweeps.store import MappedResult
 
 HERE = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])}
 QUIET = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
@@ -119,7 +119,7 @@ def test_lost_scheduler__is_told_and_the_run_goes_on_without_it(tmp_path, monkey
             pytest.raises(UnfinishedError, match="the connection to the Dask scheduler is lost"),
         ):
             run_study(study_of(tmp_path, DISTINCT), tmp_path / "study.h5", progress=kill, client=client)
-    assert describe_result(tmp_path / "study.part.h5").blocks_done == 2
+    assert MappedResult(tmp_path / "study.part.h5").done.sum() == 2
     assert contents(run_study(study_of(tmp_path, DISTINCT), tmp_path / "study.h5")) == whole
 
 
@@ -143,7 +143,7 @@ def test_worker_with_other_sources__is_left_out(tmp_path):
             path = run_study(study, tmp_path / "study.h5", client=client, tell=told.append)
     assert len(told) == 1
     assert told[0].startswith("Excluded: worker tcp://127.0.0.1:")
-    assert describe_result(path).attributes["outcome"].startswith("computed by 1 worker, 1 thread")
+    assert MappedResult(path).attributes["outcome"].startswith("computed by 1 worker, 1 thread")
 
 
 def test_worker_without_the_program__is_told_what_to_install(tmp_path):

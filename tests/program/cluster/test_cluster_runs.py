@@ -21,7 +21,7 @@ from sweeps.run.cluster.crew import UNDER_WAY
 from sweeps.run.cluster.limits import ClusterLimits
 from sweeps.run.cluster.on_workers import time_variant
 from sweeps.run.runner import layout_of, run_study
-from sweeps.store import describe_result
+from sweeps.store import MappedResult
 from sweeps.store.creating import write_final_text
 from sweeps.study.bundled import STUDIES
 from sweeps.study.study_reader import read_study
@@ -56,7 +56,7 @@ def test_sweep__is_byte_for_byte_that_of_one_machine(client, tmp_path):
     path = run_study(study, tmp_path / "on" / "alone.h5", progress=lambda *c: calls.append(c), client=client)
     assert calls == [(0, 0), (40, 0), (80, 0), (120, 0), (160, 0), (200, 0)]
     assert without_its_end(path) == without_its_end(alone)
-    outcome = describe_result(path).attributes["outcome"]
+    outcome = MappedResult(path).attributes["outcome"]
     assert re.fullmatch(r"computed by 2 workers, \d+ threads; processors: \S+ \(2\)", outcome)
     done("verify", str(path))
     # Nothing left to do: nobody is asked.
@@ -81,7 +81,7 @@ def test_study_with_files_in_other_folders__is_that_of_one_machine(client, tmp_p
     shutil.rmtree(folder)
     path = run_study(study, "on.h5", client=client)
     assert contents(path) == contents(alone)
-    assert describe_result(path).variants == 12
+    assert MappedResult(path).variants == 12
 
 
 def test_edited_study__is_extended_as_on_one_machine(client, tmp_path):
@@ -105,7 +105,7 @@ def test_interrupted_run__goes_on_with_or_without_the_cluster(first, client, tmp
     here = {"on": client, "alone": None}
     with pytest.raises(Stop):
         run_study(study_of(tmp_path, DISTINCT), tmp_path / "study.h5", progress=stopping(80), client=here.pop(first))
-    assert describe_result(tmp_path / "study.part.h5").blocks_done == 2
+    assert MappedResult(tmp_path / "study.part.h5").done.sum() == 2
     calls = []
     (other,) = here.values()
     study = study_of(tmp_path, DISTINCT)
@@ -120,7 +120,7 @@ def test_search__is_that_of_one_machine(client, folder):
     alone = optimise_study(study, folder / "alone.h5")
     path = optimise_study(study, folder / "on.h5", client=client)
     assert contents(path) == contents(alone)
-    assert "; computed by 2 workers" in describe_result(path).attributes["outcome"]
+    assert "; computed by 2 workers" in MappedResult(path).attributes["outcome"]
     address = client.scheduler.address
     done("optimise", "study.toml", "--no-plots", "--out", "told.h5", "--cluster", address)
     assert contents(Path("told.h5")) == contents(alone)
@@ -202,7 +202,7 @@ def test_command_whose_block_fails__tells_it_and_ends_with_1(client, folder, mon
         "Error: variants 80 … 119 couldn't be computed (ArithmeticError: this block is refused). The others are kept "
         f"in {part}; repeat the command to retry.\n"
     )
-    assert describe_result(part).blocks_done == 4
+    assert MappedResult(part).done.sum() == 4
     done(*arguments)
     assert contents(Path("results/study.h5")) == contents(run(folder, DISTINCT, "alone"))
 

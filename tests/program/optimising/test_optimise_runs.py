@@ -13,7 +13,7 @@ from engine import Machine
 from sweeps import StoreError, Study, SweepResult, read_study, run_study
 from sweeps.optimising import searching
 from sweeps.optimising.runner import optimise_study
-from sweeps.store import describe_result
+from sweeps.store import MappedResult
 from sweeps.study.search_task import task_of
 
 
@@ -53,7 +53,7 @@ def test_interrupted_search__ends_as_an_uninterrupted_one(asked, tmp_path):
 
         with pytest.raises(Stop):
             optimise_study(study, path, progress=progress)
-        assert describe_result(tmp_path / "parts.candidates.part.h5").blocks_done == stop
+        assert MappedResult(tmp_path / "parts.candidates.part.h5").done.sum() == stop
         assert not path.exists()
     optimise_study(study, path)
     assert told == [(0, 0), (1, 0), (2, 0), (3, 0), (3, 3), (4, 3), (5, 3), (6, 3), (7, 3)]

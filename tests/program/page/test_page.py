@@ -98,9 +98,9 @@ def test_digest__neighbours_are_a_step_of_the_grid_away(result):
 
 def test_digest__a_million_variants_take_the_memory_of_a_piece(tmp_path, result, monkeypatch):
     """Thirteen columns of 8 bytes are 104 MB; a piece of 200,000 numbers with what is made of it stays far below."""
-    record = SweepResult(result).description
+    record = SweepResult(result).file
     count, rng = 1_000_000, np.random.default_rng(5)
-    columns = tuple(column for column in record.columns if column.dims == ("variant",))
+    columns = tuple(column for column in record.described if column.dims == ("variant",))
     attributes = {k: v for k, v in record.attributes.items() if k not in ("Conventions", "finished", "outcome")}
     axis = {"kind": "Sampled", "names": ["input.length", "bodies.ram.mass"], "size": count}
     attributes["study_json"] = json.dumps(json.loads(attributes["study_json"]) | {"vary": [axis]})
@@ -136,7 +136,7 @@ def test_page__tells_question_answer_and_provenance(page, result):
     text, whole = text_without_scripts(page), SweepResult(result)
     assert "How short?" in text
     assert f"variant {whole.best()}" in text
-    assert whole.description.attributes["study_hash"] in text
+    assert whole.file.attributes["study_hash"] in text
     # The age of its numbers, as `sweeps show` gives it for the result.
     assert re.fullmatch(r"\d{4}-\d\d-\d\d \d\d:\d\d UTC", whole.finished)
     assert f"<td>{whole.finished}</td>" in text

@@ -33,7 +33,7 @@ def scene(tmp_path):
 
 
 def watched(path: Path) -> WatchedPage:
-    return WatchedPage(path.name, lambda: machine_of(str(path), None), foreseen_errors())
+    return WatchedPage(path.name, lambda: machine_of(str(path), None).scene, foreseen_errors())
 
 
 @contextlib.contextmanager

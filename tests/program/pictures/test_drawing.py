@@ -31,6 +31,7 @@ from sweeps.pictures.drawing.racks import rack_shapes
 from sweeps.pictures.drawing.symbols import HALF_LENGTH
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import save
+from sweeps.text.scene_text import with_values
 from sweeps.text.templates import bundled_templates
 
 # Positions pass through a few dozen operations of the engine on lengths below 1 m.
@@ -353,11 +354,11 @@ REFUSED = {
     "outside": (lambda: primitives(sliding_input(), 0.2), r"200 mm is outside the input's range 0 mm to 120 mm"),
     "unknown kind": (lambda: annotated(slider_crank(), 1.0, "mass"), r"'mass' can't be shown.*mean 'masses'"),
     "locked": (
-        lambda: primitives(DrawnMotion(four_bar(), LOCKING), 3.1),
+        lambda: primitives(with_values(four_bar(), LOCKING), 3.1),
         r"position 177.* can't be drawn: a group can't be assembled",
     ),
     "nowhere": (
-        lambda: primitives(DrawnMotion(four_bar(), {"groups.g.first.length": 0.001}), 0.0),
+        lambda: primitives(with_values(four_bar(), {"groups.g.first.length": 0.001}), 0.0),
         "can't be drawn at any position",
     ),
 }

@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from store_samples import begun, complete, files, fill, layout, results, start_child
 
-from sweeps.store import Column, FileLayout, Store, StoreError, describe_result, read_columns, reword
+from sweeps.store import Column, FileLayout, MappedResult, Store, StoreError, read_columns, reword
 from sweeps.store.errors import explained
 
 
@@ -78,7 +78,7 @@ def test_other_words__change_nothing_else(path: Path, part: Path, finished: bool
         arrays = read_columns(part)
     file = path if finished else part
     reword(file, {"title": "Länge", "study": "x" * 100_000})
-    assert describe_result(file).attributes["title"] == "Länge"
+    assert MappedResult(file).attributes["title"] == "Länge"
     found = read_columns(file, list(arrays))
     assert all(found[name].tobytes() == values.tobytes() for name, values in arrays.items())
     before = file.stat().st_mtime_ns
@@ -93,11 +93,11 @@ def test_restart__old_file_stays_until_the_new_one_is_finished(path: Path) -> No
     complete(path, layout())
     with Store.open(path, other_study(), restart=True) as store:
         fill(store, 0)
-    assert describe_result(path).attributes["study_hash"] == "1a2b"
+    assert MappedResult(path).attributes["study_hash"] == "1a2b"
     with Store.open(path, other_study()) as store:
         assert store.pending == [1, 2, 3, 4, 5]
     complete(path, other_study())
-    assert describe_result(path).attributes["study_hash"] == "9z9z"
+    assert MappedResult(path).attributes["study_hash"] == "9z9z"
     assert files(path.parent) == ["out.h5"]
 
 
@@ -136,7 +136,7 @@ def test_finished_file_cut_off__all_is_pending(path: Path) -> None:
     with path.open("rb+") as file:
         file.truncate(path.stat().st_size - 1000)
     with pytest.raises(StoreError, match=r"damaged or truncated\. Run its study again"):
-        describe_result(path)
+        MappedResult(path)
     with Store.open(path, layout()) as store:
         (note,) = store.notes
         assert len(store.pending) == 6
@@ -149,7 +149,7 @@ def test_second_writer_in_another_process__refused(path: Path, part: Path) -> No
         for restart in (False, True):
             with pytest.raises(StoreError, match=r"(?i)another sweep is writing"):
                 Store.open(path, layout(), restart=restart)
-        assert describe_result(part).blocks_done == 0
+        assert MappedResult(part).done.sum() == 0
         assert np.isnan(read_columns(part, ["length"])["length"]).all()
         child.communicate("\n", timeout=60)
     complete(path, layout())
@@ -292,7 +292,7 @@ def test_bytes__at_least_the_size_of_the_file(path, part, variants, block, posit
     shape = layout(variants, block, positions, columns=(*layout().columns, *more), attributes=attributes)
     Store.open(path, shape, restart=True).close()
     assert part.stat().st_size <= shape.bytes()
-    assert describe_result(part).attributes["study"] == text * 50
+    assert MappedResult(part).attributes["study"] == text * 50
 
 
 @pytest.mark.parametrize("name", ["length", "variant", "progress", "phi"])

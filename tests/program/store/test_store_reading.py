@@ -18,8 +18,6 @@ from sweeps.store import (
     MappedResult,
     Store,
     StoreError,
-    describe_result,
-    mapped_columns,
     open_dataset,
     read_columns,
 )
@@ -78,18 +76,18 @@ def test_xarray_missing__store_error_names_the_extra(path: Path, monkeypatch: py
 def test_describe__columns_attributes_and_progress_of_open_part_and_of_final_file(path: Path, part: Path) -> None:
     with Store.open(path, layout()) as store:
         fill(store, 2)
-        shown = describe_result(part)
+        shown = MappedResult(part)
     assert (shown.title, shown.variants, shown.axes["position"]["count"]) == ("Shear", 22, 5)
-    assert (shown.blocks, shown.blocks_done) == (6, 1)
-    assert shown.columns == layout().columns
+    assert (shown.done.size, shown.done.sum()) == (6, 1)
+    assert shown.described == layout().columns
     assert shown.attributes["study"] == "steps = 3\nload = 12 kN"
     complete(path, layout())
-    assert describe_result(path).blocks_done == 6
+    assert MappedResult(path).done.sum() == 6
 
 
 def test_pipe__is_refused_without_waiting_for_its_other_end(path: Path) -> None:
     os.mkfifo(path)
-    for reader in (MappedResult, describe_result, mapped_columns, open_dataset):
+    for reader in (MappedResult, open_dataset):
         with pytest.raises(StoreError, match="device or a pipe"):
             reader(path)
 
@@ -181,14 +179,14 @@ def test_finished_file_with_a_block_not_flagged__damaged(path: Path) -> None:
         file["status"][5] = 83
     assert MappedResult(path).damaged() == [1]
     with pytest.raises(DamagedError, match=r"is damaged \(variants 4 … 7\)"):
-        mapped_columns(path)
+        MappedResult(path).numbers()
 
 
 def test_status_of_blocks_not_done__not_computed_whatever_stands_there(path: Path, part: Path) -> None:
     begun(path, 1)
     with h5py.File(part, "r+") as file:
         file["status"][:4] = (0, 83, 0, 254)
-    for status in (read_columns(part)["status"], mapped_columns(part).columns["status"]):
+    for status in (read_columns(part)["status"], MappedResult(part).numbers()["status"]):
         assert (status[:4] == NOT_COMPUTED).all()
         assert (status[4:8] != NOT_COMPUTED).all()
         assert (status[8:] == NOT_COMPUTED).all()

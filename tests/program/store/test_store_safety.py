@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from store_samples import KILLED, NAMES, complete, files, fill, layout, results, run_child, same_bits
 
-from sweeps.store import Store, StoreError, describe_result
+from sweeps.store import MappedResult, Store, StoreError
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals and limits")
 
@@ -77,7 +77,7 @@ def test_kill_before_rename__next_run_only_finishes(path: Path, monkeypatch: pyt
     with Store.open(path, layout()) as store:
         assert store.pending == []
         store.finish("well")
-    assert describe_result(path).attributes["outcome"] == "well"
+    assert MappedResult(path).attributes["outcome"] == "well"
     assert files(path.parent) == ["out.h5"]
 
 
@@ -91,7 +91,7 @@ def test_finishing__changes_attributes_in_place_only(path: Path, part: Path) -> 
     assert len(after) == len(before)
     # The two texts hold 32 and 2000 bytes, which start out as zeros.
     changed = np.flatnonzero(before != after)
-    assert len(changed) == len(describe_result(path).attributes["finished"]) + 2000
+    assert len(changed) == len(MappedResult(path).attributes["finished"]) + 2000
     assert (before[changed] == 0).all()
 
 
@@ -127,8 +127,8 @@ def test_disk_full_at_work__done_blocks_stay_and_sweep_goes_on(tmp_path: Path, p
 def test_disk_full_at_the_end__finished_all_the_same(path: Path) -> None:
     """Finishing needs no room, so that it cannot fail after the work is done."""
     assert run_child(f"child_finishes_on_full_disk(Path({str(path)!r}))") == ""
-    assert describe_result(path).blocks_done == describe_result(path).blocks
-    assert describe_result(path).attributes["outcome"] == "n" * 2000
+    assert MappedResult(path).done.sum() == MappedResult(path).done.size
+    assert MappedResult(path).attributes["outcome"] == "n" * 2000
 
 
 def test_too_little_space__named_before_any_file_is_made(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,7 +18,7 @@ from sweeps.pictures.style import VERMILION
 from sweeps.pictures.sweep.maps import curves
 from sweeps.pictures.sweep.result_pictures import sweep_data
 from sweeps.run.blocks import evaluate_block, largest_block
-from sweeps.store import describe_result
+from sweeps.store import MappedResult
 from sweeps.study import sensitivity
 
 EPS = np.finfo(float).eps
@@ -128,7 +128,7 @@ def test_blocks__don_t_change_a_bit(result, tmp_path, monkeypatch):
     monkeypatch.setattr(sensitivity, "TOGETHER", 1)
     machine = study.machine()
     parts = [evaluate_block(study, machine, slice(i, i + 2), machine.new_buffer(2)) for i in range(0, 8, 2)]
-    for column in result.description.columns:
+    for column in result.file.described:
         found = np.concatenate([part[column.name] for part in parts])
         assert found.tobytes() == result.columns[column.name].tobytes(), column.name
 
@@ -200,7 +200,7 @@ def test_curves__show_bands_about_their_summary(tmp_path):
 def test_search__leaves_them_to_its_own_columns(tmp_path):
     asked = '\n[optimise]\nminimise = "ram.stroke"\npopulation = 8\ngenerations = 2\n'
     study = study_of(tmp_path, ALL + asked)
-    columns = {column.name for column in describe_result(optimise_study(study, tmp_path / "o.h5")).columns}
+    columns = {column.name for column in MappedResult(optimise_study(study, tmp_path / "o.h5")).described}
     assert "ram.stroke.tolerance" in columns
     assert not {"ram.stroke.tolerance_rss", "ram.stroke_high.by.ratio"} & columns
 

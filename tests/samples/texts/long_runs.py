@@ -9,7 +9,7 @@ from pathlib import Path
 from commands import ROOT
 from press_sweeps import many, study_of
 
-from sweeps.store import describe_result
+from sweeps.store import MappedResult
 
 # Blocks of some ten milliseconds, so that kills fall at all moments.
 COUNT = 500_000
@@ -27,7 +27,7 @@ def start(folder: Path, *options: str) -> subprocess.Popen:
 
 def blocks_done(folder: Path) -> int:
     part = folder / "long.part.h5"
-    return describe_result(part).blocks_done if part.exists() else 0
+    return MappedResult(part).done.sum() if part.exists() else 0
 
 
 def wait_for_blocks(process: subprocess.Popen, folder: Path, count: int) -> None:

@@ -8,8 +8,9 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from sweeps.pictures.drawing import Primitive, bounds
+from sweeps.pictures.drawing.frame import frame_parts
+from sweeps.pictures.drawing.links import plates_and_bars
 from sweeps.pictures.plans.forces.force_plan import colour_of
-from sweeps.pictures.plans.forces.link_figure import link_figure
 from sweeps.pictures.plans.forces.loads import DrawnLoad, loads_on_links
 from sweeps.pictures.plans.lettering import subscript
 from sweeps.pictures.plans.paper import Paper, size_of
@@ -44,7 +45,7 @@ def free_body(pose: Pose, link: str, ax: Axes) -> list[DrawnLoad]:
     list of DrawnLoad
         Loads on the link.
     """
-    loads, figure = _felt(loads_on_links(pose)[link], pose.motion.radius), link_figure(pose, link)
+    loads, figure = _felt(loads_on_links(pose)[link], pose.motion.radius), _link_figure(pose, link)
     middle, cloud = _spread(pose, figure, loads, size_of(ax))
     paper = Paper(ax, cloud, margin=MARGIN, to_scale=False)
     paper.figures(figure)
@@ -61,6 +62,14 @@ def free_body(pose: Pose, link: str, ax: Axes) -> list[DrawnLoad]:
     return loads
 
 
+def _link_figure(pose: Pose, link: str) -> list[Primitive]:
+    """A link as drawn in the mechanism, with its joints and its cam or wheel."""
+    plates, bars = plates_and_bars(pose.motion, pose.k)
+    joints = pose.motion.members(link)
+    whole = (*frame_parts(pose.motion), *plates, *bars)
+    return [p for p in whole if p.link == link or (p.layer == "joints" and p.text in joints)]
+
+
 def height_of_body(pose: Pose, link: str, width: float, most: float) -> float:
     """Height on paper of a free body of a width, at most `most` [mm].
 
@@ -71,7 +80,7 @@ def height_of_body(pose: Pose, link: str, width: float, most: float) -> float:
     width, most : float
     """
     loads, room = _felt(loads_on_links(pose)[link], pose.motion.radius), complex(width, most)
-    _, cloud = _spread(pose, link_figure(pose, link), loads, room)
+    _, cloud = _spread(pose, _link_figure(pose, link), loads, room)
     return float(np.ptp(cloud.imag)) / _per_mm(cloud, room) + 2 * MARGIN
 
 

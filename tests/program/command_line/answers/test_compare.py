@@ -2,7 +2,6 @@
 
 import os
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from commands import STUDY, done, refused, row, said
@@ -51,7 +50,7 @@ def test_same_variants_in_another_order__each_beside_itself(press_result, monkey
     turned = {name: column[order].copy() for name, column in other.columns.items()}
     turned["ram.stroke"][2] *= 1.01
     turned["status"][4] = 2
-    vars(other)["_mapped"] = SimpleNamespace(columns=turned, release=lambda: None)
+    vars(other)["columns"] = turned
     turned["input.length"][7] *= 1.5
     for at_a_time, indexed in ((3, 100), (100, 100), (3, 5), (100, 1)):
         monkeypatch.setattr(sweep_result, "VARIANTS_AT_A_TIME", at_a_time)
@@ -70,7 +69,7 @@ def test_value_just_beyond_its_figure__is_outside(press_result):
     # Both results have this figure, and rounding is let pass besides.
     changed["ram.stroke"][0] += 1.5 * figure[0]
     changed["ram.stroke"][1] += 3.0 * figure[1] + 1e-15
-    vars(other)["_mapped"] = SimpleNamespace(columns=changed, release=lambda: None)
+    vars(other)["columns"] = changed
     found = comparison(one, other)
     assert not found.agrees
     words = row(counts_of(found.text), "ram.stroke")

@@ -40,7 +40,7 @@ def seen(folder, monkeypatch):
     found = []
 
     def draw(*given: object, **_: object) -> list:
-        found.append(given[3])
+        found.append(given[2])
         return []
 
     monkeypatch.setattr("sweeps.pictures.picture_files.machine_pictures", draw)
@@ -56,7 +56,7 @@ def drawn(folder, monkeypatch):
         found.append(dict(scenes))
         return Figure()
 
-    monkeypatch.setattr("sweeps.pictures.picture_files.hodographs", noted)
+    monkeypatch.setattr("sweeps.pictures.machine.hodographs.hodographs", noted)
     return found
 
 

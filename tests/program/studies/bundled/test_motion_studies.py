@@ -59,7 +59,7 @@ def test_study__gives_each_variant_finite_numbers_or_a_reason(name, table):
     expected = {Verdict.OK, Verdict.STALLS, Verdict.DROPPED}
     assert set(np.unique(result.columns["status"])) <= expected
     found = done(result)
-    assert found["status"].size > 0.7 * result.description.variants
+    assert found["status"].size > 0.7 * result.file.variants
     for summary in result.summaries:
         assert np.isfinite(found[summary]).all(), summary
         assert np.isfinite(found[f"{summary}_error"]).all(), summary

@@ -11,7 +11,7 @@ from motion_scenes import rotor, run
 from engine import Scene
 from sweeps import SweepResult, read_scene, read_study, run_study, write_scene
 from sweeps.run import runner
-from sweeps.store import describe_result, read_columns
+from sweeps.store import MappedResult, read_columns
 
 STUDY = """scene = "machine.toml"
 positions = 240
@@ -55,7 +55,7 @@ def test_rows__stand_in_the_file_with_their_axis_and_error_figure(folder, monkey
     expected = np.where(3.0 * t / inertia <= 10.0 * (1.0 + 1e-12), 3.0 * t / inertia, np.nan)
     assert np.array_equal(np.isnan(rows), np.isnan(expected))
     assert (np.nanmax(np.abs(rows - expected), axis=1) <= error + 1e-15).all()
-    described = describe_result(path)
+    described = MappedResult(path)
     assert described.axes["go.instant"]["count"] == 31
     assert SweepResult(path).along("go.turned").name == "go.instant"
     assert SweepResult(path).along("reduced_inertia").over_positions

@@ -30,7 +30,7 @@ def in_pieces(path, monkeypatch):
 def test_choosing_piece_by_piece__is_that_of_all_at_once(path, in_pieces):
     whole = SweepResult(path)
     columns, ok = whole.columns, whole.columns["status"] == Verdict.OK
-    assert whole.description.variants > 3 * 97
+    assert whole.file.variants > 3 * 97
     where, name = whole.goal.where, whole.goal.goal
     met = whole.candidates()
     assert 0 < met.sum() < ok.sum()
@@ -81,9 +81,9 @@ def test_verdicts_piece_by_piece__are_told_as_those_of_all_at_once(tmp_path, mon
 def test_picture_of_many__holds_the_best_among_variants_chosen_evenly(path, monkeypatch):
     result = SweepResult(path)
     best, goal = result.best(), result.goal.goal
-    monkeypatch.setattr(result_pictures, "MOST_DRAWN", result.description.variants // 3)
+    monkeypatch.setattr(result_pictures, "MOST_DRAWN", result.file.variants // 3)
     data, marked = result_pictures.sweep_data(result, (), best)
-    assert data.chosen_of == result.description.variants > data.status.size
+    assert data.chosen_of == result.file.variants > data.status.size
     assert data.arrays[goal][marked] == result.columns[goal][best]
     assert data.grid_parameters() == result_pictures.sweep_data(result, ())[0].grid_parameters()
 

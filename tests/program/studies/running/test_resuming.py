@@ -12,7 +12,7 @@ from press_sweeps import DISTINCT, GOOD, SCENE, Stop, contents, many, numbers_in
 
 from sweeps import SweepResult, read_study, run_study
 from sweeps.run import blocks, carrying, runner
-from sweeps.store import describe_result, read_columns
+from sweeps.store import MappedResult, read_columns
 
 # Going on
 
@@ -29,7 +29,7 @@ def test_interrupted_run__goes_on_with_the_blocks_left(monkeypatch, tmp_path):
     with pytest.raises(Stop):
         run_study(study_of(tmp_path, DISTINCT), tmp_path / "study.h5", progress=stopping(80))
     assert not (tmp_path / "study.h5").exists()
-    assert describe_result(tmp_path / "study.part.h5").blocks_done == 2
+    assert MappedResult(tmp_path / "study.part.h5").done.sum() == 2
     assert counted(DISTINCT, tmp_path) == [(80, 80), (120, 80), (160, 80), (200, 80)]
     assert not (tmp_path / "study.part.h5").exists()
     assert numbers_in(tmp_path / "study.h5") == whole

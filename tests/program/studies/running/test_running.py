@@ -14,7 +14,7 @@ from engine import Verdict, set_threads
 from sweeps import SweepResult
 from sweeps.run import runner
 from sweeps.run.blocks import BYTES_PER_BLOCK, LARGEST_BLOCK, block_size
-from sweeps.store import describe_result
+from sweeps.store import MappedResult
 
 # What the file holds
 
@@ -192,8 +192,8 @@ def test_results__do_not_depend_on_blocks(monkeypatch, tmp_path):
     whole = run(tmp_path, DISTINCT, "whole")
     monkeypatch.setattr(runner, "block_size", lambda *_: 37)
     parts = run(tmp_path, DISTINCT, "parts")
-    assert describe_result(parts).blocks == 6
-    assert describe_result(whole).blocks < 4
+    assert MappedResult(parts).done.size == 6
+    assert MappedResult(whole).done.size < 4
     assert numbers_in(parts) == numbers_in(whole)
 
 
