@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from each_case import refusals
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from machines import crank, four_bar, frame, on, rrp, rrr
@@ -263,25 +264,20 @@ def test_counterweights__are_bodies_of_the_scene_under_free_names():
     assert math.hypot(once.bodies["crank_counterweight"].x, once.bodies["crank_counterweight"].y) == pytest.approx(0.1)
 
 
-@pytest.mark.parametrize(
-    ("settings_", "message"),
-    [
-        ({"links": ["crank"]}, r"on crank don't balance this machine fully: .* N are left"),
-        ({"links": ["cramk"]}, r"'cramk' is not a link of this scene; .* did you mean 'crank'\?"),
-        ({"links": ["rod"]}, "'rod' doesn't turn about a fixed axis: give a place on it; or choose from crank"),
-        ({}, "no link may have a counterweight"),
-        ({"links": ["crank"], "criterion": "least"}, "criterion = 'least': allowed are 'full', 'rms' and 'peak'"),
-        ({"links": ["crank"], "most": {"rod": 1.0}}, r"most\['rod'\] = 1.0: a positive mass times radius"),
-        ({"links": ["crank"], "criterion": "rms", "radius": 0.0}, "radius = 0.0: counterweights sit at a positive"),
-        (
-            {"links": ["crank"], "places": [CounterweightPlace("crank", 0.1)]},
-            "counterweights on crank have the same effect",
-        ),
-    ],
+test_what_cannot_be_balanced__is_said = refusals(
+    lambda settings_: balance(slider_crank(), **settings_),
+    ({"links": ["crank"]}, "on crank don't balance this machine fully: … N are left"),
+    ({"links": ["cramk"]}, "'cramk' is not a link of this scene; … did you mean 'crank'?"),
+    ({"links": ["rod"]}, "'rod' doesn't turn about a fixed axis: give a place on it; or choose from crank"),
+    ({}, "no link may have a counterweight"),
+    ({"links": ["crank"], "criterion": "least"}, "criterion = 'least': allowed are 'full', 'rms' and 'peak'"),
+    ({"links": ["crank"], "most": {"rod": 1.0}}, "most['rod'] = 1.0: a positive mass times radius"),
+    ({"links": ["crank"], "criterion": "rms", "radius": 0.0}, "radius = 0.0: counterweights sit at a positive"),
+    (
+        {"links": ["crank"], "places": [CounterweightPlace("crank", 0.1)]},
+        "counterweights on crank have the same effect",
+    ),
 )
-def test_what_cannot_be_balanced__is_said(settings_, message):
-    with pytest.raises(BalanceError, match=message):
-        balance(slider_crank(), **settings_)
 
 
 def test_moment_on_a_link_that_swings__asks_for_a_place():

@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from each_case import refusals
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine import ElementsAlone, Scene, SceneError, Verdict
+from engine import ElementsAlone, Scene, Verdict
 from sweeps.pictures.elements.element_pictures import element_sheet
 from sweeps.study.bundled import STUDIES
 from sweeps.text.scene_text import read_scene
@@ -222,20 +223,15 @@ def test_rotor__moves_planes_into_one_place_is_not_finite():
     assert results(paths)[1].status.tolist() == [Verdict.OK, Verdict.NOT_FINITE]
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"second_bearing": 0.0}, "first_bearing and second_bearing are in one place"),
-        ({"planes": {}}, "planes"),
-        ({"planes": planes_with(position=0.5)}, "planes left, right are in one place; move one"),
-        ({"planes": planes_with(holes=12)}, "holes and piece .* belong together: give both, or neither"),
-        ({"planes": planes_with(holes=7.5, piece=0.01)}, "holes = 7.5: give a whole number"),
-        ({"planes": planes_with(holes=200, piece=0.01, most=9, used=3)}, "200 holes with up to 9 pieces in 3"),
-    ],
+test_rotor__that_cannot_be_is_refused_in_words = refusals(
+    lambda changes: element(**changes),
+    ({"second_bearing": 0.0}, "first_bearing and second_bearing are in one place"),
+    ({"planes": {}}, "planes"),
+    ({"planes": planes_with(position=0.5)}, "planes left, right are in one place; move one"),
+    ({"planes": planes_with(holes=12)}, "holes and piece … belong together: give both, or neither"),
+    ({"planes": planes_with(holes=7.5, piece=0.01)}, "holes = 7.5: give a whole number"),
+    ({"planes": planes_with(holes=200, piece=0.01, most=9, used=3)}, "200 holes with up to 9 pieces in 3"),
 )
-def test_rotor__that_cannot_be_is_refused_in_words(changes, message):
-    with pytest.raises((ValueError, SceneError), match=message):
-        element(**changes)
 
 
 # The plan

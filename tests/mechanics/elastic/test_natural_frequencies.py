@@ -6,12 +6,13 @@ import mpmath
 import numpy as np
 import pytest
 import scipy.linalg
+from each_case import refusals
 from element_samples import asked, element
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from train_samples import BRANCHED, chain, free, frequencies_of, matrices, solved
 
-from engine import SceneError, Verdict
+from engine import Verdict
 
 some = settings(deadline=None, max_examples=25)
 
@@ -169,32 +170,24 @@ DAMPED_PARTS = {
 }
 
 
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ({"shafts": {}}, "no shafts or gears join them"),
-        ({"shafts": {"a": {"between": ["m0", "m9"], "stiffness": 1.0}}}, "there is no mass 'm9'"),
-        ({"gears": {"g": {"between": ["m0", "m2"], "ratio": 2.0}}}, "closes a loop"),
-        ({"gears": {"s0": {"between": ["m0", "m2"], "ratio": 2.0}}}, "names of their own"),
-        ({"gears": {"g": {"between": ["m0", "frame"], "ratio": 2.0}}}, "of a gear both"),
-        ({"gears": {"g": {"between": ["m0", "m1"], "ratio": 0.0}}}, "speed of the second mass over that of the first"),
-        ({"shafts": {"a": {"between": ["m0", "m1"]}}}, "give stiffness or parts"),
-        ({"shafts": {"a": {"between": ["m0", "m1"], "stiffness": -2.0}}}, "greater than 0"),
-        ({"masses": {"m0": {"inertia": 0.0}}}, "greater than 0"),
-        ({"masses": {"m0": {"inertia": 1.0}}, "shafts": {}}, "don't vibrate"),
-        ({"excitations": {"e": {"on": "m0", "order": 1, "amplitude": 1.0}}}, "speed is missing"),
-        ({"speed": 1.0}, "speed changes nothing without an excitation"),
-        ({"load": "m1"}, "load changes nothing"),
-        (
-            {"masses": {f"m{i}": {"inertia": 1.0, "damping": 0.1} for i in range(3)}},
-            "masses.m0.damping changes nothing",
-        ),
-        (DAMPED_PARTS, "shafts.s0.parts.p.parts.c.damping changes nothing"),
-        ({"speed": 1.0, "excitations": {"e": {"on": "x", "order": 1, "amplitude": 1.0}}}, "there is no mass 'x'"),
-        ({"cylinders_at": ["m0"]}, "give engine"),
-        ({"load": "x"}, "there is no mass 'x'"),
-    ],
+test_train_that_cannot_be__says_what_to_mend = refusals(
+    lambda change: element(chain([1.0, 1.0, 1.0], [1.0, 1.0]) | change),
+    ({"shafts": {}}, "no shafts or gears join them"),
+    ({"shafts": {"a": {"between": ["m0", "m9"], "stiffness": 1.0}}}, "there is no mass 'm9'"),
+    ({"gears": {"g": {"between": ["m0", "m2"], "ratio": 2.0}}}, "closes a loop"),
+    ({"gears": {"s0": {"between": ["m0", "m2"], "ratio": 2.0}}}, "names of their own"),
+    ({"gears": {"g": {"between": ["m0", "frame"], "ratio": 2.0}}}, "of a gear both"),
+    ({"gears": {"g": {"between": ["m0", "m1"], "ratio": 0.0}}}, "speed of the second mass over that of the first"),
+    ({"shafts": {"a": {"between": ["m0", "m1"]}}}, "give stiffness or parts"),
+    ({"shafts": {"a": {"between": ["m0", "m1"], "stiffness": -2.0}}}, "greater than 0"),
+    ({"masses": {"m0": {"inertia": 0.0}}}, "greater than 0"),
+    ({"masses": {"m0": {"inertia": 1.0}}, "shafts": {}}, "don't vibrate"),
+    ({"excitations": {"e": {"on": "m0", "order": 1, "amplitude": 1.0}}}, "speed is missing"),
+    ({"speed": 1.0}, "speed changes nothing without an excitation"),
+    ({"load": "m1"}, "load changes nothing"),
+    ({"masses": {f"m{i}": {"inertia": 1.0, "damping": 0.1} for i in range(3)}}, "masses.m0.damping changes nothing"),
+    (DAMPED_PARTS, "shafts.s0.parts.p.parts.c.damping changes nothing"),
+    ({"speed": 1.0, "excitations": {"e": {"on": "x", "order": 1, "amplitude": 1.0}}}, "there is no mass 'x'"),
+    ({"cylinders_at": ["m0"]}, "give engine"),
+    ({"load": "x"}, "there is no mass 'x'"),
 )
-def test_train_that_cannot_be__says_what_to_mend(change, said):
-    with pytest.raises(SceneError, match=said):
-        element(chain([1.0, 1.0, 1.0], [1.0, 1.0]) | change)

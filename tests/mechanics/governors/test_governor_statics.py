@@ -5,6 +5,7 @@ import math
 import mpmath as mp
 import numpy as np
 import pytest
+from each_case import refusals
 from exact_governor import ExactGovernor, places
 from governor_samples import HARTNELL, PORTER, PROELL, TABLE, governor_results
 from hypothesis import assume, given, settings
@@ -266,16 +267,11 @@ def test_geometry_that_is_impossible__gets_a_verdict():
     assert governor_results(HARTNELL | {"gravity": 0.0, "preload": -2000.0})[2][0] == Verdict.UNSTABLE
 
 
-@pytest.mark.parametrize(
-    ("governor", "changes", "words"),
-    [
-        (PORTER, {"greatest_radius": 0.1}, r"greatest_radius = 100 mm is not above least_radius = 150 mm"),
-        (TABLE, {"greatest_radius": 0.2}, r"over_radius spans 100 mm to 150 mm.*rows up to both stops"),
-        (TABLE, {"over_lift": [0.0, 0.1, 0.2, 0.3]}, "over_radius or over_lift, one of the two"),
-        (TABLE, {"over_radius": [0.1, 0.12, 0.11, 0.15]}, "row 3: over_radius is below that of row 2"),
-        (HARTNELL, {"stiffness": 0.0}, "greater than 0"),
-    ],
+test_numbers_that_make_no_governor__are_refused = refusals(
+    lambda governor, changes: Scene.model_validate({"elements": {"it": governor | changes}}),
+    (PORTER, {"greatest_radius": 0.1}, r"greatest_radius = 100 mm is not above least_radius = 150 mm"),
+    (TABLE, {"greatest_radius": 0.2}, "over_radius spans 100 mm to 150 mm … rows up to both stops"),
+    (TABLE, {"over_lift": [0.0, 0.1, 0.2, 0.3]}, "over_radius or over_lift, one of the two"),
+    (TABLE, {"over_radius": [0.1, 0.12, 0.11, 0.15]}, "row 3: over_radius is below that of row 2"),
+    (HARTNELL, {"stiffness": 0.0}, "greater than 0"),
 )
-def test_numbers_that_make_no_governor__are_refused(governor, changes, words):
-    with pytest.raises(ValueError, match=words):
-        Scene.model_validate({"elements": {"it": governor | changes}})

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from driving_cams import changed
+from each_case import refusals
 from geared_links import CRANK
 from machines import rrr
 from scipy.integrate import solve_ivp
@@ -314,27 +315,21 @@ def test_gear_law_that_would_make_the_inertia_negative__has_no_motion():
 REGIMES = {"go": LOADED | {"time": 0.8}}
 
 
-@pytest.mark.parametrize(
-    ("changes", "told"),
-    [
-        ({"regimes__go": {"type": "steady"}}, "regimes.go: counts on one drive, and 'second' has its own"),
-        ({"flywheel": {"inertia": 0.05}}, "flywheel: counts on one drive"),
-        ({"friction": {"f": {"pair": "arms.inner", "coefficient": 0.1, "diameter": 0.02}}}, "friction.f: a run with"),
-        (
-            {"inputs__second__period": None, "inputs__second__drive": "crank", "inputs__other": SECOND},
-            "second.drive: a run",
-        ),
-        ({"shafts": {"s": {"geared_to": "crank", "ratio": 2, "pivot": "C"}}}, "shafts.s.pivot: a run with 'second'"),
-        (
-            {"inputs__second__sections": {"a": {"type": "dwell"}}},
-            "inputs.second.sections: a run with 'second', which has a drive of its own, doesn't count this",
-        ),
-    ],
+test_uncounted_parts__are_refused_in_words = refusals(
+    lambda changes: order(Scene.model_validate(changed(FIVE_BAR, regimes=REGIMES, **changes))),
+    ({"regimes__go": {"type": "steady"}}, "regimes.go: counts on one drive, and 'second' has its own"),
+    ({"flywheel": {"inertia": 0.05}}, "flywheel: counts on one drive"),
+    ({"friction": {"f": {"pair": "arms.inner", "coefficient": 0.1, "diameter": 0.02}}}, "friction.f: a run with"),
+    (
+        {"inputs__second__period": None, "inputs__second__drive": "crank", "inputs__other": SECOND},
+        "second.drive: a run",
+    ),
+    ({"shafts": {"s": {"geared_to": "crank", "ratio": 2, "pivot": "C"}}}, "shafts.s.pivot: a run with 'second'"),
+    (
+        {"inputs__second__sections": {"a": {"type": "dwell"}}},
+        "inputs.second.sections: a run with 'second', which has a drive of its own, doesn't count this",
+    ),
 )
-def test_uncounted_parts__are_refused_in_words(changes, told):
-    with pytest.raises(SceneError) as caught:
-        order(Scene.model_validate(changed(FIVE_BAR, regimes=REGIMES, **changes)))
-    assert told in str(caught.value)
 
 
 @pytest.mark.parametrize(
