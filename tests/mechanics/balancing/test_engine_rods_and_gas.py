@@ -17,14 +17,11 @@ from engine import ElementsAlone, Scene, Verdict
 from engine.elements.engines.engine import (
     TORQUE_ORDERS,
     engine_torque,
-    made_engine,
     torque_name,
 )
-from engine.elements.engines.engine_layout import Engine, MasterRod, in_line_engine, radial_engine
+from engine.elements.engines.engine_layout import in_line_engine
 from engine.elements.engines.firing import firing_angles
 from engine.elements.engines.harmonics import crank_radius
-from engine.elements.engines.shafts import crankshaft_counterweights, remaining_shaking
-from engine.elements.engines.shaking import engine_shaking
 
 GAS = {"bore": 0.08, "clearance": 1 / 8.5, "intake": 0.9e5, "exhaust": 1.05e5, "peak": 50e5}
 FOUR = {
@@ -133,27 +130,6 @@ def test_link_rods__are_those_of_newtons_master_rod():
             assert abs(found - exact[0]) <= error
             assert abs(least - abs(exact[1])) <= least_error
             assert error < 1e-10 * float(5 * r * 300**2)
-
-
-def test_made_engine_with_link_rods__is_the_one_of_the_functions():
-    star = element(**STAR)
-    made = made_engine(star, star.own_numbers())
-    at_piston, at_knuckle = 0.3 * 0.05 / 0.18, 0.3 * 0.13 / 0.18
-    own = 0.4 + 0.5 * 0.04 / 0.24
-    pistons = [own if k == 1 else 0.4 + at_piston for k in range(5)]
-    rotating = [0.5 * 0.2 / 0.24 if k == 1 else at_knuckle for k in range(5)]
-    plain = Engine(
-        radial_engine(5).layout(), 0.04, 0.24, pistons, rotating, master=MasterRod(1, 0.06, 0.18, at_knuckle)
-    )
-    for one, other in ((made, plain), (made._replace(rod_correction=0.0), plain)):
-        for a, b in zip(
-            engine_shaking(one, (1, 2, 3)).forces[1:], engine_shaking(other, (1, 2, 3)).forces[1:], strict=True
-        ):
-            assert_allclose(a.reshape(-1), b.reshape(-1), rtol=0, atol=1e-13)
-    left = remaining_shaking(engine_shaking(plain, (1, 2)), [crankshaft_counterweights(plain)])
-    outcome = results(**STAR)
-    # Roundings of the first order and of the transform.
-    assert value(outcome, "secondary_force")[0] == pytest.approx(float(left.forces.major[1]) * 300**2, abs=1e-9)
 
 
 def test_link_rods_too_short_to_reach__are_a_verdict():

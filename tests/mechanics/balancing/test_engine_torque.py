@@ -43,13 +43,6 @@ def test_firing_of_odd_engines__has_the_known_intervals():
     assert even_firing_order(v_engine(6).layout(RIGHT)) is None
 
 
-@pytest.mark.parametrize("cylinders", [1, 3, 4, 5, 6, 8])
-def test_even_firing_order__is_even(cylinders):
-    layout = in_line_engine(cylinders).layout()
-    order = even_firing_order(layout)
-    assert_allclose(firing_intervals(firing_angles(layout, order)), FOUR_STROKE / cylinders, rtol=1e-12)
-
-
 test_firing_order_that_cannot_be__is_refused = refusals(
     lambda order: firing_angles(in_line_engine(4).layout(), order),
     ((1, 2, 3, 3), "1-2-3-3: it must name each of the cylinders 1 to 4 once"),
