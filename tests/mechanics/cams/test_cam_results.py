@@ -154,13 +154,6 @@ def test_least_base_circle__just_keeps_its_limits(cam, angle, share):
     assert not kept(below)
 
 
-def test_least_base_circle_of_a_flat_face():
-    limits = {"convex_radius": "4 mm"}
-    values, _, _ = cam_answers(FLAT, limits=limits)
-    found, off, _ = cam_answers(FLAT, base_radius=values["least_base_radius"])
-    within(found["convex_radius"], off["convex_radius"], 0.004)
-
-
 @st.composite
 def swinging_cams(draw):
     """Cams whose follower swings, with limits that may or may not be kept by some base circle."""
