@@ -74,27 +74,6 @@ def test_crank_radius__gives_the_stroke(stroke, length, aside):
     assert float(crank_radius(stroke, rod)) == stroke / 2
 
 
-@pytest.mark.parametrize("offset", [0.006, -0.02])
-def test_offset_gudgeon_pins__shake_with_the_harmonics_of_the_pistons_motion(offset):
-    outcome = results(**FOUR | {"cylinders": 1, "gudgeon_offset": offset, "spacing": None, "balanced_rotating": 1.0})
-    with mpmath.workdps(40):
-        rod, r = mpf("0.14"), mpf(float(crank_radius(0.08, 0.14, offset)))
-        mass = mpf("0.4") + mpf("0.5") * mpf("0.04") / mpf("0.14")
-
-        def way(t):
-            return r * mpmath.cos(t) + mpmath.sqrt(rod**2 - (r * mpmath.sin(t) - mpf(offset)) ** 2)
-
-        points = [way(2 * mpmath.pi * k / 128) for k in range(128)]
-        for n, word in ((1, "primary"), (2, "secondary"), (3, "third_order"), (5, "fifth_order"), (6, "sixth_order")):
-            wave = sum(x * mpmath.expj(-2 * mpmath.pi * n * k / 128) for k, x in enumerate(points)) / 64
-            exact = float(mass * n**2 * abs(wave) * 300**2)
-            found, error = value(outcome, f"{word}_force")
-            # Along one line. What the radius is rounded to is part of the error estimate.
-            assert abs(found - exact) <= error
-            assert error < 1e-9 * float(mass * r * 300**2)
-    assert "it.third_order_force" not in results(**FOUR).summaries
-
-
 def test_link_rods__are_those_of_newtons_master_rod():
     outcome = results(**STAR | {"balanced_reciprocating": 0.5})
     banks, r, rod, link = 2 * math.pi * np.arange(5) / 5, 0.04, 0.24, 0.18

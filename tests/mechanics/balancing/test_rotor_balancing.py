@@ -175,15 +175,7 @@ def test_best_holes__with_too_many_ways_says_so():
         best_holes(1.0, 0, 2, 2, 1.0)
 
 
-# Bearings
-
-
 # Grades
-
-
-def test_grades__are_the_eleven_of_the_standard():
-    assert list(GRADES) == ["G0.4", "G1", "G2.5", "G6.3", "G16", "G40", "G100", "G250", "G630", "G1600", "G4000"]
-    assert [1000 * g for g in GRADES.values()] == pytest.approx([float(name[1:]) for name in GRADES])
 
 
 @pytest.mark.parametrize(
@@ -229,6 +221,3 @@ def test_grade_needed__is_the_one_whose_tolerances_the_residuals_fill(name, mass
 def test_grade_reached__beyond_the_coarsest_is_infinite():
     assert grade_reached([4.1, 4.0, 0.0, math.nan]).tolist()[:3] == [math.inf, 4000.0, 0.4]
     assert math.isnan(grade_reached(math.nan))
-
-
-# Knife edges

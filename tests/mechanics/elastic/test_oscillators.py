@@ -63,17 +63,6 @@ def test_vibration_near_resonance__is_that_of_fractions_within_its_figure(kind):
 
 
 @some
-@given(st.floats(1e-4, 10.0), st.floats(0.1, 10.0))
-def test_lag_behind_a_support__is_that_of_mpmath_within_its_figure(ratio, eta):
-    excitation = {"type": "support_motion", "speed": 20.0 * eta, "amplitude": 0.002}
-    ((value, error),) = figures(OSCILLATOR | {"damping_ratio": ratio, "excitation": excitation}, "phase_lag")
-    with mpmath.workdps(50):
-        twice = 2j * mpmath.mpf(ratio) * (mpmath.mpf(20.0 * eta) / 20)
-        motion = (1 + twice) / (1 - (mpmath.mpf(20.0 * eta) / 20) ** 2 + twice)
-        assert abs(value + mpmath.arg(motion)) <= error
-
-
-@some
 @given(ratios, starts, starts, st.floats(0.0, 3.0))
 def test_free_motion__is_that_of_the_roots_within_its_figure(ratio, q, v, t):
     data = OSCILLATOR | {"damping_ratio": ratio, "start": {"displacement": q, "velocity": v, "time": t}}
@@ -240,13 +229,6 @@ def test_run_through__scales_with_its_unit_of_time_within_its_error_estimates():
 
     for own, other, scale in zip(found(1.0), found(faster), (1.0 / faster, faster, 1.0), strict=True):
         assert (np.abs(own[0] * scale - other[0]) <= own[1] * scale + other[1]).all()
-
-
-def test_slow_run_through__comes_near_the_steady_resonance_and_a_quick_one_stays_below():
-    slow = ROTOR | {"damping_ratio": 0.05, "run_through": {"start": 30.0, "acceleration": -0.01}}
-    quick = ROTOR | {"damping_ratio": 0.05, "run_through": {"start": 30.0, "acceleration": -20.0}}
-    assert one(slow, "run_through_share") == pytest.approx([1.0], abs=1e-3)
-    assert one(quick, "run_through_share")[0] < 0.9
 
 
 def test_run_that_moves_away_from_the_resonance__has_no_amplitude():

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from each_case import refusals
 from motion_scenes import ask, rotor, run, slider_crank
 from numpy.polynomial import Polynomial
 
@@ -65,17 +66,13 @@ def test_steep_motor__gets_a_verdict_and_as_short_steps_as_it_needs():
         assert short[name] == pytest.approx(exact[name], rel=1e-4)
 
 
-@pytest.mark.parametrize(
-    ("regime", "words"),
-    [
-        ({"only": "dc", "cycles": 1.0, "method": "rk4"}, "go together"),
-        ({"only": "dc", "cycles": 1.0, "steps_per_turn": 64}, "go together"),
-        ({"only": "dc", "cycles": 1.0, "method": "rk5", "steps_per_turn": 64}, "'rk4'"),
-        ({"only": "dc", "cycles": 1.0, "method": "rk4", "steps_per_turn": 4}, "must be at least 8"),
-        ({"only": "by_time", "cycles": 1.0, "method": "rk4", "steps_per_turn": 64}, "moments that depend on time"),
-    ],
+test_nonsense__is_refused_in_words = refusals(
+    lambda only, regime: Machine(
+        Scene.model_validate(rotor({"go": run(only, from_speed=1.0, cycles=1.0, **regime)})), ["go.time"]
+    ),
+    ("dc", {"method": "rk4"}, "go together"),
+    ("dc", {"steps_per_turn": 64}, "go together"),
+    ("dc", {"method": "rk5", "steps_per_turn": 64}, "'rk4'"),
+    ("dc", {"method": "rk4", "steps_per_turn": 4}, "must be at least 8"),
+    ("by_time", {"method": "rk4", "steps_per_turn": 64}, "moments that depend on time"),
 )
-def test_nonsense__is_refused_in_words(regime, words):
-    only = regime.pop("only")
-    with pytest.raises(ValueError, match=words):
-        Machine(Scene.model_validate(rotor({"go": run(only, from_speed=1.0, **regime)})), ["go.time"])
