@@ -25,7 +25,6 @@ from engine.elements.engines.engine_layout import (
     v_engine,
     w_engine,
 )
-from engine.elements.engines.engine_torque import ROUNDED_ORDERS
 from engine.elements.engines.harmonics import crank_masses, piston_harmonics
 from engine.elements.engines.shafts import crankshaft_counterweights, remaining_shaking
 from engine.elements.engines.shaking import SHAKING_ORDERS, engine_shaking
@@ -54,16 +53,6 @@ def test_piston_harmonics__are_those_of_the_exact_motion(ratio, offset):
     expected = [fourier_of_piston(ratio, offset, n) for n in orders]
     # Rounding of a transform of numbers of the size 1, times n².
     assert (np.abs(found - expected) <= 8 * EPS * np.square(orders)).all()
-
-
-def test_piston_harmonics__are_the_textbook_series_for_long_rods():
-    k = np.array([1e-6, 1e-3, 0.01, 0.03])
-    a1, a2, a4, a6 = piston_harmonics(k, SHAKING_ORDERS).real.T
-    assert_allclose(a1, 1.0, rtol=4 * EPS)
-    # Taylor, vol. 2; the next terms are of the order λ⁷ (315/512 of it for A₄), and rounding.
-    assert_allclose(a2, k + k**3 / 4 + 15 * k**5 / 128, rtol=k.max() ** 6, atol=0)
-    assert_allclose(a4, -(k**3) / 4 - 3 * k**5 / 16, rtol=0, atol=k.max() ** 7 + 32 * EPS * k.max())
-    assert_allclose(a6, 9 * k**5 / 128, rtol=0, atol=k.max() ** 7 + 72 * EPS * k.max())
 
 
 @pytest.mark.parametrize("ratio", [0.9, 0.99, 0.9999])
@@ -159,22 +148,6 @@ def test_shaking_with_a_master_rod__is_newtons(cylinders, ratio, knuckle, mass, 
     assert abs(engine_shaking(engine, ALL).forces.at(np.array([phi]))[0] - expected) <= 1e-9 * cylinders
 
 
-def test_master_rod__leaves_a_circle_of_the_first_order_and_a_second_order_that_turns():
-    plain = Engine(radial_engine(9).layout(), 1.0, 1 / 0.3, 1.0, 0.4)
-    with_rods = plain._replace(master=MasterRod(0, 0.8, 1 / 0.3 - 0.8))
-    first, second = engine_shaking(with_rods).forces.major[:2]
-    # Of the knuckle pins' swing the first order holds nothing: it is odd there where the pistons' share is even.
-    assert_allclose(first, 4.5 + 9 * 0.4, rtol=64 * EPS)
-    assert abs(engine_shaking(plain).forces.major[1]) <= ROUNDED_ORDERS * EPS * 9
-    assert 0.5 < second < 1.5
-    forward, backward = engine_shaking(with_rods).forces.of(2)
-    # Aero engines of this kind have a counterweight that turns with the crank at twice its speed.
-    assert abs(backward) < 0.02 * abs(forward)
-    weights = crankshaft_counterweights(with_rods, 1.0, 0.5)
-    left = remaining_shaking(engine_shaking(with_rods), [weights])
-    assert left.forces.major[0] <= 64 * EPS * 9
-
-
 # Well-known engines
 
 
@@ -228,27 +201,6 @@ def test_first_order__turns_with_the_crank_and_counterweights_take_it(name):
         assert abs(before.of(1)[1]) <= 1e-15
         assert after.major[0] <= 1e-15
         assert_allclose(after.major[1:], before.major[1:], rtol=0, atol=0)
-
-
-@pytest.mark.parametrize("degrees", [40.0, 52.0, 60.0, 72.0, 90.0])
-def test_split_crankpin_of_a_v_twin__balances_the_first_order_at_any_bank_angle(degrees):
-    # An offset of 180° less twice the bank angle: 76° at 52°, as motorcycles have it.
-    layout = v_engine(2).layout(math.radians(degrees), math.radians(180 - 2 * degrees))
-    engine = Engine(layout, 1.0, 4.0)
-    left = remaining_shaking(engine_shaking(engine), [crankshaft_counterweights(engine, 1.0, 0.5)])
-    assert left.forces.major[0] <= 8 * EPS
-
-
-def test_problem_of_four_cranks_at_right_angles__has_no_forces_and_the_couples_of_a_hand_calculation():
-    # Cranks 1-4-2-3 at 90°, r = 50 mm, l = 200 mm, 0.2 m apart, 2 kg, 2000 rpm (a textbook problem).
-    layout = in_line_engine(4, [math.radians(x) for x in (0, 180, 270, 90)]).layout(spacing=0.2)
-    omega = 2000 * math.pi / 30
-    found = engine_shaking(Engine(layout, 0.05, 0.2, 2.0), (1, 2))
-    assert (found.forces.major <= ROUNDED_ORDERS * EPS * found.force_terms).all()
-    # Σ z cos: −0.3 + 0.1 = −0.2 along, 0.3 − 0.1 = 0.2 across; twice the angles: −0.3 − 0.1 − 0.1 − 0.3 = −0.8.
-    unit = 2.0 * 0.05 * omega**2
-    assert_allclose(found.couples.major[0] * omega**2, 0.2 * math.sqrt(2) * unit, rtol=1e-13)
-    assert_allclose(found.couples.major[1] * omega**2, 0.8 * unit * piston_harmonics(0.25, (2,)).real[0], rtol=1e-13)
 
 
 def test_cylinders__stand_about_the_cranks_middle_with_their_rods_side_by_side():

@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from each_case import refusals
 from engine_samples import RIGHT
 from numpy.testing import assert_allclose
 
-from engine.elements.engines.engine_layout import LayoutError, boxer_engine, in_line_engine, radial_engine, v_engine
+from engine.elements.engines.engine_layout import boxer_engine, in_line_engine, radial_engine, v_engine
 from engine.elements.engines.firing import (
     FOUR_STROKE,
     even_firing_order,
@@ -42,37 +43,20 @@ def test_firing_of_odd_engines__has_the_known_intervals():
     assert even_firing_order(v_engine(6).layout(RIGHT)) is None
 
 
-@pytest.mark.parametrize("cylinders", [1, 3, 4, 5, 6, 8])
-def test_even_firing_order__is_even(cylinders):
-    layout = in_line_engine(cylinders).layout()
-    order = even_firing_order(layout)
-    assert_allclose(firing_intervals(firing_angles(layout, order)), FOUR_STROKE / cylinders, rtol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("order", "message"),
-    [
-        ((1, 2, 3, 3), "1-2-3-3: it must name each of the cylinders 1 to 4 once"),
-        ((1, 4, 2, 3), "900° to the last cylinder, the cycle has 720°; 1-3-4-2 fires evenly"),
-    ],
+test_firing_order_that_cannot_be__is_refused = refusals(
+    lambda order: firing_angles(in_line_engine(4).layout(), order),
+    ((1, 2, 3, 3), "1-2-3-3: it must name each of the cylinders 1 to 4 once"),
+    ((1, 4, 2, 3), "900° to the last cylinder, the cycle has 720°; 1-3-4-2 fires evenly"),
 )
-def test_firing_order_that_cannot_be__is_refused(order, message):
-    with pytest.raises(LayoutError, match=message):
-        firing_angles(in_line_engine(4).layout(), order)
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: v_engine(5), "5 cylinders can't stand in 2 banks"),
-        (lambda: boxer_engine(3), "pairs of cylinders, not 3"),
-        (lambda: radial_engine(1), "two cylinders at least"),
-        (lambda: in_line_engine(4, [0.0, 1.0]), "2 throws are given; this layout has 4"),
-    ],
+test_layout_that_cannot_be__is_refused = refusals(
+    lambda call: call(),
+    (lambda: v_engine(5), "5 cylinders can't stand in 2 banks"),
+    (lambda: boxer_engine(3), "pairs of cylinders, not 3"),
+    (lambda: radial_engine(1), "two cylinders at least"),
+    (lambda: in_line_engine(4, [0.0, 1.0]), "2 throws are given; this layout has 4"),
 )
-def test_layout_that_cannot_be__is_refused(call, message):
-    with pytest.raises(LayoutError, match=message):
-        call()
 
 
 @pytest.mark.parametrize(("cylinders", "left"), [(4, [2, 4, 6]), (5, [2.5, 5]), (6, [3, 6]), (8, [4])])

@@ -153,33 +153,6 @@ def test_mean_moment_without_a_load__accelerates_the_whole_train():
     assert [found["s0.mean_moment"][0], found["s1.mean_moment"][0]] == pytest.approx([14.0, 10.0], rel=1e-14)
 
 
-def test_mean_moment_on_a_held_train__goes_to_the_frame():
-    train = chain([1.0, 2.0], [1e4], speed=1.0, excitations={"e": harmonic("m1", 0, 16.0)})
-    train["shafts"]["bar"] = {"between": ["m0", "frame"], "stiffness": 100.0}
-    found = solved(train, "s0.mean_moment", "bar.mean_moment")
-    # Each at its first end: s0 is turned back by its second one, the bar forward by m0.
-    assert [found["s0.mean_moment"][0], found["bar.mean_moment"][0]] == pytest.approx([-16.0, 16.0], rel=1e-12)
-
-
-@some
-@given(st.lists(st.tuples(st.integers(1, 12), st.floats(-3, 3), st.floats(-3, 3)), min_size=1, max_size=6))
-def test_sums_of_orders__reach_what_fine_samples_do(parts):
-    orders = sorted({k / 2 for k, _, _ in parts})
-    amplitudes = np.array([sum(complex(a, b) for k, a, b in parts if k / 2 == h) for h in orders])
-    least, greatest = extremes_of_orders(orders, amplitudes[:, None])
-    phi = np.linspace(0, 2 * math.tau, 40_001)
-    values = (amplitudes[:, None] * np.exp(1j * np.multiply.outer(orders, phi))).real.sum(axis=0)
-    size = np.abs(amplitudes).sum()
-    # Between samples: (6 · π/10000)²/2 of the size.
-    assert values.max() - 1e-13 * size <= greatest[0] <= values.max() + 2e-6 * size
-    assert values.min() - 2e-6 * size <= least[0] <= values.min() + 1e-13 * size
-
-
-def test_orders_without_a_common_period__come_as_near_as_can_be_to_adding_up():
-    least, greatest = extremes_of_orders([1.0, math.sqrt(2)], np.array([[1.0 + 1j], [2.0]]))
-    assert greatest[0] == -least[0] == pytest.approx(2 + math.sqrt(2))
-
-
 def on_circle(waves, amplitudes):
     """Extremes of a sum of harmonics, from the roots of the polynomial in e^(iφ) that its slope is."""
     top = max(waves)

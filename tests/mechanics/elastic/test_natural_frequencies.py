@@ -6,12 +6,13 @@ import mpmath
 import numpy as np
 import pytest
 import scipy.linalg
+from each_case import refusals
 from element_samples import asked, element
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from train_samples import BRANCHED, chain, free, frequencies_of, matrices, solved
 
-from engine import SceneError, Verdict
+from engine import Verdict
 
 some = settings(deadline=None, max_examples=25)
 
@@ -21,18 +22,6 @@ def test_uniform_chain_of_200__has_twice_the_sine():
     exact = [2 * math.sqrt(8e4 / 2.0) * math.sin(math.pi * k / 400) for k in range(1, 51)]
     assert (np.abs(values - exact) <= errors + 1e-14 * np.array(exact)).all()
     assert (errors < 3e-13 * values).all()
-
-
-def test_single_mass_on_a_shaft_to_the_frame():
-    train = {
-        "type": "torsional_train",
-        "masses": {"disc": {"inertia": 2.0}},
-        "shafts": {"bar": {"between": ["frame", "disc"], "stiffness": 5e3}},
-    }
-    found = solved(train)
-    assert found["frequency_1"][0] == pytest.approx(50.0, rel=1e-14)
-    assert found["rigid_body_modes"][0] == 0.0
-    assert found["mode_1.disc"][0] == 1.0
 
 
 def exact_chain(inertias, stiffnesses):
@@ -74,14 +63,6 @@ def test_frequencies_and_modes__hold_to_50_digits_whatever_the_ratios(inertias, 
             # NaN where two frequencies are too near to tell their modes apart, or two amplitudes are both the greatest.
             off = min(abs(value - modes[k - 1][i]), abs(value + modes[k - 1][i]))
             assert np.isnan(value) or off <= error + 1e-15
-
-
-def test_stiffness_ratio_of_1e12__keeps_all_digits():
-    inertias, stiffnesses = [1.0, 2.0, 0.5, 3.0], [1e10, 1e-2, 3e9]
-    exact, _ = exact_chain(inertias, stiffnesses)
-    values, errors = frequencies_of(chain(inertias, stiffnesses))
-    assert (np.abs(values - exact) <= errors).all()
-    assert (errors < 1e-14 * values).all()
 
 
 def star(branches, stiffness=1e4):
@@ -169,32 +150,24 @@ DAMPED_PARTS = {
 }
 
 
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ({"shafts": {}}, "no shafts or gears join them"),
-        ({"shafts": {"a": {"between": ["m0", "m9"], "stiffness": 1.0}}}, "there is no mass 'm9'"),
-        ({"gears": {"g": {"between": ["m0", "m2"], "ratio": 2.0}}}, "closes a loop"),
-        ({"gears": {"s0": {"between": ["m0", "m2"], "ratio": 2.0}}}, "names of their own"),
-        ({"gears": {"g": {"between": ["m0", "frame"], "ratio": 2.0}}}, "of a gear both"),
-        ({"gears": {"g": {"between": ["m0", "m1"], "ratio": 0.0}}}, "speed of the second over that of the first"),
-        ({"shafts": {"a": {"between": ["m0", "m1"]}}}, "give stiffness or parts"),
-        ({"shafts": {"a": {"between": ["m0", "m1"], "stiffness": -2.0}}}, "greater than 0"),
-        ({"masses": {"m0": {"inertia": 0.0}}}, "greater than 0"),
-        ({"masses": {"m0": {"inertia": 1.0}}, "shafts": {}}, "don't vibrate"),
-        ({"excitations": {"e": {"on": "m0", "order": 1, "amplitude": 1.0}}}, "speed is missing"),
-        ({"speed": 1.0}, "speed changes nothing without an excitation"),
-        ({"load": "m1"}, "load changes nothing"),
-        (
-            {"masses": {f"m{i}": {"inertia": 1.0, "damping": 0.1} for i in range(3)}},
-            "masses.m0.damping changes nothing",
-        ),
-        (DAMPED_PARTS, "shafts.s0.parts.p.parts.c.damping changes nothing"),
-        ({"speed": 1.0, "excitations": {"e": {"on": "x", "order": 1, "amplitude": 1.0}}}, "there is no mass 'x'"),
-        ({"cylinders_at": ["m0"]}, "give engine"),
-        ({"load": "x"}, "there is no mass 'x'"),
-    ],
+test_train_that_cannot_be__says_what_to_mend = refusals(
+    lambda change: element(chain([1.0, 1.0, 1.0], [1.0, 1.0]) | change),
+    ({"shafts": {}}, "no shafts or gears join them"),
+    ({"shafts": {"a": {"between": ["m0", "m9"], "stiffness": 1.0}}}, "there is no mass 'm9'"),
+    ({"gears": {"g": {"between": ["m0", "m2"], "ratio": 2.0}}}, "closes a loop"),
+    ({"gears": {"s0": {"between": ["m0", "m2"], "ratio": 2.0}}}, "names of their own"),
+    ({"gears": {"g": {"between": ["m0", "frame"], "ratio": 2.0}}}, "of a gear both"),
+    ({"gears": {"g": {"between": ["m0", "m1"], "ratio": 0.0}}}, "speed of the second over that of the first"),
+    ({"shafts": {"a": {"between": ["m0", "m1"]}}}, "give stiffness or parts"),
+    ({"shafts": {"a": {"between": ["m0", "m1"], "stiffness": -2.0}}}, "greater than 0"),
+    ({"masses": {"m0": {"inertia": 0.0}}}, "greater than 0"),
+    ({"masses": {"m0": {"inertia": 1.0}}, "shafts": {}}, "don't vibrate"),
+    ({"excitations": {"e": {"on": "m0", "order": 1, "amplitude": 1.0}}}, "speed is missing"),
+    ({"speed": 1.0}, "speed changes nothing without an excitation"),
+    ({"load": "m1"}, "load changes nothing"),
+    ({"masses": {f"m{i}": {"inertia": 1.0, "damping": 0.1} for i in range(3)}}, "masses.m0.damping changes nothing"),
+    (DAMPED_PARTS, "shafts.s0.parts.p.parts.c.damping changes nothing"),
+    ({"speed": 1.0, "excitations": {"e": {"on": "x", "order": 1, "amplitude": 1.0}}}, "there is no mass 'x'"),
+    ({"cylinders_at": ["m0"]}, "give engine"),
+    ({"load": "x"}, "there is no mass 'x'"),
 )
-def test_train_that_cannot_be__says_what_to_mend(change, said):
-    with pytest.raises(SceneError, match=said):
-        element(chain([1.0, 1.0, 1.0], [1.0, 1.0]) | change)

@@ -4,13 +4,14 @@ import math
 
 import numpy as np
 import pytest
+from each_case import refusals
 from element_samples import LEVER, WOUND, asked, figures, one
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 from scipy.spatial.transform import Rotation
 
-from engine import SceneError, Verdict
+from engine import Verdict
 
 some = settings(deadline=None, max_examples=40)
 angles = st.floats(-3.0, 3.0)
@@ -182,19 +183,14 @@ def test_stresses_of_the_spinning_wheel__carry_its_centrifugal_forces(bore, shar
     assert spin * (b * b - r * r) * (r * r - a * a) / (r * r) == pytest.approx(rest, rel=1e-3, abs=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("element", "words"),
-    [
-        ({"type": "tilted_body", "mass": 1.0}, "all three of one"),
-        ({"type": "tilted_body", "mass": 1.0, "semi_axis_x": 1.0, "inertia_x": 1.0}, "all three of one"),
-        (LEVER | {"start_radius": 0.5}, "is not above start_radius"),
-        (WOUND | {"bore": 0.2}, "is not above bore"),
-        (WOUND | {"strength": 2e8}, "would tear"),
-    ],
+test_wrong_body__is_refused_with_the_mend = refusals(
+    lambda element: asked({"it": element}),
+    ({"type": "tilted_body", "mass": 1.0}, "all three of one"),
+    ({"type": "tilted_body", "mass": 1.0, "semi_axis_x": 1.0, "inertia_x": 1.0}, "all three of one"),
+    (LEVER | {"start_radius": 0.5}, "is not above start_radius"),
+    (WOUND | {"bore": 0.2}, "is not above bore"),
+    (WOUND | {"strength": 2e8}, "would tear"),
 )
-def test_wrong_body__is_refused_with_the_mend(element, words):
-    with pytest.raises(SceneError, match=words):
-        asked({"it": element})
 
 
 TIED = {"type": "tethered_body", "mass": 0.5, "length": 0.8, "stiffness": 4e4, "strength": 3e3, "speed": 30.0}

@@ -9,6 +9,7 @@ from element_samples import element
 from governor_samples import ENGINE, EVERY_GOVERNOR, PORTER, PROELL, TABLE, governor_results
 from machines import slider_crank
 from numpy.testing import assert_allclose
+from study_samples import coarser
 
 from engine import (
     Scene,
@@ -85,9 +86,10 @@ def test_governor_of_no_machine__is_refused():
 
 @pytest.fixture(scope="module")
 def result(tmp_path_factory):
-    """Result of the bundled study of an engine's governor."""
-    path = tmp_path_factory.mktemp("governor") / "engine_governor.h5"
-    return SweepResult(run_study(read_study(bundled_studies()["engine_governor"]), path))
+    """Result of the bundled study of an engine's governor, on a coarser grid."""
+    folder = tmp_path_factory.mktemp("governor")
+    study = coarser("engine_governor", {"count = 25": "count = 7"}, folder)
+    return SweepResult(run_study(study, folder / "engine_governor.h5"))
 
 
 def test_engine_governor_study__hunts_where_hurwitz_says(result):

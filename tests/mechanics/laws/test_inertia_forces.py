@@ -4,31 +4,12 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from machines import changed, crank, frame, moving, on, rrp
 from oracle import EPS
 
 from engine.laws.masses.link_inertia import (
-    inertia_force,
-    inertia_moment,
     inertia_offset,
 )
-
-ANY = st.floats(-1e4, 1e4).filter(lambda v: abs(v) > 1e-4)
-POSITIVE = st.floats(1e-6, 1e6)
-
-
-@settings(deadline=None, max_examples=100)
-@given(POSITIVE, POSITIVE, ANY, ANY, ANY)
-def test_resultant__has_the_force_and_the_moment(mass, gyration, ax, ay, epsilon):
-    ux, uy = inertia_force(mass, ax, ay)
-    moment = inertia_moment(mass * gyration**2, epsilon)
-    h = inertia_offset(gyration**2, ax, ay, epsilon)
-    # To the right of S, seen along U, where h is positive: U at this point has the moment about S.
-    dx, dy = h * np.array([uy, -ux]) / math.hypot(ux, uy)
-    # One rounding for each of some ten operations.
-    assert abs(dx * uy - dy * ux - moment) <= 16 * EPS * abs(moment)
 
 
 def test_resultant__where_nothing_accelerates():

@@ -6,7 +6,6 @@ Where nothing else is said, tolerances are some roundings (EPS) of the sum of th
 import math
 
 import numpy as np
-import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from oracle import EPS
@@ -126,28 +125,6 @@ def test_dynamic_four__keeps_all_four(mass, scale, turn, radii, jitter, gyration
     condition = np.linalg.cond(matrix)
     assume(condition < 1e4)
     check_conserved(dynamic_four(mass, inertia, *points), mass, inertia, roundings=16.0 * condition)
-
-
-IMPOSSIBLE = {
-    "two points in one place": static_two(1.0, (0.1, 0.0), (0.1, 0.0)),
-    "centre off the line": static_two(1.0, (0.1, 0.01), (-0.1, 0.0)),
-    "three points on a line": static_three(1.0, (0.1, 0.0), (0.2, 0.1), (0.3, 0.2)),
-    "point in the centre": dynamic_two(1.0, 0.1, (0.0, 0.0)),
-    "nothing left": dynamic_three(1.0, 0.1, (0.1, 0.0), 1.0, (0.2, 0.0)),
-    "second point in the rest's centre": dynamic_three(1.0, 0.1, (0.1, 0.2), 0.5, (-0.1, -0.2)),
-    "nothing left to turn": dynamic_three(1.0, 0.5, (1.0, 0.0), 0.5, (-1.0, 1.0)),
-    "three points off the centre": dynamic_in_line(1.0, 0.1, (0.1, 0.1), (0.0, 0.1), (-0.1, 0.1)),
-    "two of three in one place": dynamic_in_line(1.0, 0.1, (0.1, 0.0), (0.1, 0.0), (-0.1, 0.0)),
-    "four points on a circle": dynamic_four(1.0, 0.1, (0.3, 0.1), (0.1, 0.3), (-0.1, 0.1), (0.1, -0.1)),
-    "four points on a line": dynamic_four(1.0, 0.1, (0.3, 0.1), (0.1, 0.1), (-0.1, 0.1), (-0.5, 0.1)),
-}
-
-
-@pytest.mark.parametrize("found", IMPOSSIBLE.values(), ids=IMPOSSIBLE)
-def test_impossible_replacement__has_no_masses(found):
-    assert not found.possible
-    assert all(math.isnan(m) for m in found.masses[1:])
-    assert math.isnan(found.masses[0])
 
 
 def test_variants__fail_each_for_itself():

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from each_case import each, refusals
 from exact import table_value
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -13,7 +14,6 @@ from scipy.interpolate import CubicSpline, PchipInterpolator, make_interp_spline
 from engine.laws.tables import (
     HEAD,
     Table,
-    TableError,
     entry,
     entry_from,
     in_memory,
@@ -88,22 +88,19 @@ def test_zero_outside__keeps_the_end_rows_and_nothing_beyond(interpolation):
     assert_allclose(values(table, [0.1, 0.4]), [5.0, 6.0], rtol=0, atol=100 * EPS)
 
 
-@pytest.mark.parametrize("outside", ["hold", "zero"])
-def test_step__takes_the_value_after_it(outside):
-    table = make_table([0.0, 1.0, 1.0, 2.0], [0.0, 1.0, 5.0, 6.0], "linear", outside=outside)
-    before = np.nextafter(1.0, 0.0)
-    assert_array_equal(values(table, [before, 1.0, 1.5]), [before, 5.0, 5.5])
+BEFORE = np.nextafter(1.0, 0.0)
 
 
-@pytest.mark.parametrize(("outside", "beyond"), [("hold", 9.0), ("zero", 0.0)])
-def test_step_at_the_last_row__takes_the_value_after_it(outside, beyond):
-    table = make_table([0.0, 1.0, 1.0], [0.0, 1.0, 9.0], "linear", outside=outside)
-    assert_array_equal(values(table, [np.nextafter(1.0, 0.0), 1.0, 2.0]), [np.nextafter(1.0, 0.0), 9.0, beyond])
-
-
-def test_step_at_the_first_row__holds_the_value_before_it():
-    table = make_table([0.0, 0.0, 1.0], [3.0, 8.0, 9.0], "linear")
-    assert_array_equal(values(table, [-1.0, 0.0, 0.5]), [3.0, 8.0, 8.5])
+@each("x, y, options, at, expected", [
+    *(([0, 1, 1, 2], [0, 1, 5, 6], {"outside": out}, [BEFORE, 1, 1.5], [BEFORE, 5, 5.5]) for out in ("hold", "zero")),
+    ([0, 1, 1], [0, 1, 9], {}, [BEFORE, 1, 2], [BEFORE, 9, 9]),
+    ([0, 1, 1], [0, 1, 9], {"outside": "zero"}, [BEFORE, 1, 2], [BEFORE, 9, 0]),
+    ([0, 0, 1], [3, 8, 9], {}, [-1, 0, 0.5], [3, 8, 8.5]),
+    ([0, 1, 1], [0, 1, 0], {"period": 1.0}, [0, 0.75, 1, 5.25, -0.25], [0, 0.75, 0, 0.25, 0.75]),
+    ([0, 0, 1], [1, 0, 1], {"period": 1.0}, [0, 0.75, 1, 5.25, -0.25], [0, 0.75, 0, 0.25, 0.75]),
+])  # fmt: skip
+def test_step__takes_the_value_after_it_but_before_the_first_row(x, y, options, at, expected):
+    assert_array_equal(values(make_table(x, y, "linear", **options), at), expected)
 
 
 @settings(deadline=None, max_examples=60)
@@ -152,16 +149,6 @@ def test_periodic_pchip__has_one_slope_at_the_seam():
     assert_allclose(values(table, u), tiled(u), rtol=0, atol=rounding(table, 4.0))
 
 
-@pytest.mark.parametrize(
-    ("x", "y"),
-    [([0.0, 1.0, 1.0], [0.0, 1.0, 0.0]), ([0.0, 0.0, 1.0], [1.0, 0.0, 1.0])],
-    ids=["last", "first"],
-)
-def test_periodic_step_at_the_seam__is_a_sawtooth(x, y):
-    table = make_table(x, y, "linear", period=1.0)
-    assert_array_equal(values(table, [0.0, 0.75, 1.0, 5.25, -0.25]), [0.0, 0.75, 0.0, 0.25, 0.75])
-
-
 @given(st.floats(-12.0, -5.0))
 def test_step_just_before_the_seam__stays_where_it_is(exponent):
     period = 2 * math.pi
@@ -182,37 +169,32 @@ def test_unknown_x__gives_nan(period):
     assert math.isnan(table_value(table, math.nan))
 
 
-@pytest.mark.parametrize(
-    ("x", "y", "options", "message"),
-    [
-        ([0, 2, 1], [0, 0, 0], {}, "row 3: x is below that of row 2; sort"),
-        ([0, 1], [0, 1, 2], {}, r"x has 2 rows, y has 3"),
-        ([1], [1], {}, r"1 row\(s\); give at least 2"),
-        ([0, 1, 2], [0, math.nan, 1], {}, r"row 2: y = nan is not finite"),
-        ([0, math.inf, 2], [0, 1, 1], {}, r"row 2: x = inf is not finite"),
-        ([0, "a"], [0, 1], {}, r"x: .*'a'.*number"),
-        ([[0, 1]], [[0, 1]], {}, r"x has 2 dimensions"),
-        ([0, 1, 1], [0, 1, 2], {"interpolation": "pchip"}, r'row 3: x = 1\.0 is also row 2\'s.*"linear"'),
-        ([0, 1, 1, 1], [0, 1, 2, 3], {}, r"row 4: x = 1\.0 for the third time"),
-        ([1, 1], [0, 1], {}, r"every row has x = 1\.0"),
-        ([0, 1], [0, 1], {"interpolation": "splin"}, r"'splin'.*did you mean 'spline'"),
-        ([0, 1], [0, 1], {"outside": "nil"}, "outside = 'nil'; choose one of: hold, zero"),
-        ([0, 1], [0, 1], {"period": -1.0}, r"period = -1\.0: give a positive"),
-        ([0, 1], [0, 1], {"period": math.nan}, r"period = nan"),
-        ([0, 1, 5], [0, 1, 0], {"period": 4.0}, r"row 3: x = 5 is more than one period \(4\)"),
-        (
-            [0, 1, 4],
-            [0, 1, 2],
-            {"period": 4.0},
-            r"row 3: y = 2 one period after.*y = 0; make them equal: repeat row 1 there",
-        ),
-        ([0, 5e-324, 1], [0, 1, 2], {}, r"rows 1 and 2: .* too close"),
-        ([0, 1e-310, 1], [0, 1, 2], {"interpolation": "spline"}, r"rows 1 and 2: .* too close"),
-    ],
+test_wrong_rows__are_named_with_the_mend = refusals(
+    lambda x, y, options: make_table(x, y, **{"interpolation": "linear", **options}),
+    ([0, 2, 1], [0, 0, 0], {}, "row 3: x is below that of row 2; sort"),
+    ([0, 1], [0, 1, 2], {}, r"x has 2 rows, y has 3"),
+    ([1], [1], {}, "1 row(s); give at least 2"),
+    ([0, 1, 2], [0, math.nan, 1], {}, r"row 2: y = nan is not finite"),
+    ([0, math.inf, 2], [0, 1, 1], {}, r"row 2: x = inf is not finite"),
+    ([0, "a"], [0, 1], {}, "x: … 'a' … number"),
+    ([[0, 1]], [[0, 1]], {}, r"x has 2 dimensions"),
+    ([0, 1, 1], [0, 1, 2], {"interpolation": "pchip"}, 'row 3: x = 1.0 is also row 2\'s … "linear"'),
+    ([0, 1, 1, 1], [0, 1, 2, 3], {}, "row 4: x = 1.0 for the third time"),
+    ([1, 1], [0, 1], {}, "every row has x = 1.0"),
+    ([0, 1], [0, 1], {"interpolation": "splin"}, "'splin' … did you mean 'spline'"),
+    ([0, 1], [0, 1], {"outside": "nil"}, "outside = 'nil'; choose one of: hold, zero"),
+    ([0, 1], [0, 1], {"period": -1.0}, "period = -1.0: give a positive"),
+    ([0, 1], [0, 1], {"period": math.nan}, r"period = nan"),
+    ([0, 1, 5], [0, 1, 0], {"period": 4.0}, "row 3: x = 5 is more than one period (4)"),
+    (
+        [0, 1, 4],
+        [0, 1, 2],
+        {"period": 4.0},
+        "row 3: y = 2 one period after … y = 0; make them equal: repeat row 1 there",
+    ),
+    ([0, 5e-324, 1], [0, 1, 2], {}, "rows 1 and 2: … too close"),
+    ([0, 1e-310, 1], [0, 1, 2], {"interpolation": "spline"}, "rows 1 and 2: … too close"),
 )
-def test_wrong_rows__are_named_with_the_mend(x, y, options, message):
-    with pytest.raises(TableError, match=message):
-        make_table(x, y, **{"interpolation": "linear", **options})
 
 
 # Segments of tables in memory
@@ -270,14 +252,6 @@ def test_segment__is_held_beyond_its_ends():
     # The second piece of the natural spline is 1 - 3/2 t² + t³/2, and goes on so at t = -1/2 and 3/2.
     assert_allclose(coefficients, [0.5, -1.5, 0.0, 1.0], rtol=0, atol=8 * EPS)
     assert_allclose([segment_value(*held, x) for x in (0.5, 2.5)], [9 / 16, -11 / 16], rtol=0, atol=16 * EPS)
-
-
-@pytest.mark.parametrize("turns", [-3, 0, 5])
-def test_segment_of_a_periodic_table__lies_about_x(turns):
-    table = make_table([0.5, 1.5, 3.0], [0.0, 1.0, -1.0], "linear", period=4.0)
-    # Powers of two: without rounding.
-    left, _, _, slope, value = table_segment(in_memory(table), 0.0, 2.0 + 4.0 * turns)
-    assert (left, slope, value) == (1.5 + 4.0 * turns, -2.0 / 1.5, 1.0)
 
 
 def test_segment_at_a_step__is_the_one_after_it():

@@ -267,15 +267,6 @@ def test_number_that_plays_no_part__zero(machine):
     assert made.errors["ram.stroke"][0] <= 2**6 * EPS
 
 
-def test_other_positions__lie_within_the_figures(machine):
-    close = Machine(machine.scene, SUMMARIES, varied=list(NOMINAL), positions=64 * POSITIONS)
-    for by in (LENGTH, ROD, OFFSET, MASS, FORCE):
-        coarse, fine = found(machine, by), found(close, by)
-        for name in SUMMARIES:
-            gap = abs(coarse.values[name][0] - fine.values[name][0])
-            assert gap <= coarse.errors[name][0] + fine.errors[name][0], (by, name)
-
-
 # Where there is a kink, a limit, or no neighbour
 
 

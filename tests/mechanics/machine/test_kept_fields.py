@@ -2,13 +2,9 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from machines import crank, frame, rrp, rrr
-from numba import njit
 
 from engine import Machine, Scene, set_threads
-from engine.machine.kept_fields import _follow, _is_finite
 from engine.words.verdicts import Verdict
 
 EPS = np.finfo(float).eps
@@ -86,37 +82,6 @@ def test_angles__go_on_through_all_turns(dtype, revolutions):
     along = np.arctan2(f["B.y"] - f["A.y"], f["B.x"] - f["A.x"])
     # Joints at a distance of 0.2 known to some roundings of 0.4.
     np.testing.assert_allclose(f["rod.angle"], np.unwrap(along.astype(float)), rtol=0, atol=64 * np.finfo(dtype).eps)
-
-
-@njit
-def followed(row):
-    _follow(row)
-
-
-@njit
-def finite(row):
-    return _is_finite(row)
-
-
-@pytest.mark.parametrize("dtype", [np.float64, np.float32])
-@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf])
-def test_what_is_not_finite__is_found_at_any_position(dtype, wrong):
-    for place in range(37):
-        row = np.linspace(-1e30, 1e30, 37).astype(dtype)
-        assert finite(row)
-        row[place] = wrong
-        assert not finite(row)
-
-
-@settings(deadline=None)
-@given(st.lists(st.floats(-3.1, 3.1), min_size=1, max_size=40), st.floats(-9.0, 9.0))
-def test_followed_angle__is_the_sum_of_its_steps(steps, first):
-    true = first + np.concatenate(([0.0], np.cumsum(steps)))
-    row = np.arctan2(np.sin(true), np.cos(true))
-    begin = row[0]
-    followed(row)
-    # Of each position the rounding of up to 130 rad, of its sine and its cosine.
-    np.testing.assert_allclose(row - begin, true - first, rtol=0, atol=300 * EPS)
 
 
 def test_ranges_of_variants_own__are_those_of_the_slide():

@@ -13,39 +13,6 @@ from oracle import Motion
 from engine import Machine, Scene, Verdict
 
 
-def test_slider_crank__oracle():
-    # In line and offset, both modes, guide at any angle; C is on the connecting rod, E on the (welded) slider.
-    scene = {
-        "points": {"O": frame(0.05, 0.02), "C": on("rod", 0.4, -0.1), "E": on("ram", 0.2, 0.15)},
-        "guides": {"way": {"x": -0.1, "y": 0.03, "angle": 0.0}},
-        "input": crank(),
-        "groups": {"dyad": rrp("B", ("rod", "A", 0.9), "ram", "way")},
-    }
-    check(
-        scene,
-        guides__way__y=[0.02, 0.02, 0.03, 0.03, 0.03],
-        guides__way__angle=[0.0, 0.0, 0.7, -2.5, math.pi / 2],
-        groups__dyad__second__offset=[0.0, 0.0, 0.2, -0.15, 0.1],
-        groups__dyad__mode=[1, -1, 1, -1, 1],
-    )
-
-
-def test_four_bar__oracle():
-    scene = four_bar(C=on("coupler", 0.5, 0.3), E=on("rocker", -0.2, 0.1), P=on("crank", 0.1, 0.2))
-    # The second crank starts in line with the coupler, at the rocker's dead centre.
-    check(scene, groups__bars__mode=[1, -1, 1], points__D__y=[-0.3, -0.3, -0.2], points__D__x=[1.15, 1.15, 1.3])
-
-
-def test_six_bars_of_watt_and_stephenson__oracle():
-    scene = four_bar(W=on("rocker", 0.6, 0.2), S=on("coupler", 0.4, 0.5), F=frame(2.2, -0.1), H=frame(0.2, 1.5))
-    scene["groups"] = {
-        "stephenson": rrr("K", ("s_bar", "S", 0.9), ("s_rocker", "H", 0.8)),
-        "watt": rrr("L", ("w_bar", "W", 1.2), ("w_rocker", "F", 0.7), -1),
-        **scene["groups"],
-    }
-    check(scene, groups__watt__mode=[1, -1, -1], groups__stephenson__mode=[1, 1, -1], groups__bars__mode=[1, 1, 1])
-
-
 def test_whitworth_and_oscillating_cylinder__oracle():
     # D within the crank's circle: the rocker turns fully; outside: it swings. The cylinder's rod hangs on the pin.
     scene = {
@@ -71,29 +38,6 @@ def test_whitworth_and_oscillating_cylinder__oracle():
         groups__slot__mode=[1, -1, -1, 1],
         groups__cylinder__mode=[1, -1, 1, -1],
     )
-
-
-def test_crank_shaper_written_backwards__oracle():
-    scene = {
-        "points": {"C": on("rocker", 1.2, 0.05), "D": frame(0.0, -0.7), "O": frame(0.0, 0.0)},
-        "guides": {"ways": {"x": 0.0, "y": 0.5, "angle": math.pi}},
-        "groups": {
-            "cut": rrp("R", ("link", "C", 0.4), "ram", "ways", -0.1),
-            "quick_return": rpr(("die", "A"), ("rocker", "D")),
-        },
-        "input": crank(),
-    }
-    check(scene, groups__cut__mode=[1, -1])
-
-
-def test_scotch_yoke__oracle():
-    scene = {
-        "points": {"O": frame(0.1, 0.2), "C": on("yoke", 0.3, -0.1), "E": on("die", 0.1, 0.05)},
-        "guides": {"way": {"x": 0.4, "y": 0.1, "angle": 0.2}},
-        "input": crank(),
-        "groups": {"yoke_group": rpp(("die", "A"), ("yoke", "way"), math.pi / 2)},
-    }
-    check(scene, groups__yoke_group__second__slot_angle=[math.pi / 2, 1.0, -2.0], guides__way__angle=[0.0, 0.2, -1.4])
 
 
 def test_prp_on_swinging_guides__oracle():

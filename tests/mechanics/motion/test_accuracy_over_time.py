@@ -40,7 +40,7 @@ CASES = {
     "stop": (slider_crank({"go": run("rub nothing", from_speed=5.0, rest=True)}), ("angle", "time")),
 }
 # Steady running behind a steep coupling takes dozens of cycles of each variant.
-VARIANTS = dict.fromkeys(CASES, 48) | {"steady fluid coupling": 12}
+VARIANTS = dict.fromkeys(CASES, 24) | {"steady fluid coupling": 6}
 ACCURACIES = (1e-11, 1e-8, 1e-6, 1e-4, 1e-2)
 
 

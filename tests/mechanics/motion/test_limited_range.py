@@ -12,13 +12,11 @@ from sweeps import read_scene
 RAM = """
 gravity = "9.81 m/s2"
 guides.way.angle = "90 deg"
-points.top = { x = "0 mm", y = "900 mm" }
 bodies.load = { link = "ram", mass = "20 kg" }
 input = { type = "slider", link = "ram", guide = "way", point = "P", start = "0 m", stop = "0.5 m", speed = "0.5 m/s" }
 forces.oil = { type = "constant", on = "P", angle = "90 deg", force = "400 N", role = "driving" }
 forces.valve = { type = "quadratic_drag", on = "P", coefficient = "30 N s2/m2" }
 forces.rub = { type = "against_motion", on = "P", force = "0 N" }
-springs.coil = { between = ["P", "top"], stiffness = "0 N/m", free_length = "500 mm" }
 """
 LEVER = """
 points.O = { x = "0 mm", y = "0 mm" }
@@ -75,7 +73,7 @@ ENDS = ("time", "final_speed", "final_position", "end_reached", "impact_energy",
 
 @pytest.fixture(scope="module")
 def ram(reading):
-    scene = reading(scene_of(RAM, go="end_of_range = true\noff = ['coil', 'valve', 'rub']"))
+    scene = reading(scene_of(RAM, go="end_of_range = true\noff = ['valve', 'rub']"))
     names = [f"go.{key}" for key in ENDS]
     machine = Machine(scene, names, varied=["input.stop", "bodies.load.mass", "forces.oil.force"])
 
@@ -100,25 +98,15 @@ def test_constant_force__lifts_a_mass_as_in_the_textbook(ram, stop, mass, times_
 
 
 def test_falling_mass__arrives_at_the_lower_end(reading):
-    scene = reading(scene_of(RAM, fall="from_position = '0.5 m'\nend_of_range = true\noff = ['oil', 'coil', 'valve']"))
+    scene = reading(scene_of(RAM, fall="from_position = '0.5 m'\nend_of_range = true\noff = ['oil', 'valve']"))
     _, found = answers(scene, [f"fall.{key}" for key in ENDS])
     speed = np.sqrt(2.0 * 9.81 * 0.5)
     expected = [speed / 9.81, -speed, 0.0, -1.0, 10.0 * speed**2, -0.5]
     np.testing.assert_allclose(np.ravel(found), expected, rtol=TOLERANCE, atol=TOLERANCE)
 
 
-def test_mass_on_a_spring__turns_back_after_half_a_period(reading):
-    # About its rest, 0.1 m above the lower end, which it leaves from rest.
-    text = scene_of(RAM.replace('9.81 m/s2"', '0 m/s2"'), swing="reversal = true\noff = ['oil', 'valve', 'rub']")
-    scene = reading(text.replace('"500 mm"', '"800 mm"').replace('stiffness = "0 N/m"', 'stiffness = "500 N/m"'))
-    names = ["swing.time", "swing.displacement", "swing.speed_max", "swing.end_reached"]
-    _, found = answers(scene, names)
-    rate = np.sqrt(500.0 / 20.0)
-    np.testing.assert_allclose(np.ravel(found), [np.pi / rate, 0.2, 0.1 * rate, 0.0], rtol=TOLERANCE)
-
-
 def test_drag__is_the_hyperbolic_tangent(reading):
-    scene = reading(scene_of(RAM, go="time = '0.2 s'\noff = ['coil', 'rub', 'gravity']"))
+    scene = reading(scene_of(RAM, go="time = '0.2 s'\noff = ['rub', 'gravity']"))
     _, found = answers(scene, ["go.final_speed", "go.final_position"])
     most, pace = np.sqrt(400.0 / 30.0), np.sqrt(400.0 * 30.0) / 20.0
     expected = [most * np.tanh(pace * 0.2), 20.0 / 30.0 * np.log(np.cosh(pace * 0.2))]
@@ -166,7 +154,7 @@ def test_rocker__swings_between_its_turning_points_or_hits_its_stop(reading):
 
 
 def test_speed_beyond_the_range__does_not_end(reading):
-    scene = reading(scene_of(RAM, go="velocity = '30 m/s'\noff = ['coil', 'valve', 'rub']"))
+    scene = reading(scene_of(RAM, go="velocity = '30 m/s'\noff = ['valve', 'rub']"))
     outcome, _ = answers(scene, ["go.time"], **{"forces.oil.force": [400.0, 4e5]})
     assert outcome.status.tolist() == [Verdict.NO_END, Verdict.OK]
 
@@ -178,7 +166,7 @@ def test_begin_outside_a_varied_range__is_a_verdict(reading):
 
 
 def test_history__stands_at_the_end_of_the_range(reading):
-    keys = "off = ['coil', 'valve', 'rub']\n"
+    keys = "off = ['valve', 'rub']\n"
     scene = reading(scene_of(RAM, go=keys + "end_of_range = true", stay=keys + "time = '1 s'"))
     seen = history(scene, fields=["input.reaction"])
     stays = seen.regime == "stay"

@@ -3,7 +3,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from cycle_machines import CRANK, OFFSET, ROD, at_positions, planned, press, press_numbers, slide
+from cycle_machines import OFFSET, at_positions, planned, press, press_numbers, slide
 from numba import njit
 
 from engine.compiling.blocks import LANES
@@ -21,41 +21,6 @@ def cut_press():
     return press(integrals=(1,), extremes=(1,))
 
 
-def stroke_ends(numbers):
-    """Nearest and farthest place of the slider: dead centres with crank and rod in line."""
-    near = np.sqrt((numbers[ROD] - numbers[CRANK]) ** 2 - numbers[OFFSET] ** 2)
-    return near, np.sqrt((numbers[ROD] + numbers[CRANK]) ** 2 - numbers[OFFSET] ** 2)
-
-
-@pytest.fixture(scope="module")
-def presses():
-    rng = np.random.default_rng(1)
-    return press_numbers(
-        500,
-        crank=rng.uniform(0.02, 0.15, 500),
-        rod=rng.uniform(0.3, 0.6, 500),
-        offset=rng.uniform(-0.1, 0.1, 500),
-        force=rng.uniform(10.0, 1000.0, 500),
-        near_share=rng.uniform(0.0, 0.5, 500),
-        far_share=rng.uniform(0.5, 1.0, 500),
-    )
-
-
-def test_landmarks_are_the_dead_centres(presses):
-    found = cut_press().evaluate(presses).landmarks
-    near, far = stroke_ends(presses)
-    # Each found from a few roundings.
-    assert np.all(np.abs(found.least.value[0] - near) <= found.least.error[0])
-    assert np.all(np.abs(found.greatest.value[0] - far) <= found.greatest.error[0])
-    assert np.all(found.greatest.error[0] < 1e-14)
-    r, length, e = presses[CRANK], presses[ROD], presses[OFFSET]
-    at = {"greatest_at": np.arcsin(e / (length + r)), "least_at": np.pi - np.arcsin(e / (r - length))}
-    for name, place in at.items():
-        apart = np.abs(np.remainder(getattr(found, name).value[0] - place + np.pi, TURN) - np.pi)
-        assert np.all(apart <= getattr(found, name).error[0] + 1e-15)
-        assert np.all(getattr(found, name).error[0] < 1e-13)
-
-
 def test_a_window_where_stroke_begins_and_ends_sets_in_at_the_dead_centres():
     numbers = press_numbers(3, force=100.0, near_share=np.array([0.0, 0.0, 0.9]), far_share=np.array([1.0, 0.1, 1.0]))
     numbers[OFFSET] = 0.0
@@ -70,18 +35,6 @@ def test_levels_that_are_never_reached_and_no_levels_cut_nothing():
     shares = {"near_share": -0.2, "far_share": 1.2}
     never, none = press_numbers(1, **shares), press_numbers(1, **dict.fromkeys(shares, np.nan))
     assert cut_press().evaluate(never).panels[0] == cut_press().evaluate(none).panels[0]
-
-
-def test_a_variant_that_cannot_be_assembled_spoils_no_other():
-    rod = np.where(np.arange(200) % 3 == 0, 0.05, 0.4)
-    found = cut_press().evaluate(press_numbers(200, rod=rod, force=100.0))
-    alone = cut_press().evaluate(press_numbers(1, force=100.0))
-    good = rod == 0.4
-    assert np.isnan(found.integrals.value[0][~good]).all()
-    assert np.isnan(found.landmarks.least.value[0][~good]).all()
-    assert np.all(found.integrals.value[0][good] == alone.integrals.value[0])
-    # |r sin q − e| first exceeds the rod at sin q = 0.7.
-    assert np.all(np.abs(found.broken_at[~good] - math.asin(0.7)) < 0.13)
 
 
 def test_a_range_that_ends_before_a_dead_centre_takes_the_ends_for_landmarks():

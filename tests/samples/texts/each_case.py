@@ -2,7 +2,10 @@
 
 import functools
 import inspect
+import re
 from collections.abc import Callable, Iterable
+
+import pytest
 
 
 def each(names: str, cases: Iterable) -> Callable[[Callable], Callable]:
@@ -26,3 +29,15 @@ def each(names: str, cases: Iterable) -> Callable[[Callable], Callable]:
         return of_all
 
     return decorate
+
+
+def refusals(make: Callable, *cases: tuple) -> Callable[[], None]:
+    """Make a test: what `make` is given of a case is refused in the words that end it; … stands for any text."""
+
+    @each("case", cases)
+    def test(case: tuple) -> None:
+        *given, words = case
+        with pytest.raises(ValueError, match="(?s)" + ".*".join(map(re.escape, words.split(" … ")))):
+            make(*given)
+
+    return test

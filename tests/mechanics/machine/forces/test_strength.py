@@ -5,10 +5,11 @@ import math
 import machines
 import numpy as np
 import pytest
+from each_case import refusals
 from hypothesis import given
 from hypothesis import strategies as st
 
-from engine import Machine, Scene, SceneError
+from engine import Machine, Scene
 from engine.laws.buckling import MATERIALS, critical_stress
 
 CRANK, ROD, FORCE = 0.05, 0.4, 12e3
@@ -111,21 +112,10 @@ def test_critical_stress__falls_with_slenderness(name, slenderness, more):
     assert high <= material.crushing
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"struts": {"s": {"link": "ram", "diameter": 0.01}}}, r"struts\.s\.link: 'ram' is not a rod between .*rod"),
-        (
-            {"struts": {"s": {"link": "rod"}}},
-            r"(?s)struts\.s.*give the diameter of a round rod, or width and thickness",
-        ),
-        ({"struts": {"s": ROUND | {"inner_diameter": 0.02}}}, r"(?s)struts\.s.*inner_diameter belongs to a tube"),
-        (
-            {"pins": {"p": {"pair": "drive.second", "diameter": 0.02, "width": 0.03}}},
-            r"pins\.p\.pair: 'drive.second' is",
-        ),
-    ],
+test_what_has_no_meaning__is_refused = refusals(
+    lambda change: Machine(Scene.model_validate(pressed() | change), ["reduced_inertia.mean"]),
+    ({"struts": {"s": {"link": "ram", "diameter": 0.01}}}, "struts.s.link: 'ram' is not a rod between … rod"),
+    ({"struts": {"s": {"link": "rod"}}}, "struts.s … give the diameter of a round rod, or width and thickness"),
+    ({"struts": {"s": ROUND | {"inner_diameter": 0.02}}}, "struts.s … inner_diameter belongs to a tube"),
+    ({"pins": {"p": {"pair": "drive.second", "diameter": 0.02, "width": 0.03}}}, "pins.p.pair: 'drive.second' is"),
 )
-def test_what_has_no_meaning__is_refused(change, message):
-    with pytest.raises((SceneError, ValueError), match=message):
-        Machine(Scene.model_validate(pressed() | change), ["reduced_inertia.mean"])

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from each_case import refusals
 from motion_scenes import ask, rotor, run, slider_crank
 from numpy.polynomial import Polynomial
 
 from engine import Machine, Scene, Verdict
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import regime_text
-from engine.stepping.tableaux import ORDER_FOUR
 
 ASKED = "go.time go.final_speed"
 
@@ -18,15 +18,6 @@ def gone(steps: int | None, **changes: dict):
     at = {"times": "0 s to 0.25 s, 6"}
     scene = slider_crank({"go": run("dc gravity", from_speed=20.0, cycles=3.0, at=at, **named)}, **changes)
     return ask(scene, ASKED, 120, "go.speed")
-
-
-def test_tableau__meets_the_eight_conditions_of_order_four():
-    # Butcher's conditions: Σb, Σbc, Σbc², Σb A c, Σbc³, Σb c A c, Σb A c², Σb A A c.
-    b, a = ORDER_FOUR.weights, ORDER_FOUR.matrix[:4, :4]
-    c = ORDER_FOUR.nodes[:4]
-    assert a.sum(axis=1) == pytest.approx(c, abs=1e-16)
-    found = [b.sum(), b @ c, b @ c**2, b @ a @ c, b @ c**3, b @ (c * (a @ c)), b @ a @ c**2, b @ a @ a @ c]
-    assert found == pytest.approx([1, 1 / 2, 1 / 3, 1 / 6, 1 / 4, 1 / 8, 1 / 12, 1 / 24], abs=1e-15)
 
 
 def test_error__falls_with_the_fourth_power_and_stays_within_its_figure():
@@ -75,17 +66,13 @@ def test_steep_motor__gets_a_verdict_and_as_short_steps_as_it_needs():
         assert short[name] == pytest.approx(exact[name], rel=1e-4)
 
 
-@pytest.mark.parametrize(
-    ("regime", "words"),
-    [
-        ({"only": "dc", "cycles": 1.0, "method": "rk4"}, "belong together"),
-        ({"only": "dc", "cycles": 1.0, "steps_per_turn": 64}, "belong together"),
-        ({"only": "dc", "cycles": 1.0, "method": "rk5", "steps_per_turn": 64}, "'rk4'"),
-        ({"only": "dc", "cycles": 1.0, "method": "rk4", "steps_per_turn": 4}, "must be at least 8"),
-        ({"only": "by_time", "cycles": 1.0, "method": "rk4", "steps_per_turn": 64}, "moments that depend on time"),
-    ],
+test_nonsense__is_refused_in_words = refusals(
+    lambda only, regime: Machine(
+        Scene.model_validate(rotor({"go": run(only, from_speed=1.0, cycles=1.0, **regime)})), ["go.time"]
+    ),
+    ("dc", {"method": "rk4"}, "go together"),
+    ("dc", {"steps_per_turn": 64}, "go together"),
+    ("dc", {"method": "rk5", "steps_per_turn": 64}, "'rk4'"),
+    ("dc", {"method": "rk4", "steps_per_turn": 4}, "must be at least 8"),
+    ("by_time", {"method": "rk4", "steps_per_turn": 64}, "moments that depend on time"),
 )
-def test_nonsense__is_refused_in_words(regime, words):
-    only = regime.pop("only")
-    with pytest.raises(ValueError, match=words):
-        Machine(Scene.model_validate(rotor({"go": run(only, from_speed=1.0, **regime)})), ["go.time"])

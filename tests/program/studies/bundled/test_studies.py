@@ -41,10 +41,10 @@ FIELDS = {
     "stephenson_six_bar": ("feeder.angle",),
     "toggle": ("B.x",),
     "hybrid_five_bar": ("input_moment_by_equilibrium", "second.driving_moment", "second.angle_phi", "B.x", "B.y"),
-    "crank_press": ("ram.slide", "ram.slide_phi"),
+    "crank_press": (),
     "four_stroke_engine": ("gas.moment",),
-    "jaw_crusher": ("S.x",),
-    "shaper": ("lever.angle", "ram.slide_phi", "cutting.moment"),
+    "jaw_crusher": (),
+    "shaper": ("ram.slide_phi", "cutting.moment"),
     "compressor": (),
     "stirling_engine": (),
     "engine_bearings": ("gas.moment",),
@@ -53,7 +53,7 @@ FIELDS = {
 
 
 # Of these all summaries are asked, of each other template those that a test of it needs.
-WHOLE = "cam_roller_follower dwell_slide elliptical_wheels hybrid_five_bar slider_crank whitworth"
+WHOLE = "cam_roller_follower hybrid_five_bar slider_crank"
 
 
 @functools.cache
@@ -345,18 +345,6 @@ def test_crank_press_study__has_the_power_and_flywheel_of_a_hand_calculation():
     assert np.allclose(o["wheel_mass"], mass, rtol=1e-9, atol=0)
 
 
-def test_crank_press_study__knows_how_fast_the_punch_meets_the_plate():
-    values, _, _ = variants("crank_press")
-    slide, rate = (sample("crank_press").fields[k][0] for k in ("ram.slide", "ram.slide_phi"))
-    touch = values["input.length"][0] + values["groups.drive.first.length"][0] - 0.009
-    k = np.flatnonzero((slide[:-1] < touch) & (slide[1:] >= touch))
-    assert k.size == 1
-    share = (touch - slide[k]) / (slide[k + 1] - slide[k])
-    met = (rate[k] + share * (rate[k + 1] - rate[k])) * values["input.speed"][0]
-    # Linear between two positions a quarter of a degree apart: some (0.004)^2 / 8 of the value.
-    assert values["contact_speed"][0] == pytest.approx(met[0], rel=1e-5)
-
-
 def test_stirling_study__does_the_work_of_schmidts_theory():
     """p = S/(1 + b cos ψ) against dV = −½ V sin φ: work π V S sin θ (1/√(1 − b²) − 1)/b, of both volumes in turn."""
     values, o, e = variants("stirling_engine")
@@ -388,13 +376,6 @@ def test_compressor_study__does_the_indicated_work_of_the_closed_form():
     assert (abs(-o["air.moment.mean"] * TURN - work) <= e["air.moment.mean"] * TURN + 1e-9).all()
     power = (work + 2 * TURN) * values["input.speed"] / TURN
     assert (abs(o["required_power"] - power) <= e["required_power"] + 1e-9).all()
-
-
-def test_compressor_scene__has_the_mean_effective_pressure_of_its_source():
-    values, _ = as_it_is("compressor")
-    swept = math.pi / 4 * 0.079375**2 * values["piston.stroke"][0]
-    # 26 psi in the source, where the clearance is not stated; 5 % gives 1 % less.
-    assert -values["air.moment.mean"][0] * TURN / swept == pytest.approx(26 * 6894.757, rel=0.02)
 
 
 def otto_work(compression_ratio, peak, swept):
@@ -436,17 +417,7 @@ def test_shaper_study__keeps_stroke_and_return_ratio():
     # Chip over nine tenths of the stroke, ways over both strokes, friction over the turn.
     work = values["forces.cutting.scale"] * 3000 * 0.405 + 180 * 0.900 + 30 * TURN
     assert (abs(o["required_power"] - work * values["input.speed"] / TURN) <= e["required_power"] + 1e-9).all()
-
-
-def test_shaper_scene__has_the_return_ratio_and_the_lever_of_its_source():
-    values, fields = as_it_is("shaper")
-    # Example 5.2: ratio 2, stroke 450 mm; the lever follows from the triangle of centres and crank.
-    assert close(values["ram.stroke_time_ratio"], 2)
-    assert close(values["ram.stroke"], 0.450)
-    phi = np.arange(720) * TURN / 720
-    lever = np.arctan2(0.240 + 0.120 * np.sin(phi), 0.120 * np.cos(phi))
-    assert np.allclose(fields["lever.angle"], lever, rtol=0, atol=1e-13)
-    assert cuts_slowly(fields["ram.slide_phi"], fields["cutting.moment"])
+    assert cuts_slowly(*as_it_is("shaper")[1].values())
 
 
 def test_jaw_crusher_study__moves_the_jaw_as_its_toggles_slope():
@@ -457,16 +428,6 @@ def test_jaw_crusher_study__moves_the_jaw_as_its_toggles_slope():
     # Beyond that, terms of the order of (e / toggle)^2, magnified by the slope, and the jaw's own small angle.
     beyond = (values["input.length"] / (values["groups.rear.second.length"] * rise)) ** 2
     assert (abs(o["S.x.range"] / small - 1) <= 0.02 + beyond / 2).all()
-
-
-def test_jaw_crusher_scene__spends_its_power_on_the_stone():
-    values, fields = as_it_is("jaw_crusher")
-    x = np.roll(fields["S.x"], 180)[:361]
-    push = np.interp(np.arange(-90, 90.1, 0.5), [-90, 20, 60, 90], [0, 2e6, 2e6, 0])
-    steps = np.diff(x)
-    work = ((push[1:] + push[:-1]) / 2 * steps)[steps > 0].sum() + 1000 * TURN
-    # Two trapezoid rules over half a degree, errors of the order of (0.5 deg)^2.
-    assert values["required_power"][0] == pytest.approx(work * 170 / 60, rel=1e-4)
 
 
 # Friction in pairs
