@@ -216,6 +216,21 @@ def drive_results(
         )
 
 
+def rounding_scales(results: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Magnitudes to which the rounding of results is relative, by name.
+
+    Torques round with the peak torque, the twist's range with its peak, the power of damping with that of the motors,
+    all multipliers with the largest, and shares with 1.
+    """
+    scales = {name: np.abs(result) for name, result in results.items()}
+    peak = np.fmax(scales["greatest_moment"], scales["least_moment"])
+    scales |= dict.fromkeys(("greatest_moment", "least_moment", "mean_moment", "alternating_moment"), peak)
+    scales |= dict.fromkeys(("second_multiplier", "third_multiplier"), scales["multiplier"])
+    scales |= dict.fromkeys(("motor_fluctuation", "machine_fluctuation", "power_residual"), np.ones_like(peak))
+    scales |= {"position_error": scales["greatest_twist"], "damping_power": scales["motor_power"]}
+    return scales | {"growth_rate": scales["growth_rate"] + 1.0 / results["period"]}
+
+
 def steps_needed(frequency: np.ndarray, speed: np.ndarray, length: float) -> np.ndarray:
     """Number of steps per cycle, (variants,): powers of 2 that resolve the shaft's vibration and the machine's curves.
 

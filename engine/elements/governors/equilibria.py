@@ -11,7 +11,7 @@ import numpy as np
 from engine.cycle.regula_falsi import regula_falsi
 from engine.elements.element import Columns, Element, ElementResult, Numbers, further, named_in_order
 from engine.elements.governors.governed_engine import TableThrottle
-from engine.elements.governors.governor_nodes import States, equilibrium_nodes
+from engine.elements.governors.governor_nodes import DATUM, States, equilibrium_nodes
 from engine.elements.sampled_peak import sampled_peak
 from engine.graph.nodes import Graph, Stage
 from engine.graph.over_arrays import NodesOverArrays, over_arrays
@@ -133,7 +133,8 @@ def governor_variants(governor: Element, n: Numbers) -> GovernorVariants:
     graph = Graph()
     given = [graph.given(label, Stage.VARIANT) for label in ("position", "inner stop")]
     states = NodesOverArrays("Governors in equilibrium.", given, equilibrium_nodes(governor, graph, *given))
-    return GovernorVariants(governor, n, states, np.zeros(0)).with_numbers(n)
+    datum = np.ones_like(n["ball_mass"])
+    return GovernorVariants(governor, n, states, np.zeros(0)).with_numbers(n | {DATUM: datum})
 
 
 @np.errstate(all="ignore")
@@ -366,15 +367,13 @@ def search_errors(g: GovernorVariants, marks: Marks, found: Columns) -> Columns:
     marks : Marks
     found : dict of str to ndarray (variants,)
     """
-    height = 2.0 * EPS * np.abs(g.at(marks.inner, marks.inner).height)
     more = {
         "non_uniformity": 2.0 * EPS,
-        "sleeve_lift": height,
         "least_stability": g.at(marks.shakiest, marks.inner).rounding,
         "least_stability_radius": marks.off_shakiest,
         "stable_from": marks.off_begin,
         "stable_to": marks.off_end,
     }
     if g.governor.engine is not None:
-        more |= {"working_lift": height, "steady_speed_change": 2.0 * EPS * found["working_speed"]}
+        more["steady_speed_change"] = 2.0 * EPS * found["working_speed"]
     return more

@@ -11,6 +11,9 @@ from engine.laws.governors import equilibrium
 from engine.laws.rounding import EPS
 from engine.laws.tables import Table, in_memory, on_piece, table_segment
 
+# Key of a factor 1 of the sleeve's height at the inner stop: its rounding is that of lifts.
+DATUM = "datum"
+
 
 class Linkage(NamedTuple):
     """Motion of balls and sleeve: r, r', r''; h', h'' of the balls' height; z, z', z'' of the sleeve's."""
@@ -100,7 +103,7 @@ class States(NamedTuple):
 def equilibrium_nodes(governor: Element, graph: Graph, x: Node, inner: Node) -> States:
     """A governor in equilibrium at a position, with its lift from the position of the inner stop."""
     link = governor.linkage(graph, x)
-    lift = link.height - governor.linkage(graph, inner).height
+    lift = link.height - graph.number(DATUM) * governor.linkage(graph, inner).height
     slope, curvature, size = governor.held(graph, x, link, lift)
     (mass, sleeve_mass), radius = numbers(graph, "ball_mass", "sleeve_mass"), link.radius
     force = graph.apply(equilibrium.controlling_force, slope, link.radius_rate)

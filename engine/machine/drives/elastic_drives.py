@@ -13,6 +13,7 @@ from engine.elements.elastic_drives.drive_cycles import (
     drive_results,
     elastic_cycle,
     least_and_greatest,
+    rounding_scales,
     steps_needed,
 )
 from engine.elements.elastic_drives.elastic_cycle import GAUSS, STAGES, STATE
@@ -40,9 +41,11 @@ from engine.words.verdicts import Verdict
 TOGETHER = 4_000_000
 # Number of crank angles for the mean inertia.
 LOOKED_AT = 256
-# Relative rounding floors of results and multipliers, added to the change from half as many steps.
+# Relative rounding floors of results, added to the change from half as many steps, and of a multiplier near 1.
 ROUNDING = 1e-13
 SURE_OF_MULTIPLIER = 1e-9
+# The multipliers and the growth rate are the last results of steady running.
+_MULTIPLIER = [result.name for result in RESULTS].index("multiplier")
 # Number of steps timed to forecast the duration of a run.
 STEPS_TIMED = 100
 
@@ -109,7 +112,8 @@ class ElasticDrives:
                 part, who = ready.some(some), ready.which[some]
                 (fine, off, cycle), (coarse, _, _) = (_settled(part, int(n)) for n in (count, count // 2))
                 values[: len(RESULTS), who] = fine
-                errors[: len(RESULTS), who] = np.abs(fine - coarse) + off + ROUNDING * np.abs(fine)
+                scales = rounding_scales({result.name: row for result, row in zip(RESULTS, fine, strict=True)})
+                errors[: len(RESULTS), who] = np.abs(fine - coarse) + off + ROUNDING * np.array(list(scales.values()))
                 verdict[who] = cycle.verdict
                 begin[:, who] = cycle.begin
         if name in self.runs:
@@ -226,8 +230,7 @@ class ElasticDrives:
     @staticmethod
     def _judged(values: np.ndarray, errors: np.ndarray, verdict: np.ndarray) -> np.ndarray:
         """Verdicts, including that on motions whose disturbances grow."""
-        k = [result.name for result in RESULTS].index("multiplier")
-        grows = values[k] > 1.0 + errors[k] + SURE_OF_MULTIPLIER
+        grows = values[_MULTIPLIER] > 1.0 + errors[_MULTIPLIER] + SURE_OF_MULTIPLIER
         return np.where((verdict == Verdict.OK) & grows, Verdict.GROWS, verdict)
 
     def _inertias(self, name: str, variants: Variants) -> tuple[np.ndarray, np.ndarray]:
@@ -395,7 +398,11 @@ def _settled(ready: Ready, count: int) -> tuple[np.ndarray, np.ndarray, ElasticC
         drive_results(found, ready.given, ready.frequency, ready.dynamics.cycle, peak)
         for peak in (most, most + rigid.moment_error)
     )
-    return results, np.abs(shifted - results), found
+    off = np.abs(shifted - results)
+    # Steps longer than half a vibration say nothing about its decay, only that it decays.
+    unresolved = ready.frequency * found.sums.period / count > np.pi
+    off[_MULTIPLIER:][unresolved & (results[_MULTIPLIER:] < 1.0)] = np.inf
+    return results, off, found
 
 
 def _at_middle(values: np.ndarray) -> np.ndarray:

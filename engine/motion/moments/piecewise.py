@@ -238,7 +238,10 @@ def peaks_along(begin: int, end: int, row: np.ndarray, steps: np.ndarray, found:
         found[0, v], found[1, v], found[2, v] = peak_between(own, h)
 
 
-def of_extremes(low: np.ndarray, high: np.ndarray) -> dict[str, np.ndarray]:
-    """Statistics that follow from the minimum and the maximum."""
-    peak = np.maximum(np.abs(low), np.abs(high))
-    return {"min": low, "max": high, "range": high - low, "amplitude": (high - low) / 2, "peak": peak}
+def of_extremes(most: np.ndarray, bounds: np.ndarray) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """Statistics that follow from −minimum and maximum, (2, variants), with errors from the upper bounds of both."""
+    (low, high), (below, above) = most * [[-1.0], [1.0]], bounds - most
+    peak = np.abs(most).max(axis=0)
+    values = {"min": low, "max": high, "range": high - low, "amplitude": (high - low) / 2, "peak": peak}
+    errors = {"min": below, "max": above, "range": below + above, "amplitude": (below + above) / 2}
+    return values, errors | {"peak": (np.abs(most) + bounds - most).max(axis=0) - peak}

@@ -55,10 +55,7 @@ class RunExtremes:
         way, start = self.fields.variants.direction, self.fields.start
         for _, name, statistic in asked:
             i, key = self.names.index(name), f"{name}.{statistic}"
-            low, high = -self._most[0, i], self._most[1, i]
-            beyond = np.maximum(*(self._bound[:, i] - self._most[:, i]))
-            values = of_extremes(low, high)
-            missed = dict.fromkeys(values, beyond)
+            values, missed = of_extremes(self._most[:, i], self._bound[:, i])
             for side, end in enumerate(("min", "max")):
                 place = start + way * self._turned[side, i]
                 values[f"{end}_at"] = np.mod(place, cycle) if np.isfinite(cycle) else place

@@ -174,14 +174,15 @@ def statistics_of(cycle: Cycle, name: str, period: float) -> tuple[dict[str, np.
         Period of the crank angle [rad].
     """
     row, count = cycle.rows[name], cycle.direction.size
-    (lowest, low_at, least), (high, high_at, most) = extremes_along(row, cycle.grid.steps)
+    most, places, bounds = np.moveaxis(extremes_along(row, cycle.grid.steps), 1, 0)
     found = np.empty((4, count))
     over_time(count, np.ascontiguousarray(row), cycle.omega, cycle.grid.steps, found)
-    mean, rms, hidden, hidden_rms = np.where(np.isnan(high), np.nan, found)
-    values = of_extremes(-lowest, high) | {"mean": mean, "rms": rms}
+    mean, rms, hidden, hidden_rms = np.where(np.isnan(most[1]), np.nan, found)
+    values, missed = of_extremes(most, bounds)
+    values |= {"mean": mean, "rms": rms}
+    missed |= {"mean": hidden, "rms": hidden_rms}
     step = np.full(count, period / (cycle.grid.even.shape[0] - 1))
-    missed = dict.fromkeys(values, np.maximum(most - high, least - lowest)) | {"mean": hidden, "rms": hidden_rms}
-    for key, place in (("min_at", low_at), ("max_at", high_at)):
+    for key, place in zip(("min_at", "max_at"), places, strict=True):
         known = np.isfinite(place)
         at = cycle.grid.angles[np.where(known, place, 0.0).astype(int), np.arange(count)]
         values[key], missed[key] = np.where(known, np.mod(at, period), np.nan), step

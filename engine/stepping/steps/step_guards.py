@@ -264,7 +264,12 @@ def is_flat(lane: int, task: WalkTask, room: Room) -> bool:
         if g != RISE and is_crossed(g, lane, task, room):
             return False
     flat = FLAT * math.sqrt(room.lane.tolerance[lane])
-    return abs(watched[end + SLOPE, lane]) <= flat * (abs(watched[SLOPE, lane]) + watched[SIZE, lane])
+    if abs(watched[end + SLOPE, lane]) > flat * (abs(watched[SLOPE, lane]) + watched[SIZE, lane]):
+        return False
+    # A top flatter than the parabola through both slopes would be missed by more than `missed_top` says.
+    own, near, far = room.lane, room.guards[RISE, lane], guard(RISE, lane, 1, task, room)
+    rise = math.copysign(1.0, watched[SLOPE, lane]) * (watched[end + SPEED, lane] - own.short_speed[lane])
+    return 6.0 * rise / (own.length[lane] - own.short[lane]) - 2.0 * near - 4.0 * far >= 0.5 * (near - far)
 
 
 @inlined

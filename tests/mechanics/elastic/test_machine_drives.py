@@ -172,7 +172,8 @@ def test_power__is_balanced_over_the_cycle_and_error_figures_hold(machine):
     assert found.mean() > 0.5
     assert set(status[~found]) <= {Verdict.TURNS_BACK, Verdict.GROWS, Verdict.STALLS, Verdict.NOT_FINITE}
     # Collocation at Gauss' points keeps quadratic sums of the state: what is left is rounding, more of stiffer shafts.
-    assert (np.abs(values["power_residual"][found]) < 1e-11).all()
+    assert (np.abs(values["power_residual"][found]) <= errors["power_residual"][found]).all()
+    assert (errors["power_residual"][found] < 1e-11).all()
     assert (values["motor_power"][found] > values["damping_power"][found]).all()
     assert (values["damping_power"][found] >= 0.0).all()
     # Variants don't depend on their neighbours.
@@ -187,7 +188,7 @@ def test_stiff_shaft__moves_as_the_rigid_regime_does(machine):
     rigid = yoke(regimes={"work": work}, flywheel={"inertia": 0.2, "speed_fluctuation": 0.1}, elements={})
     names = ["work.period", "work.speed_fluctuation", "work.motor_power", "work.multiplier"]
     expected = Machine(rigid, names).evaluate({}).summaries
-    status, values, _ = answers(machine, [1e7, 1e9, 1e12], [0.4] * 3, [0.2] * 3)
+    status, values, errors = answers(machine, [1e7, 1e9, 1e12], [0.4] * 3, [0.2] * 3)
     assert (status == Verdict.OK).all()
     # Moments of about 100 N·m twist the shaft by 1e-5, 1e-7, 1e-10; their change over a turn speeds by as much.
     tolerances = np.array([1e-4, 1e-6, 1e-8])
@@ -197,6 +198,9 @@ def test_stiff_shaft__moves_as_the_rigid_regime_does(machine):
             assert values[name][k] == pytest.approx(expected["work.speed_fluctuation"][0], rel=tolerance), name
         assert values["motor_power"][k] == pytest.approx(expected["work.motor_power"][0], rel=tolerance)
         assert values["dynamic_factor"][k] == pytest.approx(1.0, abs=10 * tolerance)
+    # The damping alone decides how fast the vibrations of a stiff shaft decay, whether the steps resolve them or not.
+    for name in ("multiplier", "second_multiplier", "third_multiplier"):
+        assert (np.abs(values[name] - values[name][0]) <= errors[name] + 1e-3).all()
 
 
 WITH_ROTOR = {

@@ -8,7 +8,7 @@ import pytest
 from each_case import refusals
 from exact_governor import ExactGovernor, places
 from governor_samples import HARTNELL, PORTER, PROELL, TABLE, governor_results
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
@@ -120,6 +120,8 @@ def test_arms__speeds_and_forces_are_those_of_virtual_work(drawn):
     st.floats(0.05, 0.3), st.floats(0.05, 0.3), st.floats(0.05, 0.4), st.floats(-0.5, 0.2), st.floats(0.05, 0.6),
     st.floats(0.0, 50.0), st.floats(0.0, 1e3), st.floats(1e3, 1e5),
 )  # fmt: skip
+# At the inner stop the spring is slack, but for the rounding of the lift.
+@example(0.125, 0.234375, 0.125, -0.25, 0.5, 0.0, 0.0, 23159.0)
 def test_bell_cranks__speeds_and_forces_are_those_of_virtual_work(a, b, pivot, lean, more, sleeve, preload, stiffness):
     governor = {
         "type": "hartnell_governor", "ball_mass": 1.7, "sleeve_mass": sleeve, "ball_arm": a, "sleeve_arm": b,

@@ -107,3 +107,14 @@ def test_peaks_between_nodes__are_known_within_their_estimate(kind):
             assert abs(top - exact) <= most - top + 1e-13 * scale
             apart.append(abs(top - exact) / scale)
     assert np.median(apart) < 1e-10
+
+
+def test_a_magnitude_that_almost_vanishes__leaves_its_maximum_well_known():
+    x = np.linspace(0.0, TURN, 361)
+    row = np.hypot(np.sin(x), 1e-3 * np.cos(x))
+    found = piecewise.extremes_along(row[:, None], np.diff(x)[:, None])
+    values, errors = piecewise.of_extremes(found[:, 0], found[:, 2])
+    exact = {"min": 1e-3, "max": 1.0, "range": 1.0 - 1e-3, "amplitude": 0.5 - 5e-4, "peak": 1.0}
+    for name, value in exact.items():
+        assert abs(values[name] - value) <= errors[name] + 1e-15
+    assert errors["max"] == errors["peak"] < 1e-9 < 1e-4 < errors["min"]
