@@ -30,6 +30,7 @@ from sweeps.pictures.drawing.guides import rails_of
 from sweeps.pictures.drawing.racks import rack_shapes
 from sweeps.pictures.drawing.symbols import HALF_LENGTH
 from sweeps.pictures.style import save
+from sweeps.text.scene_text import with_values
 from sweeps.text.templates import bundled_templates
 
 # Positions pass through a few dozen operations of the engine on lengths below 1 m.
