@@ -69,7 +69,9 @@ class RotorElement(Element):
             ElementResult(f"grade_{state}", f"finest grade G held {words}", "m s-1", None, True, True)
             for state, words in _STATES.items()
         ),
-        further("error_allowance", "error of every correction that the grade allows, as a share of it", "1"),
+        further(
+            "error_allowance", "error of every correction that the grade allows, as a share of it", "1", None, True
+        ),
         *(
             ElementResult(
                 f"{side}_{kind}_{when}",
