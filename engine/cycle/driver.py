@@ -50,7 +50,6 @@ from engine.cycle.panels.walk import (
     next_panels,
     note_rounding,
     set_out,
-    skip_jump,
 )
 from engine.cycle.roots import GivenNumbers, Roots, Samples, new_roots, new_samples, sample, solve_roots
 
@@ -99,7 +98,6 @@ class Task(NamedTuple):
     crossings: np.ndarray
     cuts: np.ndarray
     kinks: np.ndarray
-    jumping: np.ndarray
     scan: int
     looks: int
     most_roots: int
@@ -390,10 +388,6 @@ def follow(task: Task, given: GivenNumbers, work: Workspace) -> bool:
         curves(given.block, given.tables, rows_q, rows_cos, rows_sin, work.tile)
         if any_lost:
             spoil(count, work.too_many, tile)
-        for k in range(task.kinks.shape[0]):
-            find_kink(tile[task.kinks[k]], degree, walk)
-        for k in range(task.jumping.shape[0]):
-            skip_jump(tile[task.jumping[k]], degree, walk)
         broken = False
         for c in range(count):
             panel_figures(tile[c], degree, work.search.zero, figures[c])
@@ -402,6 +396,8 @@ def follow(task: Task, given: GivenNumbers, work: Workspace) -> bool:
         for k in range(task.rooted.shape[0]):
             c = task.rooted[k]
             compare_root(tile[c], degree, figures[c], task.tolerance[c], scales[c], walk)
+        for k in range(task.kinks.shape[0]):
+            find_kink(tile[task.kinks[k]], degree, walk)
         if not judge(task.longest, degree, walk):
             continue
         if broken:

@@ -24,7 +24,7 @@ SCANNED, SCANNED_PER_TURN = 36, 18
 # Fields that cut the cycle.
 _CUTS = ("landmarks", "levels", "crossings", "cuts")
 # Fields that are equal in a plan and its task: as arrays, and as they are.
-_SHARED = ("ends", "levels", "states", "cuts", "kinks", "jumping", "rooted")
+_SHARED = ("ends", "levels", "states", "cuts", "kinks", "rooted")
 _SAME = ("looks", "intervals", "degree", "longest", "period", "turn")
 
 Measure = Literal["integrals", "roots", "extremes", "fluctuations", "averages", "arcs", "spaced"]
@@ -97,8 +97,6 @@ class Plan:
         Rows with input positions at which the cycle is cut; NaN for none.
     kinks : sequence of int
         Curves at whose zeros other curves have kinks: panels end there if those curves require it.
-    jumping : sequence of int
-        Curves that jump at kinks.
     rooted : sequence of int
         Nonnegative curves whose square roots must meet the tolerance too.
     intervals, positions : int
@@ -126,7 +124,6 @@ class Plan:
     tells_crossings: bool = False
     cuts: Sequence[int] = ()
     kinks: Sequence[int] = ()
-    jumping: Sequence[int] = ()
     rooted: Sequence[int] = ()
     intervals: int = 1
     positions: int = 0

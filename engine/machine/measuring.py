@@ -159,6 +159,7 @@ class Measuring:
             of[ExtremePosition].append(ExtremePosition(margin.curve, "least"))
         self._kinks = mechanics.graph.kinks_behind(curves)
         curves = list(dict.fromkeys([*curves, *self._kinks]))
+        # At kinks margins jump, however short a panel is; near 0 the requested forces keep panels short enough.
         self._jumping = {margin.curve for margin in jamming if self._kinks}
         self._auxiliary = [*self._kinks, *pressing]
         self.curves = list(dict.fromkeys([*curves, *fields]))
@@ -193,7 +194,7 @@ class Measuring:
         f, of, accuracy = self.functions, self._of, self._accuracy
         curve = f.curves
         unresolved = {a.curve for a in of[Extreme] if not a.resolved}.union(self._auxiliary)
-        unresolved -= self._resolved()
+        unresolved = (unresolved - self._resolved()).union(self._jumping)
         # An extreme that lasts, as in a cam's dwell, has no definite position: its error estimate covers the dwell.
         closes = self.mechanics.has_cycle and not self.mechanics.scene.cams
         turns = getattr(self.mechanics.scene.input, "revolutions", 1)
@@ -214,7 +215,6 @@ class Measuring:
             crossings=f.crossings,
             looks=f.looks,
             kinks=[curve[c] for c in self._kinks],
-            jumping=[curve[c] for c in self._jumping],
             rooted=[curve[c] for c in dict.fromkeys(rooted)],
             turns=turns,
             longest=0.25 * FULL_TURN if share >= COARSELY else Plan.longest,

@@ -87,8 +87,7 @@ class Reactions:
         self.variables: dict[str, Node] = {}
         self.in_axes: dict[tuple[str, str], Vector] = {}
         self.settlings: dict[str, mechanism.friction.Settled] = {}
-        # By pair with friction: nodes that have a kink or jump where its pressing force touches zero.
-        self._bent: dict[str, tuple[Node, ...]] = {}
+        self._pressing: dict[str, Node] = {}
         self._pairs = {pair.name: pair for pair in pairs(self.scene)}
         self._contacts = {pair.name: pair for pair in contact_pairs(self.scene)}
         self._rubs = mechanism.friction.rubbing_pairs(kinematics, motion) if self.scene.friction else {}
@@ -302,8 +301,8 @@ class Reactions:
         (contact, _), held = self._with_friction(name, links, (touching, holding), solved, {links[0]: load})
         closing = cam_forces(self.kinematics, name, load).closing
         self.variables |= {f"{name}.contact_force": contact, f"{name}.closing_force": closing}
-        for bent in self._bent.get(touching.name, ()):
-            self.graph.bends(bent, contact)
+        if touching.name in self._pressing:
+            self.graph.bends(self._pressing[touching.name], contact)
         at = self.kinematics.at_rest(motion.contact)
         self._exert(LinkForce("reaction", touching.name, *links, cam.on, at.r, contact * motion.normal), at, links)
         self._react(holding, held, links)
@@ -530,7 +529,6 @@ class Reactions:
         named(settled.residual, f"{name} residual")
         for (_, pair), pressing in zip(frictional, settled.pressing, strict=True):
             self._apply_friction(pair, named(pressing, f"{pair.name} pressing"), links)
-            self._bent[pair.name] = (*settled.pressing, settled.margin)
         return [
             tuple(
                 sum((back[i][axis] * n for back, n in zip(backs, settled.pressing, strict=True)), free[i][axis])
@@ -563,7 +561,7 @@ class Reactions:
         if pair.name not in self._rubs:
             return self.graph.zero
         rub = self._rubs[pair.name]
-        self._bent[pair.name] = (pressing,)
+        self._pressing[pair.name] = pressing
         friction = rub.drag * pressing
         self.variables[f"{pair.name}.{_FRICTION[pair.kind]}"] = friction
         self.lost[pair.name] = rub.lost * pressing
@@ -577,7 +575,7 @@ class Reactions:
         Friction tilts the reaction, but its component along a bar, or across a slide, still changes sign there.
         """
         rub, found = self._rubs.get(pair.name), []
-        loads = list(self._bent.get(pair.name, ()))
+        loads = [self._pressing[pair.name]] if rub is not None else []
         if pair.kind == "revolute":
             loads.append(self.variables[f"{pair.name}.reaction"])
             ends = [name for name in (pair.link, pair.other) if name in unloaded]

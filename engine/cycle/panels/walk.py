@@ -136,11 +136,9 @@ FLOOR, MOST = 1e-7, 200
 LEFT_BY_ROUNDING = 32.0
 # A panel may exceed the wanted length by this fraction, so that no sliver is left before the next edge.
 STRETCH = 1e-9
-# Number of panels in a row that end before a kink, located ten to a hundred times more closely each time, before panels
-# are shortened instead.
+# Number of panels in a row that end at a kink, located ten to a hundred times more closely each time, before panels are
+# shortened instead.
 TRIES = 8.0
-# A panel of its own encloses a kink: it begins and ends this far from it, as a fraction of the range.
-BESIDE_KINK = 1e-11
 # Rounding left by a smooth curve, relative to its maximum magnitude.
 NOTHING = 2e-15
 # Edges closer than this, relative to the largest position, coincide.
@@ -327,21 +325,6 @@ def root_of_degree(x: float, degree: int) -> float:
     return math.sqrt(root) if degree == DEGREE else root
 
 
-@inlined
-def encloses_kink(walk: Walk, lane: int) -> bool:
-    """Whether a lane's panel is a kink's own."""
-    return (walk.bent[lane] > 0.0) & (abs(walk.half[lane]) <= 2.0 * BESIDE_KINK * walk.range[lane])
-
-
-@routine
-def skip_jump(curve: Rows, degree: int, walk: Walk) -> None:
-    """Hold a curve that jumps at a kink throughout the panel that encloses it; the next begins behind the jump."""
-    for j in range(1, degree + 1):
-        for lane in range(LANES):
-            here = curve[j, lane]
-            curve[j, lane] = curve[0, lane] if encloses_kink(walk, lane) else here
-
-
 @routine
 def judge(longest: float, degree: int, walk: Walk) -> bool:
     """Accept or reject each lane's panel, advance accepted ones, and choose the next length from the excess.
@@ -360,17 +343,16 @@ def judge(longest: float, degree: int, walk: Walk) -> bool:
         excess = falling if level <= 1.0 else larger(falling, level)
         factor = larger(smaller(root_of_degree(AIM / larger(excess, 1e-9), degree), LONGER), SHORTER)
         wanted = larger(length * factor, least)
-        # If a panel is rejected and has a kink inside, the next one ends before it; one that begins there, behind it.
-        sign, tries, beside = walk.sign[lane], walk.tried[lane], BESIDE_KINK * walk.range[lane]
+        # If a panel is rejected and has a kink inside, the next one ends at the kink.
+        sign, tries = walk.sign[lane], walk.tried[lane]
         bent = (not enough) & (sign < 1.0) & (tries < TRIES)
-        kink, distance = walk.kink[lane], 0.5 * (1.0 + sign) * length
-        end_at = begin + distance + (beside if distance <= 2.0 * beside else -beside)
-        walk.kink[lane] = end_at if bent & active else kink
+        kink = walk.kink[lane]
+        walk.kink[lane] = begin + 0.5 * (1.0 + sign) * length if bent & active else kink
         walk.tried[lane] = tries + 1.0 if bent else (0.0 if enough else tries)
         # A short panel before an edge says little about the length of the next.
         wanted = smaller(larger(wanted, walk.wanted[lane]) if excess <= AIM else wanted, longest)
         accepted, wanted_before, opened_before = active & enough, walk.wanted[lane], walk.opened[lane]
-        wanted = wanted_before if bent | encloses_kink(walk, lane) else wanted
+        wanted = wanted_before if bent else wanted
         walk.wanted[lane] = wanted if active else wanted_before
         walk.accepted[lane] = 1.0 if accepted else 0.0
         walk.taken[lane] += 1.0 if accepted else 0.0
