@@ -13,6 +13,8 @@ from sweeps.pictures.style import GREY, PALETTE, VERMILION, degree_ticks, scaled
 
 # Height with one, two, three stacked diagrams [mm]; maximum number of columns.
 HEIGHTS, MOST_COLUMNS = (80, 100, 150), 3
+# Words of a plan's legend that stand in one column.
+FEW = 4
 # Letters of tick names that have room along an axis; more are slanted.
 _LETTERS = 25
 
@@ -105,7 +107,9 @@ def draw_panel(
             ax.plot(along * place, factor * height, "o", color=VERMILION, markersize=4, label=words or "_")
     legend = {"loc": "best"}
     if panel.kind == "plan":
-        legend = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.16)}
+        # Few words stand below each other, as long ones would reach beyond the plan.
+        few = len(ax.get_legend_handles_labels()[1]) <= FEW
+        legend = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.16), "ncols": 1 if few else 2}
         ax.set(aspect="equal", adjustable="datalim")
     elif panel.kind == "curves" and not panel.names:
         every = np.concatenate([panel.places, *(curve.places for curve in panel.curves if curve.places is not None)])

@@ -79,7 +79,9 @@ def explained(
     except (OSError, RuntimeError, ValueError, KeyError, TypeError, AttributeError) as error:
         number = _number(error)
         if number in _REMEDIES:
-            raise StoreError(f"cannot {action} {path}: {os.strerror(number)}. {_REMEDIES[number]}") from error
+            # HDF5 has no words of the system's, what refuses links has words of its own.
+            words = (isinstance(error, PermissionError) and error.strerror) or os.strerror(number)
+            raise StoreError(f"cannot {action} {path}: {words}. {_REMEDIES[number]}") from error
         raise otherwise(f"cannot {action} {path}: {remedy} ({error})") from error
 
 

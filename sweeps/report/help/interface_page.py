@@ -33,7 +33,7 @@ def _entry(name: str, found: object) -> str:
 
 def _methods(kind: type) -> Iterator[str]:
     """Public methods and properties of a class's own."""
-    for name, method in vars(kind).items():
+    for name, method in dict(vars(kind)).items():
         function = method.fget if isinstance(method, property) else getattr(method, "__func__", method)
         if not name.startswith("_") and inspect.isfunction(function) and (described := inspect.getdoc(function)):
             signature = "" if isinstance(method, property) else _signature(function)

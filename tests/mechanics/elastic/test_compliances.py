@@ -139,7 +139,7 @@ test_part_that_cannot_be__says_what_to_mend = refusals(
 
 def test_bore_that_varies_beyond_the_diameter__is_a_status():
     values, outcome = asked({"it": drive({"a": SHAFT})}, "it.stiffness", it__parts__a__bore=[0.01, 0.05, 0.06])
-    assert list(outcome.status) == [Verdict.OK, Verdict.NOT_FINITE, Verdict.NOT_FINITE]
+    assert list(outcome.status) == [Verdict.OK, Verdict.OUTSIDE_LIMITS, Verdict.OUTSIDE_LIMITS]
     assert np.isnan(values[0][1:]).all()
 
 

@@ -139,7 +139,7 @@ def test_shaft_without_a_wall__is_a_status_never_a_number():
         train["shafts"][f"s{place}"] = {"between": [f"m{place}", f"m{place + 1}"], "parts": {"tube": wall}}
         path = f"it__shafts__s{place}__parts__tube__bore"
         values, outcome = asked({"it": train}, "it.frequency_1", "it.frequency_2", **{path: [0.05, 0.1, 0.11]})
-        assert list(outcome.status) == [Verdict.OK, Verdict.NOT_FINITE, Verdict.NOT_FINITE]
+        assert list(outcome.status) == [Verdict.OK, Verdict.OUTSIDE_LIMITS, Verdict.OUTSIDE_LIMITS]
         assert np.isnan([v[1:] for v in values]).all()
 
 

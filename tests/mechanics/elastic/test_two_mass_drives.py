@@ -117,7 +117,7 @@ test_drive_that_cannot_be__says_what_to_mend = refusals(
     lambda change: element(DRIVE | change),
     ({"stiffness": None}, "give stiffness or parts"),
     ({"damping": 1.0, "damping_ratio": 0.1}, "give one of damping, damping_ratio, or none"),
-    ({"begin": "running"}, "give both, or neither"),
+    ({"begin": "running"}, "speed is missing"),
     ({"speed": 3.0, "load_before": 1.0}, "give both, or neither"),
     ({"backlash": -0.1}, "must be at least 0"),
 )

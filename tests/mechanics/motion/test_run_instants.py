@@ -251,8 +251,8 @@ def test_variants__as_many_instants_in_a_piece_as_there_are_variants_may_all_be_
 
 test_nonsense__is_refused_in_words = refusals(
     lambda at: Scene.model_validate(rotor({"go": run("dc", from_speed=1.0, time=1.0, at=at)})),
-    ({}, "either times or angles"),
-    ({"times": [0.0, 1.0], "angles": [1.0]}, "either times or angles"),
+    ({}, "give times or angles"),
+    ({"times": [0.0, 1.0], "angles": [1.0]}, "give times or angles"),
     ({"times": [0.0, 0.0]}, "in ascending order"),
     ({"times": [-1.0, 0.0]}, "counted from the start of the run, in ascending order"),
     ({"times": "0 s till 2 s"}, "FIRST to LAST, HOW MANY"),

@@ -7,12 +7,13 @@ import mpmath
 import numpy as np
 import pytest
 from each_case import refusals
+from exact import table_value
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from engine.cycle.turning_moment import fluctuation, turning_moment_from_areas, turning_moment_from_table
-from engine.laws.tables import make_table, table_value
+from engine.laws.tables import make_table
 
 EPS = 2.3e-16
 TURN = 2 * math.pi

@@ -70,6 +70,6 @@ def test_check_of_a_long_machine__compiles_nothing_and_says_so(folder, monkeypat
     monkeypatch.setattr(check_report, "MOST_COMPILED", lines - 1)
     monkeypatch.setattr("engine.compiling.kept_code._load", None)
     answer = done("check", "long.toml")
-    for words in ("group g2: RRR", "are unknown", f"{lines} generated lines", "`sweeps run`", "MB; "):
+    for words in ("group g2: RRR", "are unknown", f"{lines} generated lines", "`sweeps run`", "kB; "):
         assert words in answer
     assert "\nTime\n" not in answer

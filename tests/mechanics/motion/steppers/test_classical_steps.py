@@ -70,8 +70,8 @@ test_nonsense__is_refused_in_words = refusals(
     lambda only, regime: Machine(
         Scene.model_validate(rotor({"go": run(only, from_speed=1.0, cycles=1.0, **regime)})), ["go.time"]
     ),
-    ("dc", {"method": "rk4"}, "go together"),
-    ("dc", {"steps_per_turn": 64}, "go together"),
+    ("dc", {"method": "rk4"}, "belong together"),
+    ("dc", {"steps_per_turn": 64}, "belong together"),
     ("dc", {"method": "rk5", "steps_per_turn": 64}, "'rk4'"),
     ("dc", {"method": "rk4", "steps_per_turn": 4}, "must be at least 8"),
     ("by_time", {"method": "rk4", "steps_per_turn": 64}, "moments that depend on time"),

@@ -39,7 +39,8 @@ SCHEMA = {
 PARAMETERS = "input.length bodies.ram.mass"
 MEANINGS = """ok cannot_assemble singular outside_limits dropped not_finite stalls runs_away no_end jams any_speed locks
 no_inertia unstable resonance does_not_fit self_locks stands slides undercut lifts_off slips mode_not_reached other_mode
-grows turns_back too_coarse does_not_close interferes contact_breaks shaft_rigid"""
+grows turns_back too_coarse does_not_close interferes contact_breaks shaft_rigid
+fraction_of_a_tooth modules_differ axes_apart uneven_planets planets_touch bore_too_large"""
 CODES = dict(enumerate(MEANINGS.split())) | {255: "not_computed"}
 
 
