@@ -118,7 +118,8 @@ def draw_panel(
             degree_ticks(ax.xaxis, abs(along) * np.ptp(every))
     if panel.limits is not None:
         # Curves beyond the limits are everywhere.
-        legend = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.25), "ncols": 3} if with_x else legend
+        wide = with_x and MOST_COLUMNS * ax.figure.bbox.width > 1.1 * ax.get_figure(root=True).bbox.width
+        legend = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.25), "ncols": 3} if wide else legend
         ax.set(ylim=[factor * x for x in panel.limits], yscale="log" if panel.limits[0] > 0.0 else "linear")
     elif panel.kind == "curves":
         scaled_as_constant(ax, factor * values)
