@@ -160,7 +160,7 @@ def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tup
         Guard("above", sizes.above - speed),
         Guard("below", speed - sizes.below),
         # A steep motor restores the speed before much of the energy is lost.
-        Guard("slow", graph.apply(greater, sizes.brisk, -MUCH * steepness) * energy - abs(total), at_once=True),
+        Guard("slow", graph.apply(greater, sizes.brisk, -MUCH * steepness) * energy + total),
     )
     gathered = {"time": pace} | {name: node for name, node in known.items() if name in asked}
     responses = tuple(derivative(node, energy, SLOPES) for node in gathered.values())

@@ -41,13 +41,12 @@ ORDINARY = NEVER | {"start": 0.0, "direction": 1.0, "facing": 1.0, "clock": 0.0,
 class Guard(NamedTuple):
     """An event that ends a step: its name, and a number that is positive before it.
 
-    It `ends` the walk, if `at_once` also where it isn't positive at the start; or it changes what is held.
+    It `ends` the walk, or changes what is held.
     """
 
     name: str
     value: Node
     ends: bool = True
-    at_once: bool = False
 
 
 class System(NamedTuple):
@@ -243,7 +242,6 @@ class PrintedSystem:
             watched=len(self.watched),
             guards=len(system.guards),
             ends=np.array([guard.ends for guard in system.guards], bool),
-            at_once=np.array([guard.at_once for guard in system.guards], bool),
             carries=len(system.responses) > 0 and bool(made.fine.any()),
             first_place=len(rows) - len(self.last) - len(self.functions.curves),
             places=len(self.functions.curves),

@@ -33,7 +33,6 @@ from engine.stepping.steps.step_errors import (
     shorten,
 )
 from engine.stepping.steps.step_guards import (
-    ends_at_once,
     fires,
     hides_top,
     hides_two,
@@ -182,10 +181,7 @@ def decide_steps(task: WalkTask, room: Room) -> bool:
     for lane in range(LANES):
         own.taken[lane] = 0.0
         if own.length[lane] > 0.0:
-            ended = ends_at_once(lane, task, room)
-            if ended >= 0:
-                own.why[lane] = float(GUARD + ended)
-            elif not own.missed[lane] <= 1.0 and not is_rounding(lane, room):
+            if not own.missed[lane] <= 1.0 and not is_rounding(lane, room):
                 shorten(lane, task, room)
             elif hides_top(lane, task, room):
                 own.pace[lane] = SAFETY / steepness(lane, room)

@@ -74,8 +74,8 @@ class WalkTask(NamedTuple):
         First row of the error scales of the states in `watch`, along time; −1: the states themselves.
     watched, guards : int
         Number of rows of `watch`, and of the guards, which are the last ones.
-    ends, at_once : ndarray of bool
-        Whether each guard ends the walk; others change held numbers. Whether it does so before the first step, too.
+    ends : ndarray of bool
+        Whether each guard ends the walk; others change held numbers.
     carries : bool
         Whether error estimates are propagated.
     first_place, places, rated : int
@@ -117,7 +117,6 @@ class WalkTask(NamedTuple):
     watched: int
     guards: int
     ends: np.ndarray
-    at_once: np.ndarray
     carries: bool
     first_place: int
     places: int

@@ -11,8 +11,8 @@ import numpy as np
 
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.runs.one_speed_run import OneSpeedRuns
-from engine.motion.runs.run_in_angle import stretch_over_angle
-from engine.motion.runs.run_in_time import set_off, stretch_over_time
+from engine.motion.runs.run_in_angle import TIMES_TO_THE_END, stretch_over_angle
+from engine.motion.runs.run_in_time import BRISK_TO_LOOK, set_off, stretch_over_time
 from engine.motion.runs.run_progress import ADAPTIVE, Ends, RunOutcome, Standing, Stepping
 from engine.motion.runs.watching import Observer
 
@@ -58,7 +58,7 @@ class _Runs(OneSpeedRuns):
         if self.ends.standing and self.dynamics.fades:
             # Torques that vanish with the speed stop no machine in finite time.
             self.give_up(np.flatnonzero(~self.done & np.isinf(self.ends.time)))
-        self._brisk = (self.omega > 0.0) & (not self.dynamics.in_time)
+        self._brisk = self._is_brisk()
         # Steps since the last gain, and the angle and time then.
         self._steps, self._reached, self._until = np.zeros(count), np.zeros(count), np.zeros(count)
         super().go_to_end()
@@ -80,3 +80,15 @@ class _Runs(OneSpeedRuns):
             self._reached[gained], self._until[gained] = self.turned[gained], self.time[gained]
             self._steps[gained] = 0.0
             self.give_up(np.flatnonzero(~self.done & (self._steps > MOST_TIME_STEPS)))
+
+    def _is_brisk(self) -> np.ndarray:
+        """Which variants move forwards with energy that changes slowly."""
+        if self.dynamics.in_time:
+            return np.zeros(self.variants.count, bool)
+        brisk, share = self.omega > 0.0, TIMES_TO_THE_END if self.to_the_end else BRISK_TO_LOOK
+        moving = np.flatnonzero(brisk)
+        omega = self.omega[moving]
+        now = self.turned[moving], omega, (self.time + self.clock)[moving], np.ones(moving.size)
+        found = self.equation(moving).along(*now)
+        brisk[moving] = np.abs(found.total) < share * 0.5 * found.inertia * omega**2
+        return brisk

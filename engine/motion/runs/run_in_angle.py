@@ -15,9 +15,6 @@ from engine.stepping.walk_task import Why
 # Relative energy change per radian above which the energy form is abandoned: near rest 1/ω is singular as the inverse
 # root of the angle. The limit is lower if values within steps are needed, as dense output resolves it less far.
 TIMES_PER_RADIAN, TIMES_TO_THE_END = 4.0, 40.0
-# The same below which it is taken up from the time form, where it must not end at once; with values within steps also
-# that above which a run doesn't begin in it, as steps of fixed lengths resolve it less far.
-BRISK_TO_LOOK, BRISK_TO_THE_END = 0.4, 20.0
 # Minimum tolerance of steps; maximum step, relative to that in time.
 LEAST, FARTHER = 1e-14, 2.0
 # Reduction of the maximum step if dense output is used: it has a lower order than the step.
@@ -78,7 +75,7 @@ def _walk(
     begin = runs.start[who] + direction * state.turned
     method = FOUR if classical else NINE if implicit else EIGHT
     task = system.task(dynamics.cycle, method, extremes=runs.finds_extremes)
-    brisk = TIMES_TO_THE_END if runs.to_the_end else np.where(state.turned > 0.0, TIMES_PER_RADIAN, BRISK_TO_LOOK)
+    brisk = TIMES_TO_THE_END if runs.to_the_end else TIMES_PER_RADIAN
     limits = runs.speed_limits(who, system.sizes, np.ones(who.size))
     limits[system.sizes.below] = np.maximum(limits[system.sizes.below], 0.0)
     share = CLOSELY if runs.observers else 1.0 if runs.finds_extremes else FARTHER

@@ -4,7 +4,7 @@ import numpy as np
 
 from engine.motion.moments.breaks import JUMP
 from engine.motion.runs.one_speed_run import OneSpeedRuns
-from engine.motion.runs.run_in_angle import BRISK_TO_LOOK, BRISK_TO_THE_END
+from engine.motion.runs.run_in_angle import TIMES_TO_THE_END
 from engine.motion.runs.run_progress import BELOW, State
 from engine.motion.runs.settled_runs import pass_mark
 from engine.motion.runs.watching import BetweenNodes, Piece, side_by_side
@@ -30,6 +30,8 @@ FADED = 1e-9
 STILL = 1e-12
 # Maximum step with observers [rad], and minimum number of samples in it.
 CLOSELY, LEAST_LOOKS = 0.1, 4
+# With dense output, a machine remains in the time form until its relative energy change per radian is below this.
+BRISK_TO_LOOK = 0.4
 # Many steps that change neither the angle (in total) nor the time (each) by more than these fractions make no progress:
 # at a dead centre of the driven side the inertia grows without bound.
 NO_ANGLE, NO_TIME = 1e-14, 1e-9
@@ -162,7 +164,7 @@ def _backward_goal(runs: OneSpeedRuns, who: np.ndarray) -> np.ndarray:
 def _walk(runs: OneSpeedRuns, who: np.ndarray, goal: np.ndarray, floor: np.ndarray) -> Walks:
     """Walk in time, up to a given angle turned."""
     dynamics, state, facing = runs.dynamics, runs.part(who), runs.facing[who]
-    system, brisk = dynamics.by_time, BRISK_TO_THE_END if runs.to_the_end else BRISK_TO_LOOK
+    system, brisk = dynamics.by_time, TIMES_TO_THE_END if runs.to_the_end else BRISK_TO_LOOK
     ways = (dynamics.moving(system, runs.variants, way)[:, who] for way in (1.0, -1.0))
     limits = runs.speed_limits(who, system.sizes, facing) | {system.sizes.brisk: brisk}
     numbers = system.limited(np.where(facing > 0.0, *ways), limits)

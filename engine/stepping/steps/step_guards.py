@@ -106,15 +106,6 @@ def passes_zero(near: float, far: float, task: WalkTask) -> bool:
     return ((near > 0.0) & (not far > 0.0)) | ((near == 0.0) & (far < 0.0) & (task.held.shape[0] > 0))
 
 
-@inlined
-def ends_at_once(lane: int, task: WalkTask, room: Room) -> int:
-    """Number of the first guard that ends a walk before its first step; −1: none."""
-    for g in range(task.guards):
-        if task.at_once[g] and room.lane.steps[lane] == 0.0 and not guard(FIRST + g, lane, 0, task, room) > 0.0:
-            return g
-    return -1
-
-
 @routine
 def fires(rises: bool, task: WalkTask, room: Room) -> None:
     """Set `fired` in lanes where a guard that is positive at the start of the step isn't positive at its end.
