@@ -127,6 +127,12 @@ class EquationOfMotion:
                 row *= facing
         return found
 
+    def torque(self, turned: np.ndarray, energy: np.ndarray, time: np.ndarray) -> np.ndarray:
+        """Reduced torque on variants that move forwards with a kinetic energy, (variants,) [N·m]."""
+        system, who = self.dynamics.by_angle, self.who
+        places = self.start[who] + self.variants.direction[who] * turned
+        return system.at(self.dynamics.moving(system, self.variants)[:, who], places, (energy,), [0], time)[0]
+
     def beside(self, turned: np.ndarray) -> np.ndarray:
         """Offset at which torques are evaluated from angles turned, (…, variants) [rad]: 0 except at a break."""
         own, who, cycle = self.variants, self.who, self.dynamics.cycle

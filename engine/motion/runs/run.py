@@ -87,8 +87,7 @@ class _Runs(OneSpeedRuns):
             return np.zeros(self.variants.count, bool)
         brisk, share = self.omega > 0.0, TIMES_TO_THE_END if self.to_the_end else BRISK_TO_LOOK
         moving = np.flatnonzero(brisk)
-        omega = self.omega[moving]
-        now = self.turned[moving], omega, (self.time + self.clock)[moving], np.ones(moving.size)
-        found = self.equation(moving).along(*now)
-        brisk[moving] = np.abs(found.total) < share * 0.5 * found.inertia * omega**2
+        energy = self.energy()[moving]
+        torque = self.equation(moving).torque(self.turned[moving], energy, (self.time + self.clock)[moving])
+        brisk[moving] = np.abs(torque) < share * energy
         return brisk
