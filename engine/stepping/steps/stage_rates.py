@@ -22,7 +22,7 @@ SOLVED_TO, MOST_SECANTS, SURE_SECANTS = 1e-13, 20, 6
 # A step
 
 
-@inlined
+@routine
 def stand(share: float, stage: int, slot: int, printed: Printed, task: WalkTask, room: Room) -> None:
     """Put the position and the time of a stage into P; a negative `slot` computes the position's values afresh."""
     own, position, state = room.lane, in_lanes(room.position), in_lanes(room.numbers)
@@ -106,7 +106,7 @@ def look(end: int, printed: Printed, task: WalkTask, room: Room) -> None:
     printed.watch(room.numbers, printed.memory, room.position[0:1], room.position[1:2], room.position[2:3], tile)
 
 
-@inlined
+@routine
 def keep_place(stage: int, task: WalkTask, room: Room) -> None:
     """Store the position-dependent values of a stage in the slot of each lane's trial step, behind those it keeps."""
     own, kept, numbers = room.lane, room.places, in_lanes(room.numbers)
