@@ -254,7 +254,7 @@ def _check_finite(expression: TextExpression, tree: Tree) -> None:
 
 
 def _wrong_in_motion(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem]:
-    """Formulas that the actual motion excludes: a jump at a speed; for elastic drives, anything but speed powers."""
+    """Formulas that the actual motion excludes: a jump at a speed."""
     regimes = {f"regimes.{n}": regime for n, regime in scene.regimes.items() if name not in regime.off}
     jump = parts.formulas.speed_powers.jump_at_a_speed(formula.expression.tree, formula.velocities) if regimes else None
     if jump is not None:
@@ -263,21 +263,6 @@ def _wrong_in_motion(scene: Scene, name: str, formula: LoadFormula) -> Iterator[
             f"{', '.join(regimes)}, or let it bend instead, by min, max or exp"
         )
         yield formula.key, str(_refused(formula.expression, jump, what))
-        return
-    drives = {f"elements.{n}": e for n, e in scene.elements.items() if e.type == "machine_drive"}
-    at_work = {path: drive for path, drive in drives.items() if name not in drive.off}
-    runs = {f"{path}.run": drive.run for path, drive in drives.items() if drive.run is not None}
-    at_work |= {path: run for path, run in runs.items() if name not in run.off}
-    if not at_work:
-        return
-    try:
-        parts.formulas.speed_powers.powers_of_speed(formula.expression.tree, formula.velocities)
-    except parts.formulas.speed_powers.NoPowerError as error:
-        what = (
-            "depends on the speed otherwise than by fixed powers of it, which elastic drives can't take; "
-            f"switch {name!r} off in {', '.join(at_work)}, or write it by products, sums, powers, abs and sign"
-        )
-        yield formula.key, str(_refused(formula.expression, error.operation, what))
 
 
 def _refused(expression: TextExpression, tree: TextOperation, what: str) -> ExpressionError:
