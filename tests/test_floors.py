@@ -294,7 +294,7 @@ MOST_IN_A_ROOM = 15
 @pytest.mark.parametrize(("package", "rooms"), [("engine", ENGINE_ROOMS), ("sweeps", SWEEPS_ROOMS)])
 def test_rooms__use_only_those_before_them(package, rooms):
     wrong = []
-    for module, needs in graph().items():
+    for module, needs in graph(typed=True).items():
         parts = module.split(".")
         if parts[0] != package or len(parts) < 2 or parts[1].startswith("__"):
             continue
