@@ -222,15 +222,15 @@ def _panels(governor: Governor, cycle: np.ndarray | None = None) -> tuple[Panel,
     """
     g = governor_variants(governor, governor.own_numbers())
     marks, verdicts = governor_marks(g)
-    inner, outer = marks.inner[0], marks.outer[0]
+    g, inner, outer = g.between(marks.inner, marks.outer), marks.inner[0], marks.outer[0]
     room = BEYOND * (outer - inner)
     places = np.linspace(inner - room, outer + room, _POSITIONS)
-    found = g.some(np.zeros(_POSITIONS, int)).at(places, marks.inner)
+    found = g.some(np.zeros(_POSITIONS, int)).at(places)
     between = (places >= inner) & (places <= outer)
     # Without stops, or without equilibrium between them, there is nothing to plot.
     if not np.isfinite(found.speed[between]).any():
         return ()
-    stops, verdict = g.at(np.stack([marks.inner, marks.outer]), marks.inner).radius[:, 0], Verdict(verdicts[0])
+    stops, verdict = g.at(np.stack([marks.inner, marks.outer])).radius[:, 0], Verdict(verdicts[0])
     title = "Controlling force" if verdict == Verdict.OK else verdict.sentence
     panels = [_characteristic(found, between, stops, title), _speeds(found, between, governor.friction)]
     if governor.engine is None or verdict != Verdict.OK:
