@@ -70,8 +70,8 @@ class States(NamedTuple):
         r, z from the inner stop, controlling force, spindle speed, force at the sleeve, stability μ.
     lift_rate, mass, stiffness, balls
         z'; inertia and stiffness at the sleeve; 2 m r² of the balls.
-    radius_rate, height, rounding
-        r'; z from the linkage's own origin; error estimate of μ.
+    radius_rate, rounding
+        r'; error estimate of μ.
     driving, gain
         Engine torque at the governor's mean speed, and its decrease per metre of lift; 0 without an engine.
     """
@@ -87,7 +87,6 @@ class States(NamedTuple):
     stiffness: Node
     balls: Node
     radius_rate: Node
-    height: Node
     rounding: Node
     driving: Node
     gain: Node
@@ -170,7 +169,6 @@ def equilibrium_nodes(
         stiffness=graph.apply(equilibrium.sleeve_stiffness, sleeve, margin, radius, link.radius_rate, link.lift_rate),
         balls=2.0 * mass * radius * radius,
         radius_rate=link.radius_rate,
-        height=link.height,
         rounding=32.0 * EPS * (1.0 + abs(margin + 1.0)) * (1.0 + size / abs(slope)),
         driving=driving,
         gain=gain,

@@ -96,10 +96,8 @@ def governed_system(governor: Element, machine: bool) -> tuple[System, Graph, Go
     graph = Graph()
     states = Moving(*(graph.given(label, Stage.STATE) for label in Moving._fields))
     _, speed, velocity, position = states
-    held, clock = (
-        GovernorMode(*(graph.given(label, Stage.STATE) for label in GovernorMode._fields)),
-        graph.given("time", Stage.STATE),
-    )
+    held = GovernorMode(*(graph.given(label, Stage.STATE) for label in GovernorMode._fields))
+    clock = graph.given("time", Stage.STATE)
     keys = ("ball_mass", "sleeve_mass", "engine.ratio", "damping", "friction", "engine.self_regulation")
     ball, sleeve, ratio, damping, friction, regulation = numbers(graph, *keys)
     steady, band, swift, width, *stops = numbers(graph, "steady", "band", "swift", "width", "inner", "outer")
@@ -111,7 +109,7 @@ def governed_system(governor: Element, machine: bool) -> tuple[System, Graph, Go
         change, change_slope, share, other = graph.apply(motion.curves_of_cycle, graph.memory, *at, graph.q)
     load, mean = numbers(graph, "engine.new_load", "mean speed")
     moment = there.driving * share - regulation * (speed - mean) - load + other - 0.5 * change_slope * speed * speed
-    whirl_rate, square = 4.0 * ball * link.radius * link.radius_rate, ratio * ratio
+    square, whirl_rate = ratio * ratio, 4.0 * ball * link.radius * link.radius_rate
     inertia = graph.number("engine.inertia") + change + square * there.balls
     rise = graph.apply(motion.engine_acceleration, moment, inertia, square * whirl_rate, velocity, speed)
     held_up = there.sleeve + damping * link.lift_rate * velocity + friction * held.sense

@@ -13,6 +13,7 @@ import numpy as np
 
 from engine.compiling.decorators import scalar
 from engine.compiling.instructions import chosen
+from engine.laws.governors.equilibrium import speed_with_friction
 
 
 @scalar
@@ -78,7 +79,7 @@ def releasing_speeds(place: float, speed: float, held: float) -> tuple[float, fl
     speed, held : float
         ω of the engine in equilibrium without friction [rad/s]; F/E.
     """
-    rises, falls = speed * math.sqrt(1.0 + held), speed * math.sqrt(max(1.0 - held, 0.0))
+    rises, falls = speed_with_friction(speed, held, 1.0), speed_with_friction(speed, -min(held, 1.0), 1.0)
     return chosen(place < 1.0, rises, math.inf), chosen(place > 0.0, falls, -math.inf)
 
 
