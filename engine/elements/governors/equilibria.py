@@ -128,7 +128,7 @@ def governor_variants(governor: Element, n: Numbers) -> GovernorVariants:
 
 
 @np.errstate(all="ignore")
-def governor_marks(g: GovernorVariants) -> tuple[Marks, np.ndarray]:
+def governor_marks(g: GovernorVariants) -> tuple[GovernorVariants, Marks, np.ndarray]:
     """Search the characteristic of governors, and find the lifts at which their engines carry their loads.
 
     Parameters
@@ -137,6 +137,8 @@ def governor_marks(g: GovernorVariants) -> tuple[Marks, np.ndarray]:
 
     Returns
     -------
+    g : GovernorVariants
+        With its stops.
     marks : Marks
     verdicts : ndarray (variants,) of uint8
     """
@@ -203,7 +205,7 @@ def governor_marks(g: GovernorVariants) -> tuple[Marks, np.ndarray]:
         marks = marks._replace(before=before, after=after)
         for verdict in (first, second):
             verdicts = np.where(verdicts == Verdict.OK, verdict, verdicts)
-    return marks, verdicts.astype(np.uint8)
+    return g, marks, verdicts.astype(np.uint8)
 
 
 def _at(rows: np.ndarray, k: np.ndarray) -> np.ndarray:
@@ -352,7 +354,7 @@ def search_errors(g: GovernorVariants, marks: Marks, found: Columns) -> Columns:
     """
     more = {
         "non_uniformity": 2.0 * EPS,
-        "least_stability": g.between(marks.inner, marks.outer).at(marks.shakiest).rounding,
+        "least_stability": g.at(marks.shakiest).rounding,
         "least_stability_radius": marks.off_shakiest,
         "stable_from": marks.off_begin,
         "stable_to": marks.off_end,

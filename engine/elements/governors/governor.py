@@ -136,7 +136,7 @@ class Governor(Element):
     def evaluate(self, n: Numbers) -> Answers:
         """Statics with errors by perturbation, motion with errors by comparison, and verdicts."""
         g = governor_variants(self, {key: row for key, row in n.items() if not key.startswith(CYCLE)})
-        marks, verdicts = governor_marks(g)
+        g, marks, verdicts = governor_marks(g)
         found, errors = nudged(lambda m: near_equilibrium(g.with_numbers(m), marks), g.n)
         errors = {name: OF_ARMS * row for name, row in errors.items()}
         for name, more in search_errors(g, marks, found).items():
@@ -220,9 +220,8 @@ def _panels(governor: Governor, cycle: np.ndarray | None = None) -> tuple[Panel,
     cycle : ndarray, optional
         Curves of the mechanism that is its engine, from `governed_scene`.
     """
-    g = governor_variants(governor, governor.own_numbers())
-    marks, verdicts = governor_marks(g)
-    g, inner, outer = g.between(marks.inner, marks.outer), marks.inner[0], marks.outer[0]
+    g, marks, verdicts = governor_marks(governor_variants(governor, governor.own_numbers()))
+    inner, outer = marks.inner[0], marks.outer[0]
     room = BEYOND * (outer - inner)
     places = np.linspace(inner - room, outer + room, _POSITIONS)
     found = g.some(np.zeros(_POSITIONS, int)).at(places)

@@ -211,12 +211,12 @@ class _Runs(WalkedRuns):
     most_walks = 14
 
     def __init__(self, g: GovernorVariants, marks: Marks, cycle: np.ndarray, longer: float, records: bool) -> None:
-        self.g, self.records, count = g.between(marks.inner, marks.outer), records, marks.inner.size
+        self.g, self.records, count = g, records, marks.inner.size
         super().__init__(count, TOLERANCE, longer)
         low, width, n, ratio = marks.inner, marks.outer - marks.inner, g.n, g.n["engine.ratio"]
         valve = g.governor.has_valve
         before = low + BELOW_SWITCH * (marks.before - low) if valve else marks.before
-        begin, goal, half, outer = self.g.at(np.stack([before, marks.after, marks.middle, marks.outer])).each()
+        begin, goal, half, outer = g.at(np.stack([before, marks.after, marks.middle, marks.outer])).each()
         self.duration, self.origin = n["engine.duration"], low - width
         self.steady, band = goal.speed / ratio, n["engine.settling_band"] * goal.speed / ratio
         direction = 0.0 * low if valve else goal.speed - begin.speed
