@@ -5,6 +5,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from engine.cycle.measured import Measured
 from engine.words.verdicts import Verdict
 
 Record = TypeVar("Record")
@@ -15,6 +16,8 @@ def on_arrays(change: Callable[..., np.ndarray], *records: Record) -> Record:
     first = records[0]
     if isinstance(first, np.ndarray):
         return change(*records)
+    if isinstance(first, Measured):
+        return Measured(*(change(*parts) for parts in zip(*((m.value, m.error) for m in records), strict=True)))
     if isinstance(first, dict):
         return {key: on_arrays(change, *(record[key] for record in records)) for key in first}
     if isinstance(first, tuple):

@@ -22,38 +22,11 @@ from engine.words.verdicts import Verdict
 
 # The diagram omits curvatures above this multiple of the base circle's: they are infinite at edges.
 _MOST_CURVED = 30.0
-# Extremes over the turn from which the results are computed.
-_SOUGHT = {
-    "rise, leading": Sought("angle", 1, 1),
-    "rise, lagging": Sought("angle", -1, 1),
-    "return, leading": Sought("angle", 1, -1),
-    "return, lagging": Sought("angle", -1, -1),
-    "convex": Sought("curvature", 1),
-    "hollow": Sought("curvature", -1),
-    "minimum radius": Sought("radius", -1),
-    "outwards": Sought("velocity", 1),
-    "inwards": Sought("velocity", -1),
-    "accelerated": Sought("acceleration", 1),
-    "decelerated": Sought("acceleration", -1),
-    "jerked": Sought("jerk", 1),
-    "jerked back": Sought("jerk", -1),
-    "face to": Sought("face", 1),
-    "face from": Sought("face", -1),
-    "pressed": Sought("force", 1),
-    "slack": Sought("force", -1),
-    "driven": Sought("moment", 1),
-    "driving": Sought("moment", -1),
-    "inner": Sought("inner", 1),
-    "outer": Sought("outer", 1),
-    "shortfall": Sought("shortfall", 1),
-    "growth": Sought("growth", 1),
-    "height, leading": Sought("height +1", 1),
-    "height, lagging": Sought("height -1", 1),
-    "curved height": Sought("curved height", 1),
-    "dip height": Sought("s", -1),
-    "low angle": Sought("low angle", 1),
-    "high angle": Sought("high angle", -1),
-}
+# Extremes that limit the arm angle of an oscillating follower.
+_DIP, _LOW_ANGLE, _HIGH_ANGLE = Sought("s", -1), Sought("low angle", 1), Sought("high angle", -1)
+
+
+Extremes = dict[Sought, np.ndarray]
 
 
 class Lasting(IntEnum):
@@ -67,13 +40,13 @@ class Lasting(IntEnum):
 class Result(NamedTuple):
     """A result of a cam, when it stays valid, whether it is defined where the velocity jumps, and its extremes.
 
-    A result with several extremes is their maximum.
+    It is the maximum of these, or follows from it.
     """
 
     result: ElementResult
     lasting: Lasting
     with_impact: bool = True
-    of: tuple[str, ...] = ()
+    of: tuple[Sought, ...] = ()
 
 
 class CamElement(CamProgram, Element):
@@ -116,19 +89,21 @@ class CamElement(CamProgram, Element):
         """
         n, made = with_roundings({**n}), tuple(_results(self))
         cams = cam_variants(self, n)
-        found = measure(cams, [_SOUGHT[name] for name in self._sought])
+        found = measure(cams, self._sought)
         limited = self.limits is not None and not self.translating
         angles = None if not limited else self._least_angles(n, found)
         values, errors = nudged(lambda m: self._values(m, found.places, angles), n)
         if self.follower.moved is not None:
-            most, off = (np.abs([part["driven"], part["driving"]]).max(axis=0) for part in (values, errors))
+            ends = "greatest_moment", "least_moment"
+            most, off = (np.abs([part[end] for end in ends]).max(axis=0) for part in (values, errors))
             size = np.where(most > 0.0, found.moment_size * (ROUNDING * EPS + off / most), 0.0)
             values["mean_moment"], errors["mean_moment"] = found.moment, size + found.moment_missed
         for result, _, _, of in made:
             at = f"{result.name}_at"
             if at in values:
-                k = np.argmax([values[name] for name in of], axis=0)
-                off = np.sqrt([errors[name] for name in of]) * found.places.blurs[[self._sought.index(x) for x in of]]
+                k = np.argmax([values[sought] for sought in of], axis=0)
+                blurs = found.places.blurs[[self._sought.index(sought) for sought in of]]
+                off = np.sqrt([errors[sought] for sought in of]) * blurs
                 errors[at] = errors[at] + ROUNDING * EPS * TURN + np.choose(k, off)
         return self._answers(n, (values, errors), found.verdicts)
 
@@ -149,55 +124,48 @@ class CamElement(CamProgram, Element):
         return tuple(Panel(x, y, c.angle, (Curve("", row),), marks) for y, row in rows)
 
     @property
-    def _sought(self) -> tuple[str, ...]:
-        """Names of the extremes of this cam."""
-        follower, limits = self.follower, self.limits
-        flat, dynamic, roller = follower.contact == "flat", follower.moved is not None, follower.contact == "roller"
-        steep = limits is not None and limits.pressure_angle is not None
-        has = {"angle": not flat, "curvature": not flat, "radius": flat, "face": flat}
-        has |= dict.fromkeys(("force", "moment", "shortfall", "growth"), dynamic)
-        has |= {"inner": dynamic and (flat or roller), "outer": dynamic and roller}
-        has |= dict.fromkeys(("height +1", "height -1"), steep and self.translating)
-        has |= dict.fromkeys(("low angle", "high angle"), steep and not self.translating)
-        has |= {"curved height": limits is not None and self.translating, "s": limits is not None}
-        return tuple(name for name, sought in _SOUGHT.items() if has.get(sought.quantity, True))
+    def _sought(self) -> tuple[Sought, ...]:
+        """Extremes of this cam."""
+        return tuple(dict.fromkeys(sought for made in _results(self) for sought in made.of))
 
     def _least_angles(self, n: Numbers, found: Measures) -> tuple[np.ndarray, PeakPlaces]:
         """Minimum arm angles that satisfy the limits, and the positions that determine them."""
         x = self._extremes(n, found.places)[0]
-        angle, greatest, cams = point_angle(n, x["dip height"]), np.pi, cam_variants(self, n)
-        if "low angle" in self._sought:
-            angle, greatest = np.fmax(angle, x["low angle"]), -x["high angle"]
+        angle, greatest, cams = point_angle(n, x[_DIP]), np.pi, cam_variants(self, n)
+        if _LOW_ANGLE in x:
+            angle, greatest = np.fmax(angle, x[_LOW_ANGLE]), -x[_HIGH_ANGLE]
         angle = np.where(angle < np.minimum(greatest, np.pi), angle, np.nan)
         angle, at = least_arm_angles(cams, angle)
         return np.where(angle <= greatest, angle, np.nan), at
 
-    def _extremes(self, n: Numbers, places: PeakPlaces) -> tuple[Columns, Columns]:
+    def _extremes(self, n: Numbers, places: PeakPlaces) -> tuple[Extremes, Extremes]:
         """Extremes, signed, at the given positions, and the cam angles there."""
         cams = cam_variants(self, n)
         variants = cams.lowest.size
         p, u = (np.tile(part, variants // part.shape[1]) for part in places[:2])
         v = np.broadcast_to(np.arange(variants), p.shape)
         found, angle = at_positions(cams, p, v, u), cams.turn.cam_angle(p, v, u)
-        rows = {name: _SOUGHT[name].sign * found[_SOUGHT[name].quantity][k] for k, name in enumerate(self._sought)}
+        rows = {sought: sought.sign * found[sought.quantity][k] for k, sought in enumerate(self._sought)}
         return rows, dict(zip(self._sought, angle, strict=True))
 
-    def _values(self, n: Numbers, places: PeakPlaces, angles: tuple[np.ndarray, PeakPlaces] | None) -> Columns:
+    def _values(
+        self, n: Numbers, places: PeakPlaces, angles: tuple[np.ndarray, PeakPlaces] | None
+    ) -> Columns | Extremes:
         """Extremes and results by name, regardless of the verdict."""
         x, at = self._extremes(n, places)
         found, roller = {**x}, n.get("follower.roller_radius", 0.0)
         for result, _, _, of in _results(self):
             if of:
-                rows = [x[name] for name in of]
+                rows = [x[sought] for sought in of]
                 found[result.name] = np.max(rows, axis=0)
-                found[f"{result.name}_at"] = np.choose(np.argmax(rows, axis=0), [at[name] for name in of])
+                found[f"{result.name}_at"] = np.choose(np.argmax(rows, axis=0), [at[sought] for sought in of])
         jump, drop, jump2 = cam_variants(self, n).turn.jumps(n)
         found |= {"velocity_jump": n["speed"] * jump, "acceleration_jump": n["speed"] ** 2 * jump2, "drop": drop}
         if self.follower.contact == "flat":
-            found |= {"convex_radius": -x["minimum radius"], "face_from": -x["face from"]}
-            found["face_length"] = x["face to"] + x["face from"]
+            found["face_length"] = found["face_to"] + found["face_from"]
+            found |= {name: -found[name] for name in ("convex_radius", "face_from")}
         else:
-            convex, hollow = x["convex"], x["hollow"]
+            convex, hollow = found["convex_radius"], found["hollow_radius"]
             radius = np.where(drop > 0.0, 0.0, np.where(convex > 0.0, 1.0 / convex, np.nan))
             found |= {"convex_radius": radius - roller, "hollow_radius": np.where(hollow > 0.0, 1.0 / hollow, np.nan)}
             found["hollow_radius"] = found["hollow_radius"] + roller
@@ -207,26 +175,27 @@ class CamElement(CamProgram, Element):
             corner = (jump if groove else drop) > 0.0
             found["undercut_radius"] = np.where(corner, 0.0, np.where(curved > 0.0, 1.0 / curved, np.nan))
         if self.follower.moved is not None:
-            found |= {"needed_preload": np.maximum(x["shortfall"], 0.0), "least_moment": -x["driving"]}
-            found |= {"least_contact_force": -x["slack"]}
-            found["lift_off_speed"] = np.where(x["growth"] > 0.0, x["growth"] ** -0.5, np.nan)
+            found["least_moment"] = -found["least_moment"]
+            if self.closure == "spring":
+                growth = found["lift_off_speed"]
+                found |= {"needed_preload": np.maximum(found["needed_preload"], 0.0)}
+                found |= {"least_contact_force": -found["least_contact_force"]}
+                found["lift_off_speed"] = np.where(growth > 0.0, growth**-0.5, np.nan)
         if self.line_contact is not None:
-            line = np.maximum(x["inner"], x["outer"]) if self.closure == "form" else x["inner"]
             modulus = n["line_contact.elastic_modulus"] / (2.0 * (1.0 - n["line_contact.poisson"] ** 2))
-            found["contact_pressure"] = pressure_of_lines(line, modulus, n["line_contact.width"])
+            found["contact_pressure"] = pressure_of_lines(found["contact_pressure"], modulus, n["line_contact.width"])
         if self.limits is not None:
-            base = self._least_base(n, x) if angles is None else self._least_base_of_arm(n, x, angles)
+            if angles is None:
+                height = np.maximum(found["least_base_radius"], 0.0)
+                base = np.hypot(height, n["follower.offset"]) - n.get("follower.roller_radius", 0.0)
+            else:
+                base = self._least_base_of_arm(n, x, angles)
             # The curvature at a corner of the profile violates the limit for every base circle.
             sharp = (limit_radius(n) > 0.0) & (drop > 0.0)
             found["least_base_radius"] = np.where(sharp, np.nan, np.maximum(base, 0.0))
         return found
 
-    def _least_base(self, n: Numbers, x: Columns) -> np.ndarray:
-        """Minimum base radius for a translating follower: from the maximum height that any position requires."""
-        height = np.max([x[name] for name in x if "height" in name], axis=0)
-        return np.hypot(np.maximum(height, 0.0), n["follower.offset"]) - n.get("follower.roller_radius", 0.0)
-
-    def _least_base_of_arm(self, n: Numbers, x: Columns, angles: tuple[np.ndarray, PeakPlaces]) -> np.ndarray:
+    def _least_base_of_arm(self, n: Numbers, x: Extremes, angles: tuple[np.ndarray, PeakPlaces]) -> np.ndarray:
         """Minimum base radius for an oscillating follower: a Newton step from the known minimum arm angles."""
         known, at = angles
         d, variants = n["follower.pivot_distance"], n["speed"].size
@@ -234,7 +203,7 @@ class CamElement(CamProgram, Element):
         angle, p, u = (np.tile(part, copies) for part in (known, at.pieces, at.u))
         room, slope, bound = room_at(cam_variants(self, n), angle, p, np.arange(variants), u)
         curved = angle - room / np.maximum(slope, np.sqrt(np.abs(bound * room)))
-        least = np.fmax(point_angle(n, x["dip height"]), x.get("low angle", 0.0))
+        least = np.fmax(point_angle(n, x[_DIP]), x.get(_LOW_ANGLE, 0.0))
         angle = np.where(np.isnan(u), least, curved) + 0.0 * angle
         if self.follower.contact == "flat":
             return np.where(angle <= np.pi / 2, d * np.sin(angle), np.nan)
@@ -242,7 +211,7 @@ class CamElement(CamProgram, Element):
         prime = np.sqrt((d - arm) ** 2 + 4.0 * arm * d * np.sin(angle / 2) ** 2)
         return prime - n.get("follower.roller_radius", 0.0)
 
-    def _answers(self, n: Numbers, found: tuple[Columns, Columns], verdicts: np.ndarray) -> Answers:
+    def _answers(self, n: Numbers, found: tuple[Columns | Extremes, ...], verdicts: np.ndarray) -> Answers:
         """Results valid under the final verdicts, and these verdicts."""
         values, errors = found
         impact = values["velocity_jump"] > 0.0
@@ -286,21 +255,37 @@ def _results(cam: CamElement) -> Iterator[Result]:
         yield from _forces(cam)
     if cam.line_contact is not None:
         words = "peak Hertzian pressure between cam and follower"
-        yield _result("contact_pressure", words, "Pa", (Lasting.WHILE_TOUCHING, False))
+        sides = ("inner", "outer") if cam.closure == "form" else ("inner",)
+        when = Lasting.WHILE_TOUCHING, False
+        yield _result("contact_pressure", words, "Pa", when, tuple(Sought(side, 1) for side in sides))
     if cam.limits is not None:
         words = "minimum base radius that keeps the limits; none if no base circle does"
-        yield _result("least_base_radius", words, "m")
+        yield _result("least_base_radius", words, "m", of=_limiting(cam))
+
+
+def _limiting(cam: CamElement) -> tuple[Sought, ...]:
+    """Extremes of the heights or arm angles that the limits require."""
+    steep = cam.limits.pressure_angle is not None
+    if cam.translating:
+        heights = (Sought(f"height {sign:+d}", 1) for sign in (1, -1) if steep)
+        return (*heights, Sought("curved height", 1), _DIP)
+    return (_LOW_ANGLE, _HIGH_ANGLE, _DIP) if steep else (_DIP,)
+
+
+def _both_ways(quantity: str, direction: int = 0) -> tuple[Sought, Sought]:
+    """Maximum and minimum of a quantity over the turn."""
+    return Sought(quantity, 1, direction), Sought(quantity, -1, direction)
 
 
 def _result(
-    name: str, words: str, unit: str, when: tuple[Lasting, bool] = (Lasting.ALWAYS, True), of: tuple[str, ...] = ()
+    name: str, words: str, unit: str, when: tuple[Lasting, bool] = (Lasting.ALWAYS, True), of: tuple[Sought, ...] = ()
 ) -> Result:
     rank = Rank.FURTHER if name in _FURTHER or name.endswith("_at") else Rank.ANSWER
     return Result(ElementResult(name, words, unit, None, True, rank=rank), *when, of)
 
 
 def _with_angle(
-    name: str, words: str, unit: str, of: tuple[str, ...], when: tuple[Lasting, bool] = (Lasting.ALWAYS, True)
+    name: str, words: str, unit: str, of: tuple[Sought, ...], when: tuple[Lasting, bool] = (Lasting.ALWAYS, True)
 ) -> Iterator[Result]:
     """A result and the cam angle at which it occurs."""
     yield _result(name, words, unit, when, of)
@@ -309,23 +294,25 @@ def _with_angle(
 
 def _shape() -> Iterator[Result]:
     """Pressure angles and radii of curvature under a roller or knife edge."""
-    for stroke in ("rise", "return"):
-        words, of = f"maximum pressure angle of the {stroke}", (f"{stroke}, leading", f"{stroke}, lagging")
+    for stroke, direction in (("rise", 1), ("return", -1)):
+        words, of = f"maximum pressure angle of the {stroke}", _both_ways("angle", direction)
         yield from _with_angle(f"{stroke}_pressure_angle", words, "rad", of)
-    yield from _with_angle("convex_radius", "minimum radius of curvature of the convex profile", "m", ("convex",))
+    (convex, hollow), words = _both_ways("curvature"), "minimum radius of curvature of the convex profile"
+    yield from _with_angle("convex_radius", words, "m", (convex,))
     words = "minimum radius of curvature of the hollow profile; none if it is convex"
-    yield from _with_angle("hollow_radius", words, "m", ("hollow",))
+    yield from _with_angle("hollow_radius", words, "m", (hollow,))
     yield _result("undercut_radius", "radius of the roller at which undercutting begins", "m")
 
 
 def _flat_shape(cam: CamElement) -> Iterator[Result]:
     """Curvature under a flat face, and the part of the face in contact."""
     origin, made = "off the axis" if cam.translating else "from the pivot", (Lasting.UNLESS_UNDERCUT, True)
+    least, (end, start) = Sought("radius", -1), _both_ways("face")
     found = (
-        _result("convex_radius", "minimum radius of curvature of the profile", "m", of=("minimum radius",)),
+        _result("convex_radius", "minimum radius of curvature of the profile", "m", of=(least,)),
         _result("convex_radius_at", "cam angle of the minimum radius of curvature", "rad"),
-        _result("face_from", f"minimum distance of the contact {origin}", "m", made),
-        _result("face_to", f"maximum distance of the contact {origin}", "m", made, ("face to",)),
+        _result("face_from", f"minimum distance of the contact {origin}", "m", made, (start,)),
+        _result("face_to", f"maximum distance of the contact {origin}", "m", made, (end,)),
         _result("face_length", "length of the face that is touched", "m", made),
     )
     for made in found:
@@ -334,12 +321,12 @@ def _flat_shape(cam: CamElement) -> Iterator[Result]:
 
 def _motion(cam: CamElement) -> Iterator[Result]:
     """The follower's motion."""
-    unit, jerks = "m" if cam.translating else "rad", ("jerked", "jerked back")
+    unit, (faster, slower) = "m" if cam.translating else "rad", _both_ways("acceleration")
     for name, words, power, of in (
-        ("greatest_velocity", "peak velocity of the follower", 1, ("outwards", "inwards")),
-        ("greatest_acceleration", "peak acceleration of the follower, away from the cam", 2, ("accelerated",)),
-        ("greatest_deceleration", "peak acceleration of the follower, towards the cam", 2, ("decelerated",)),
-        ("greatest_jerk", "peak jerk of the follower; none where the acceleration jumps", 3, jerks),
+        ("greatest_velocity", "peak velocity of the follower", 1, _both_ways("velocity")),
+        ("greatest_acceleration", "peak acceleration of the follower, away from the cam", 2, (faster,)),
+        ("greatest_deceleration", "peak acceleration of the follower, towards the cam", 2, (slower,)),
+        ("greatest_jerk", "peak jerk of the follower; none where the acceleration jumps", 3, _both_ways("jerk")),
         ("velocity_jump", "maximum jump of the follower's velocity", 1, ()),
         ("acceleration_jump", "maximum jump of the follower's acceleration", 2, ()),
     ):
@@ -350,19 +337,26 @@ def _motion(cam: CamElement) -> Iterator[Result]:
 def _forces(cam: CamElement) -> Iterator[Result]:
     """Contact force, spring, drive torque."""
     touching, spring = (Lasting.WHILE_TOUCHING, False), cam.closure == "spring"
-    of = ("pressed",) if spring else ("pressed", "slack")
+    (pressed, slack), (driven, driving) = _both_ways("force"), _both_ways("moment")
+    of = (pressed,) if spring else (pressed, slack)
     yield from _with_angle("greatest_contact_force", "peak force between cam and follower", "N", of, touching)
     if spring:
         words = "minimum force between cam and follower"
-        yield from _with_angle("least_contact_force", words, "N", ("slack",), touching)
+        yield from _with_angle("least_contact_force", words, "N", (slack,), touching)
     for name, words, of in (
-        ("greatest_moment", "peak torque that turns the cam", ("driven",)),
-        ("least_moment", "minimum torque that turns the cam; negative where it is driven", ()),
+        ("greatest_moment", "peak torque that turns the cam", (driven,)),
+        ("least_moment", "minimum torque that turns the cam; negative where it is driven", (driving,)),
         ("mean_moment", "mean torque that turns the cam", ()),
     ):
         yield _result(name, words, "N m", touching, of)
     if spring:
         unit, shaped = "N" if cam.translating else "N m", (Lasting.UNLESS_UNDERCUT, False)
-        yield _result("needed_preload", "preload at which the follower just doesn't lift off", unit, shaped)
+        yield _result(
+            "needed_preload",
+            "preload at which the follower just doesn't lift off",
+            unit,
+            shaped,
+            (Sought("shortfall", 1),),
+        )
         words = "speed of the cam at which the follower lifts off; none if it never does"
-        yield _result("lift_off_speed", words, "rad s-1", shaped)
+        yield _result("lift_off_speed", words, "rad s-1", shaped, (Sought("growth", 1),))

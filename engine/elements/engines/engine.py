@@ -54,8 +54,6 @@ OF_SHAKING = ("spacing", "rod_distance", "throw_mass", "balanced_rotating", "bal
 _SHARES = ("balanced_rotating", "balanced_reciprocating")
 SHOWN_ORDERS = (1, 2, 3, 4, 5, 6)
 BEFORE, AFTER = "without counterweights", "with counterweights"
-# Rounding of a harmonic by the whole motion, in eps times the square of its order.
-_WHOLE = 32
 _SHOWN = 721
 _ORDER = PanelAxis("order of the crank's speed", "1", "k")
 _DIRECTIONS = {"along": "along the engine's axis", "across": "across the engine's axis, to its left"}
@@ -230,24 +228,21 @@ def _forces(engine: EngineElement, n: Numbers, made: Engine) -> NamedResults:
     weights, orders = crankshaft_counterweights(made, *(n[key] for key in _SHARES)), shaking_orders(engine)
     left = remaining_shaking(engine_shaking(made, orders), [weights])
     square, listed = np.square(n["speed"]), ", ".join(map(str, orders))
-    force_size = _carried(engine, n, made, left.force_terms, orders)
-    kinds = [("force", "N", left.forces, left.force_terms, force_size)]
-    if engine.spacing is not None:
-        kinds.append(("couple", "N m", left.couples, left.couple_terms, _couples_carry(engine, n, made, left, orders)))
-    for kind, units, vector, terms, carried in kinds:
-        least = ROUNDED_ORDERS * EPS * terms
+    forces, couples = _settled(engine, n, made, left)
+    kinds = [("force", "N", *forces), *([] if engine.spacing is None else [("couple", "N m", *couples)])]
+    for kind, units, vector, carried in kinds:
         for i, word in enumerate(_WORDS[order] for order in orders):
             said, rank = word.replace("_", " "), Rank.ANSWER if word in (_WORDS[1], _WORDS[2]) else Rank.FURTHER
             most = ElementResult(f"{word}_{kind}", f"maximum {said} {kind}", units, rank=rank)
             least_of_all = further(f"{word}_{kind}_least", f"minimum {said} {kind}", units)
             for result, axis in ((most, vector.major), (least_of_all, vector.minor)):
-                value = np.where(axis[..., i] <= least[..., i], 0.0, axis[..., i]) * square
+                value = np.where(axis[..., i] <= EPS * carried[..., i], 0.0, axis[..., i]) * square
                 yield result, _rounded(value, carried[..., i] * square)
         whole = np.sqrt(np.square(carried).sum(axis=-1)) * square
         rms = ElementResult(f"rms_{kind}", f"root mean square of the {kind}, orders {listed}", units)
-        yield rms, _rounded(_settled(vector, least).rms * square, whole)
+        yield rms, _rounded(vector.rms * square, whole)
     if engine.crank_angle is not None:
-        yield from _at_angle(left.forces, left.force_terms, force_size, n)
+        yield from _at_angle(left.forces, left.force_terms, forces[1], n)
     unbalance, words = (
         np.abs(weights.unbalances).sum(axis=-1),
         "sum of the magnitudes of all counterweights' unbalances",
@@ -311,17 +306,25 @@ def _at_angle(forces: Hodograph, terms: np.ndarray, carried: np.ndarray, n: Numb
             yield result, _rounded(part * square, size * square)
 
 
-def _settled(found: Hodograph, least: np.ndarray) -> Hodograph:
-    """The vector with parts within rounding set to 0."""
-    parts = (np.where(np.abs(part) <= least, 0.0, part) for part in (found.forward, found.backward))
-    return Hodograph(found.orders, *parts)
-
-
 class Shaken(NamedTuple):
     """Forces [N] and couples [N·m] of an engine by orders, without and with counterweights."""
 
     forces: tuple[Hodograph, Hodograph]
     couples: tuple[Hodograph, Hodograph]
+
+
+def _settled(
+    engine: EngineElement, n: Numbers, made: Engine, found: EngineShaking
+) -> Iterator[tuple[Hodograph, np.ndarray]]:
+    """Forces and couples, with their rounding in multiples of eps; parts within it are 0."""
+    orders = found.forces.orders
+    sizes = (
+        _carried(engine, n, made, found.force_terms, orders),
+        _couples_carry(engine, n, made, found, orders),
+    )
+    for vector, carried in zip((found.forces, found.couples), sizes, strict=True):
+        parts = (np.where(np.abs(part) <= EPS * carried, 0.0, part) for part in (vector.forward, vector.backward))
+        yield Hodograph(orders, *parts), carried
 
 
 def shaken(engine: EngineElement) -> Shaken:
@@ -330,18 +333,12 @@ def shaken(engine: EngineElement) -> Shaken:
     made = made_engine(engine, n)
     found = engine_shaking(made, SHOWN_ORDERS)
     weights = crankshaft_counterweights(made, n["balanced_rotating"], n["balanced_reciprocating"])
-    both = found, remaining_shaking(found, [weights])
-    return Shaken(
-        tuple(_scaled(one.forces, one.force_terms, engine.speed**2) for one in both),
-        tuple(_scaled(one.couples, one.couple_terms, engine.speed**2) for one in both),
-    )
+    both = zip(*(_settled(engine, n, made, one) for one in (found, remaining_shaking(found, [weights]))), strict=True)
 
+    def at_speed(vector: Hodograph) -> Hodograph:
+        return Hodograph(vector.orders, *(part[0] * engine.speed**2 for part in (vector.forward, vector.backward)))
 
-def _scaled(vector: Hodograph, terms: np.ndarray, factor: float) -> Hodograph:
-    # In addition to the rounding of sums, the Fourier transform gives every harmonic the rounding of the whole motion.
-    least = EPS * (ROUNDED_ORDERS * terms + _WHOLE * np.square(vector.orders) * terms[..., :1])
-    parts = (np.where(np.abs(p) <= least, 0.0, p)[0] * factor for p in (vector.forward, vector.backward))
-    return Hodograph(vector.orders, *parts)
+    return Shaken(*(tuple(at_speed(vector) for vector, _ in kind) for kind in both))
 
 
 def torque_orders(engine: EngineElement, orders: np.ndarray) -> tuple[float, np.ndarray]:

@@ -56,52 +56,31 @@ def engine_shaking(engine: Engine, orders: Sequence[int] = SHAKING_ORDERS) -> En
     orders : sequence of int
         From 1.
     """
-    pistons = piston_motions(engine, orders)
-    pins = None if engine.master is None else master_rod_harmonics(engine, orders)[1:]
-    forces, force_terms = _summed(engine, orders, pistons, pins, np.ones(1))
-    couples, couple_terms = _summed(engine, orders, pistons, pins, engine.layout.positions)
-    return EngineShaking(forces, couples, force_terms, couple_terms)
-
-
-def piston_motions(engine: Engine, orders: Sequence[int]) -> np.ndarray:
-    """Harmonics of each piston's acceleration over the engine's crank angle, c_n in −ẍ/ω² = Re Σ c_n exp(i n phi).
-
-    Parameters
-    ----------
-    engine : Engine
-    orders : sequence of int
-        From 1.
-
-    Returns
-    -------
-    ndarray of complex (..., cylinders, orders)
-        [m].
-    """
+    moving = (_piston_motions(engine, orders),) if engine.master is None else master_rod_harmonics(engine, orders)
+    pistons, *pins = moving
+    masses = engine.reciprocating_mass, engine.rotating_mass
+    reciprocating, rotating = (np.asarray(mass, float)[..., None] for mass in masses)
+    pull = reciprocating * np.exp(1j * engine.layout.banks)[..., None]
+    crankpins = np.asarray(engine.radius, float)[..., None] * np.exp(1j * engine.layout.throws)
+    turning = rotating * crankpins[..., None] * (np.array(orders) == 1)
+    forward, backward = pull * pistons / 2 + turning, pull * np.conj(pistons) / 2
+    terms = np.abs(pull * pistons) + np.abs(turning)
     if engine.master is not None:
-        return master_rod_harmonics(engine, orders)[0]
+        with_crank, against = (np.asarray(engine.master.knuckle_mass, float)[..., None, None] * pin for pin in pins)
+        forward, backward = forward + with_crank, backward + against
+        terms = terms + np.abs(with_crank) + np.abs(against)
+    arms = engine.layout.positions[..., None]
+    return EngineShaking(
+        Hodograph(tuple(orders), forward.sum(axis=-2), backward.sum(axis=-2)),
+        Hodograph(tuple(orders), (arms * forward).sum(axis=-2), (arms * backward).sum(axis=-2)),
+        terms.sum(axis=-2),
+        (np.abs(arms) * terms).sum(axis=-2),
+    )
+
+
+def _piston_motions(engine: Engine, orders: Sequence[int]) -> np.ndarray:
+    """Harmonics of each piston's acceleration, as from `master_rod_harmonics`, with all rods on the crankpins."""
     rod = np.asarray(engine.rod, float)
     one = piston_harmonics(engine.radius / rod, orders, engine.offset / rod)
     ahead = (engine.layout.throws - engine.layout.banks)[..., None] * np.array(orders)
     return np.asarray(engine.radius, float)[..., None, None] * one[..., None, :] * np.exp(1j * ahead)
-
-
-def _summed(
-    engine: Engine,
-    orders: Sequence[int],
-    pistons: np.ndarray,
-    pins: tuple[np.ndarray, np.ndarray] | None,
-    arms: np.ndarray,
-) -> tuple[Hodograph, np.ndarray]:
-    """Sums over the cylinders, weighted with their arms: vectors, and sums of magnitudes."""
-    axes = np.exp(1j * engine.layout.banks)[..., None]
-    pull = (np.asarray(engine.reciprocating_mass, float) * arms)[..., None] * axes
-    crankpins = np.asarray(engine.radius, float)[..., None] * np.exp(1j * engine.layout.throws)
-    turning = (np.asarray(engine.rotating_mass, float) * arms * crankpins)[..., None] * (np.array(orders) == 1)
-    forward, backward = pull * pistons / 2 + turning, pull * np.conj(pistons) / 2
-    terms = np.abs(pull * pistons) + np.abs(turning)
-    if pins is not None:
-        knuckles = (np.asarray(engine.master.knuckle_mass, float)[..., None] * arms)[..., None]
-        forward, backward = forward + knuckles * pins[0], backward + knuckles * pins[1]
-        terms = terms + np.abs(knuckles * pins[0]) + np.abs(knuckles * pins[1])
-    vectors = Hodograph(tuple(orders), forward.sum(axis=-2), backward.sum(axis=-2))
-    return vectors, terms.sum(axis=-2)

@@ -68,10 +68,10 @@ def load_results(v: TrainVariants, states: Equilibria) -> Iterator[tuple[Element
     # Held shafts belong to the frame.
     free = [i for i, name in enumerate(structure.shafts) if name not in structure.held]
     words = "torque that holds the frame and all held shafts"
-    yield further("frame.moment", words, "N m"), 0.0 - _total(state.moments[free])
-    into = _total(maximum(power, 0.0))
+    yield further("frame.moment", words, "N m"), 0.0 - state.moments[free].sum()
+    into = maximum(power, 0.0).sum()
     yield further("input_power", "input power", "W"), into
-    yield ElementResult("loss", "power lost in all meshes", "W"), _total(power)
+    yield ElementResult("loss", "power lost in all meshes", "W"), power.sum()
     words = "output power over input power"
     yield ElementResult("efficiency", words, "1", None, True), _efficiency(power)
     words, back = "efficiency turning backwards under the same moments", states.backwards
@@ -101,14 +101,9 @@ def load_results(v: TrainVariants, states: Equilibria) -> Iterator[tuple[Element
         yield ElementResult(f"{planet}.pin_force", f"force on the bearing of each {planet}", "N"), force
 
 
-def _total(rows: Measured) -> Measured:
-    """Sum over shafts."""
-    return sum(rows[i] for i in range(rows.shape[0]))
-
-
 def _efficiency(power: Measured) -> Measured:
     """Output power over input power; NaN without input power."""
-    out, into = -_total(minimum(power, 0.0)), _total(maximum(power, 0.0))
+    out, into = -minimum(power, 0.0).sum(), maximum(power, 0.0).sum()
     return where(into.value > 0, out / into, np.nan)
 
 

@@ -15,6 +15,7 @@ from engine.elements.element import Element
 from engine.elements.gears.small_systems import solve
 from engine.elements.gears.train_variants import TrainVariants, teeth_of
 from engine.laws.rounding import EPS
+from engine.stepping.records import put, some
 
 # Powers below this multiple of the mesh's largest terms are rounding.
 _NOTHING = 64 * EPS
@@ -72,9 +73,7 @@ def train_moments(v: TrainVariants, efficiencies: np.ndarray, backwards: bool = 
         found = equilibrium.solved(senses)
     doubtful = np.flatnonzero(~(found.agrees & found.gives))
     if doubtful.size and (efficiencies[:, doubtful] < 1.0).any():
-        best = equilibrium.of(doubtful).best()
-        for own, part in zip(found.arrays(), best.arrays(), strict=True):
-            own[..., doubtful] = part
+        put(found, doubtful, some(equilibrium, doubtful).best())
     moves = found.agrees & found.gives
     with np.errstate(invalid="ignore"):
         hidden = np.where(moves, 1.0, np.nan)
@@ -91,10 +90,6 @@ class _Solved(NamedTuple):
     agrees: np.ndarray
     gives: np.ndarray
 
-    def arrays(self) -> list[np.ndarray]:
-        """All numbers (…, variants)."""
-        return [row for part in self for row in ((part.value, part.error) if isinstance(part, Measured) else (part,))]
-
 
 class _Equilibrium(NamedTuple):
     """Data of the equilibrium equations."""
@@ -104,15 +99,6 @@ class _Equilibrium(NamedTuple):
     speeds: Measured
     loads: np.ndarray
     efficiencies: np.ndarray
-
-    def of(self, chosen: np.ndarray) -> "_Equilibrium":
-        """The equations of a subset of the variants."""
-        return self._replace(
-            teeth=self.teeth[..., chosen],
-            speeds=self.speeds[:, chosen],
-            loads=self.loads[:, chosen],
-            efficiencies=self.efficiencies[:, chosen],
-        )
 
     def solved(self, senses: np.ndarray) -> _Solved:
         """Equilibrium if first wheels drive where `senses` is 1, second wheels where −1, without losses where 0."""
@@ -161,8 +147,7 @@ class _Equilibrium(NamedTuple):
                 found = tried
                 continue
             better = _quality(self, tried) > _quality(self, found)
-            for own, new in zip(found.arrays(), tried.arrays(), strict=True):
-                own[..., better] = new[..., better]
+            put(found, better, some(tried, better))
         return found
 
 

@@ -10,7 +10,6 @@ import numpy as np
 
 from engine.cycle.regula_falsi import regula_falsi
 from engine.elements.element import Columns, Element, ElementResult, Numbers, further, named_in_order
-from engine.elements.governors.governed_engine import TableThrottle
 from engine.elements.governors.governor_nodes import DATUM, States, equilibrium_nodes
 from engine.elements.sampled_peak import sampled_peak
 from engine.graph.nodes import Graph, Stage
@@ -18,7 +17,6 @@ from engine.graph.over_arrays import NodesOverArrays, over_arrays
 from engine.laws.governors.equilibrium import non_uniformity, under_friction
 from engine.laws.governors.stability import stability_with_engine
 from engine.laws.rounding import EPS
-from engine.laws.tables import on_piece
 from engine.words.verdicts import Verdict
 
 # Number of samples of a characteristic, and per piece of a table; distance of the outer samples from the ends of a
@@ -76,7 +74,7 @@ class Marks(NamedTuple):
 class GovernorVariants(NamedTuple):
     """A governor with the numbers of some variants, by key and as rows, and its states as a function of the rows.
 
-    The first two rows are the position and that of the inner stop.
+    The first rows are the position and those of the two stops.
     """
 
     governor: Element
@@ -84,42 +82,33 @@ class GovernorVariants(NamedTuple):
     states: NodesOverArrays
     rows: np.ndarray
 
-    def at(self, places: np.ndarray, inner: np.ndarray) -> States:
-        """States at positions (..., variants), with lifts from the inner positions (variants,)."""
+    def between(self, inner: np.ndarray, outer: np.ndarray) -> "GovernorVariants":
+        """The governor with stops at these positions."""
+        rows = self.rows.copy()
+        rows[1], rows[2] = inner, outer
+        return self._replace(rows=rows)
+
+    def at(self, places: np.ndarray) -> States:
+        """States at positions (..., variants)."""
         lines = places.reshape(-1, self.rows.shape[1])
         found = np.empty((len(lines), len(States._fields), lines.shape[1]))
-        self.rows[1] = inner
         for line, states in zip(lines, found, strict=True):
             self.rows[0] = line
             self.states(self.rows, states)
         return States(*np.moveaxis(found, 1, 0).reshape(-1, *places.shape))
 
     def with_numbers(self, n: Numbers) -> "GovernorVariants":
-        """The governor with other numbers, or of other variants."""
+        """The governor with other numbers, or of other variants, and without stops."""
         return self._replace(n=n, rows=self.states.table(n, n["ball_mass"].size))
 
     def some(self, who: np.ndarray) -> "GovernorVariants":
         """A subset of the variants, by index."""
         return self._replace(n={key: row[who] for key, row in self.n.items()}, rows=self.rows.take(who, axis=1))
 
-    def moved(self, x: np.ndarray, inner: np.ndarray, name: str, wanted: np.ndarray) -> np.ndarray:
+    def moved(self, x: np.ndarray, name: str, wanted: np.ndarray) -> np.ndarray:
         """Positions at which "radius" or "lift" has the wanted value, to first order from nearby ones."""
-        there = self.at(x, inner)
+        there = self.at(x)
         return x - (getattr(there, name) - wanted) / getattr(there, f"{name}_rate")
-
-    def throttle(self, lift: np.ndarray, whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Engine torque at the governor's mean speed, and its decrease per metre of lift."""
-        throttle = self.governor.engine.throttle
-        if isinstance(throttle, TableThrottle):
-            table = throttle.table
-            piece = np.clip(np.searchsorted(table.breaks, lift, "right") - 1, 0, len(table.coefficients) - 1)
-            moment, rise = on_piece(lift, table.breaks[piece], *np.moveaxis(table.coefficients[piece], -1, 0))
-            return moment, -rise
-        full, closed = self.n["engine.throttle.full"], self.n["engine.throttle.closed"]
-        if self.governor.has_valve:
-            return np.where(lift <= self.n["engine.throttle.switch"], full, closed), 0.0 * lift
-        fall = (full - closed) / whole
-        return full - fall * lift, fall
 
 
 def governor_variants(governor: Element, n: Numbers) -> GovernorVariants:
@@ -131,14 +120,15 @@ def governor_variants(governor: Element, n: Numbers) -> GovernorVariants:
     n : mapping of str to ndarray (variants,)
     """
     graph = Graph()
-    given = [graph.given(label, Stage.VARIANT) for label in ("position", "inner stop")]
-    states = NodesOverArrays("Governors in equilibrium.", given, equilibrium_nodes(governor, graph, *given))
+    x, *stops = given = [graph.given(label, Stage.VARIANT) for label in ("position", "inner stop", "outer stop")]
+    found = equilibrium_nodes(governor, graph, x, stops)
+    states = NodesOverArrays("Governors in equilibrium.", given, found)
     datum = np.ones_like(n["ball_mass"])
     return GovernorVariants(governor, n, states, np.zeros(0)).with_numbers(n | {DATUM: datum})
 
 
 @np.errstate(all="ignore")
-def governor_marks(g: GovernorVariants) -> tuple[Marks, np.ndarray]:
+def governor_marks(g: GovernorVariants) -> tuple[GovernorVariants, Marks, np.ndarray]:
     """Search the characteristic of governors, and find the lifts at which their engines carry their loads.
 
     Parameters
@@ -147,13 +137,15 @@ def governor_marks(g: GovernorVariants) -> tuple[Marks, np.ndarray]:
 
     Returns
     -------
+    g : GovernorVariants
+        With its stops.
     marks : Marks
     verdicts : ndarray (variants,) of uint8
     """
     least, greatest = g.n["least_radius"], g.n["greatest_radius"]
     low, high = (g.governor.position_of(g, radius) for radius in (least, greatest))
-    places = _sample_places(g, low, high)
-    found = g.at(places, low)
+    g, places = g.between(low, high), _sample_places(g, low, high)
+    found = g.at(places)
     finite = np.isfinite(found.radius_rate) & np.isfinite(found.lift_rate)
     bad = ~(finite & (found.radius_rate > 0.0) & (found.lift_rate > 0.0))
     fails = np.where(_at(finite, bad.argmax(axis=0)), Verdict.SINGULAR, Verdict.CANNOT_ASSEMBLE)
@@ -162,28 +154,28 @@ def governor_marks(g: GovernorVariants) -> tuple[Marks, np.ndarray]:
     begins = np.take_along_axis(places, np.minimum(start, len(places) - 1), axis=0)
     last = np.where(stable, places - begins, -1.0).argmax(axis=0)
     first = _at(start, last)
-    begin, off_begin = _edge(g, low, places, first, -1)
-    end, off_end = _edge(g, low, places, last, 1)
+    begin, off_begin = _edge(g, places, first, -1)
+    end, off_end = _edge(g, places, last, 1)
     step = _APART * (high - low)
 
     def peak_of(name: str, where: np.ndarray) -> np.ndarray:
         """Position of the minimum of a state, refined from the smallest sample."""
 
         def turned(x: np.ndarray) -> np.ndarray:
-            return -getattr(g.at(x, low), name)
+            return -getattr(g.at(x), name)
 
         return sampled_peak(turned, lambda x: turned(x + step) - turned(x - step), where)[1]
 
     k = found.margin.argmin(axis=0)
     beside = np.clip(k + np.array([[-1], [1]]), 0, len(places) - 1)
     shakiest = peak_of("margin", places)
-    there = g.at(shakiest, low)
+    there = g.at(shakiest)
     rise = np.take_along_axis(found.margin, beside, axis=0).min(axis=0) - there.margin
     span = np.ptp(np.take_along_axis(places, beside, axis=0), axis=0)
     off = span * np.sqrt(np.minimum(there.rounding / np.maximum(rise, _TINY), 1.0))
     weakest = peak_of("sleeve", np.clip(places, begin, end))
     flat = (last > first) & ((found.margin - found.rounding).max(axis=0) <= 0.0)
-    ends = g.at(np.stack([begin, end]), low)
+    ends = g.at(np.stack([begin, end]))
     half = 0.5 * (ends.lift[0] + ends.lift[1])
     nowhere = np.full(low.size, np.nan)
     marks = Marks(
@@ -193,7 +185,7 @@ def governor_marks(g: GovernorVariants) -> tuple[Marks, np.ndarray]:
         end=end,
         shakiest=shakiest,
         weakest=weakest,
-        middle=regula_falsi(lambda x: g.at(x, low).lift - half, begin, end),
+        middle=regula_falsi(lambda x: g.at(x).lift - half, begin, end),
         before=nowhere,
         after=nowhere,
         off_begin=off_begin,
@@ -205,7 +197,7 @@ def governor_marks(g: GovernorVariants) -> tuple[Marks, np.ndarray]:
     verdicts = np.select(
         [~(least < greatest), ~(low < high), bad.any(axis=0), ~stable.any(axis=0)],
         [Verdict.OUTSIDE_LIMITS, Verdict.CANNOT_ASSEMBLE, fails, Verdict.UNSTABLE],
-        np.where(g.n["friction"] < g.at(weakest, low).sleeve, Verdict.OK, Verdict.JAMS),
+        np.where(g.n["friction"] < g.at(weakest).sleeve, Verdict.OK, Verdict.JAMS),
     )
     if g.governor.engine is not None:
         loads = g.n["engine.load"], g.n.get("engine.new_load", g.n["engine.load"])
@@ -213,7 +205,7 @@ def governor_marks(g: GovernorVariants) -> tuple[Marks, np.ndarray]:
         marks = marks._replace(before=before, after=after)
         for verdict in (first, second):
             verdicts = np.where(verdicts == Verdict.OK, verdict, verdicts)
-    return marks, verdicts.astype(np.uint8)
+    return g, marks, verdicts.astype(np.uint8)
 
 
 def _at(rows: np.ndarray, k: np.ndarray) -> np.ndarray:
@@ -238,9 +230,7 @@ def _sample_places(g: GovernorVariants, low: np.ndarray, high: np.ndarray) -> np
     return places
 
 
-def _edge(
-    g: GovernorVariants, low: np.ndarray, places: np.ndarray, k: np.ndarray, side: int
-) -> tuple[np.ndarray, np.ndarray]:
+def _edge(g: GovernorVariants, places: np.ndarray, k: np.ndarray, side: int) -> tuple[np.ndarray, np.ndarray]:
     """End of a stable range beyond its sample k, in one direction, and its rounding error."""
     other = np.clip(k + side, 0, len(places) - 1)
     inside = stable = _at(places, k)
@@ -249,49 +239,45 @@ def _edge(
         return inside, np.zeros(inside.size)
     for _ in range(_HALVINGS):
         middle = 0.5 * (stable + unstable)
-        holds = g.at(middle, low).stable
+        holds = g.at(middle).stable
         stable, unstable = np.where(holds, middle, stable), np.where(holds, unstable, middle)
-    there, beside = g.at(stable, low), g.at(inside, low)
+    there, beside = g.at(stable), g.at(inside)
     share = np.minimum(4.0 * beside.rounding / np.maximum(np.abs(beside.margin - there.margin), _TINY), 1.0)
     is_stop = other == k
     return np.where(is_stop, inside, stable), np.where(is_stop, 0.0, np.abs(inside - stable) * share)
 
 
-def _surplus(g: GovernorVariants, found: States, whole: np.ndarray, mean: np.ndarray, load: np.ndarray) -> np.ndarray:
+def _surplus(g: GovernorVariants, found: States, mean: np.ndarray, load: np.ndarray) -> np.ndarray:
     """Engine torque minus load at equilibrium; for a valve, lift missing to its switch."""
     if g.governor.has_valve:
         return g.n["engine.throttle.switch"] - found.lift
     regulation = g.n["engine.self_regulation"] / g.n["engine.ratio"]
-    return g.throttle(found.lift, whole)[0] - regulation * (found.speed - mean) - load
+    return found.driving - regulation * (found.speed - mean) - load
 
 
 def _working_position(g: GovernorVariants, marks: Marks, load: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Positions in the stable range at which engines carry a load, and verdicts on that."""
-    low, mean = marks.inner, marks.mean_speed
-    whole = g.at(marks.outer, low).lift
-    ends = g.at(np.stack([marks.begin, marks.end]), low)
+    ends, mean = g.at(np.stack([marks.begin, marks.end])), marks.mean_speed
     regulation = g.n["engine.self_regulation"] / g.n["engine.ratio"]
-    most, least = g.throttle(ends.lift, whole)[0] - regulation * (ends.speed - mean)
+    most, least = ends.driving - regulation * (ends.speed - mean)
     verdicts = np.select([~(load <= most), ~(load >= least)], [Verdict.STALLS, Verdict.RUNS_AWAY], Verdict.OK)
     if g.governor.has_valve:
         switch = g.n["engine.throttle.switch"]
         verdicts = np.where((ends.lift[0] < switch) & (switch < ends.lift[1]), verdicts, Verdict.OUTSIDE_LIMITS)
-    x = regula_falsi(lambda x: _surplus(g, g.at(x, low), whole, mean, load), marks.begin, marks.end)
+    x = regula_falsi(lambda x: _surplus(g, g.at(x), mean, load), marks.begin, marks.end)
     return np.where(verdicts == Verdict.OK, x, np.nan), verdicts
 
 
-def _at_load(
-    g: GovernorVariants, x: np.ndarray, inner: np.ndarray, known: tuple[np.ndarray, ...], load: np.ndarray
-) -> States:
+def _at_load(g: GovernorVariants, x: np.ndarray, mean: np.ndarray, load: np.ndarray) -> States:
     """States at which engines carry a load, to first order from nearby positions."""
-    there, (whole, mean) = g.at(x, inner), known
-    left = _surplus(g, there, whole, mean, load)
+    there = g.at(x)
+    left = _surplus(g, there, mean, load)
     if g.governor.has_valve:
-        return g.at(x + left / there.lift_rate, inner)
+        return g.at(x + left / there.lift_rate)
     # At equilibrium a lift dz goes with a speed dω = ω c dz/(2 E).
     regulation = g.n["engine.self_regulation"] / g.n["engine.ratio"]
-    slope = g.throttle(there.lift, whole)[1] + regulation * there.speed * there.stiffness / (2.0 * there.sleeve)
-    return g.at(np.where(slope > 0.0, x + left / (slope * there.lift_rate), x), inner)
+    slope = there.gain + regulation * there.speed * there.stiffness / (2.0 * there.sleeve)
+    return g.at(np.where(slope > 0.0, x + left / (slope * there.lift_rate), x))
 
 
 @np.errstate(all="ignore")
@@ -308,15 +294,16 @@ def near_equilibrium(g: GovernorVariants, marks: Marks) -> Columns:
     copies = g.rows.shape[1] // marks.inner.size
     inner, outer, begin, end, shakiest, weakest, middle, before, after, *_ = (np.tile(x, copies) for x in marks)
     stops = (inner, n["least_radius"]), (outer, n["greatest_radius"])
-    low, high = (g.moved(x, inner, "radius", radius) for x, radius in stops)
+    low, high = (g.moved(x, "radius", radius) for x, radius in stops)
+    g = g.between(low, high)
 
     def own(x: np.ndarray) -> np.ndarray:
         """A mark; one that lies at a stop moves with it."""
         return np.where(x == inner, low, np.where(x == outer, high, x))
 
-    found = g.at(np.stack([low, high, own(begin), own(end), own(shakiest), own(weakest)]), low)
+    found = g.at(np.stack([low, high, own(begin), own(end), own(shakiest), own(weakest)]))
     at_low, at_high, first, last, shaky, weak = found.each()
-    half = g.at(g.moved(middle, low, "lift", 0.5 * (first.lift + last.lift)), low)
+    half = g.at(g.moved(middle, "lift", 0.5 * (first.lift + last.lift)))
     mean, effort = 0.5 * (first.speed + last.speed), n["speed_change"] * half.sleeve
     ends = first.speed, first.sleeve, last.speed, last.sleeve
     falls, rises, insensitivity = over_arrays(under_friction, n["friction"], *ends, weak.sleeve)
@@ -344,16 +331,14 @@ def near_equilibrium(g: GovernorVariants, marks: Marks) -> Columns:
     }
     if g.governor.engine is None:
         return results
-    known, load = (at_high.lift, mean), n["engine.load"]
-    old = _at_load(g, before, low, known, load)
-    new = _at_load(g, after, low, known, n.get("engine.new_load", load))
+    load = n["engine.load"]
+    old, new = _at_load(g, before, mean, load), _at_load(g, after, mean, n.get("engine.new_load", load))
     ratio, nothing = n["engine.ratio"], np.full(low.size, np.nan)
     rows = (nothing, nothing, 0.0 * low, nothing, nothing, nothing, nothing, nothing, 1.0 + 0.0 * low)
     if not g.governor.has_valve:
         balls, pull = ratio * ratio * new.balls, 2.0 * new.sleeve * ratio / new.speed
-        gain = g.throttle(new.lift, at_high.lift)[1]
         numbers = n["engine.inertia"], new.mass, n["damping"], new.stiffness, n["engine.self_regulation"]
-        rows = over_arrays(stability_with_engine, *numbers, gain, pull, balls)
+        rows = over_arrays(stability_with_engine, *numbers, new.gain, pull, balls)
     steady = new.lift, new.speed / ratio, (new.speed - old.speed) / ratio
     return results | named_in_order(OF_ENGINE, (*steady, *rows))
 
@@ -369,7 +354,7 @@ def search_errors(g: GovernorVariants, marks: Marks, found: Columns) -> Columns:
     """
     more = {
         "non_uniformity": 2.0 * EPS,
-        "least_stability": g.at(marks.shakiest, marks.inner).rounding,
+        "least_stability": g.at(marks.shakiest).rounding,
         "least_stability_radius": marks.off_shakiest,
         "stable_from": marks.off_begin,
         "stable_to": marks.off_end,

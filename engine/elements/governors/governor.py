@@ -136,7 +136,7 @@ class Governor(Element):
     def evaluate(self, n: Numbers) -> Answers:
         """Statics with errors by perturbation, motion with errors by comparison, and verdicts."""
         g = governor_variants(self, {key: row for key, row in n.items() if not key.startswith(CYCLE)})
-        marks, verdicts = governor_marks(g)
+        g, marks, verdicts = governor_marks(g)
         found, errors = nudged(lambda m: near_equilibrium(g.with_numbers(m), marks), g.n)
         errors = {name: OF_ARMS * row for name, row in errors.items()}
         for name, more in search_errors(g, marks, found).items():
@@ -220,17 +220,16 @@ def _panels(governor: Governor, cycle: np.ndarray | None = None) -> tuple[Panel,
     cycle : ndarray, optional
         Curves of the mechanism that is its engine, from `governed_scene`.
     """
-    g = governor_variants(governor, governor.own_numbers())
-    marks, verdicts = governor_marks(g)
+    g, marks, verdicts = governor_marks(governor_variants(governor, governor.own_numbers()))
     inner, outer = marks.inner[0], marks.outer[0]
     room = BEYOND * (outer - inner)
     places = np.linspace(inner - room, outer + room, _POSITIONS)
-    found = g.some(np.zeros(_POSITIONS, int)).at(places, marks.inner)
+    found = g.some(np.zeros(_POSITIONS, int)).at(places)
     between = (places >= inner) & (places <= outer)
     # Without stops, or without equilibrium between them, there is nothing to plot.
     if not np.isfinite(found.speed[between]).any():
         return ()
-    stops, verdict = g.at(np.stack([marks.inner, marks.outer]), marks.inner).radius[:, 0], Verdict(verdicts[0])
+    stops, verdict = g.at(np.stack([marks.inner, marks.outer])).radius[:, 0], Verdict(verdicts[0])
     title = "Controlling force" if verdict == Verdict.OK else verdict.sentence
     panels = [_characteristic(found, between, stops, title), _speeds(found, between, governor.friction)]
     if governor.engine is None or verdict != Verdict.OK:

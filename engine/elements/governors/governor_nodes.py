@@ -3,12 +3,15 @@
 The numbers of a governor and its engine are named by their keys, such as "ball_mass" or "engine.load".
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from engine.elements.element import Element
+from engine.elements.governors.governed_engine import TableThrottle
 from engine.graph.nodes import Graph, Node, Number
 from engine.laws.governors import equilibrium
 from engine.laws.rounding import EPS
+from engine.laws.senses import past
 from engine.laws.tables import Table, in_memory, on_piece, table_segment
 
 # Key of a factor 1 of the sleeve's height at the inner stop: its rounding is that of lifts.
@@ -67,8 +70,10 @@ class States(NamedTuple):
         r, z from the inner stop, controlling force, spindle speed, force at the sleeve, stability μ.
     lift_rate, mass, stiffness, balls
         z'; inertia and stiffness at the sleeve; 2 m r² of the balls.
-    radius_rate, height, rounding
-        r'; z from the linkage's own origin; error estimate of μ.
+    radius_rate, rounding
+        r'; error estimate of μ.
+    driving, gain
+        Engine torque at the governor's mean speed, and its decrease per metre of lift; 0 without an engine.
     """
 
     radius: Node
@@ -82,8 +87,9 @@ class States(NamedTuple):
     stiffness: Node
     balls: Node
     radius_rate: Node
-    height: Node
     rounding: Node
+    driving: Node
+    gain: Node
 
     def each(self) -> list["States"]:
         """States along the first axis, one after another."""
@@ -100,15 +106,56 @@ class States(NamedTuple):
         return self.works & (self.margin >= -self.rounding)
 
 
-def equilibrium_nodes(governor: Element, graph: Graph, x: Node, inner: Node) -> States:
-    """A governor in equilibrium at a position, with its lift from the position of the inner stop."""
-    link = governor.linkage(graph, x)
-    lift = link.height - graph.number(DATUM) * governor.linkage(graph, inner).height
+def throttled(governor: Element, graph: Graph, lift: Node, whole: Node, opens: Node | None) -> tuple[Node, Node]:
+    """Engine torque at the governor's mean speed, and its decrease per metre of lift.
+
+    Parameters
+    ----------
+    governor : Governor
+    graph : Graph
+    lift, whole : Node
+        Of the sleeve, and at its outer stop [m].
+    opens : Node or None
+        As in `equilibrium_nodes`.
+    """
+    if governor.engine is None:
+        return graph.zero, graph.zero
+    if isinstance(governor.engine.throttle, TableThrottle):
+        moment, rise = by_table(graph, governor.engine.throttle.table, lift)
+        return moment, -rise
+    full, closed = numbers(graph, "engine.throttle.full", "engine.throttle.closed")
+    if governor.has_valve:
+        if opens is None:
+            opens = graph.apply(past, graph.number("engine.throttle.switch") - lift, graph.one, -graph.one)
+        return 0.5 * (full + closed) + 0.5 * (full - closed) * opens, graph.zero
+    gain = (full - closed) / whole
+    return full - gain * lift, gain
+
+
+def equilibrium_nodes(
+    governor: Element, graph: Graph, x: Node, stops: Sequence[Node], opens: Node | None = None
+) -> States:
+    """A governor in equilibrium at a position, its lift measured from the inner stop.
+
+    Parameters
+    ----------
+    governor : Governor
+    graph : Graph
+    x : Node
+    stops : sequence of Node
+        Positions of the inner and the outer stop.
+    opens : Node, optional
+        +1 or −1: whether an on-off valve is open; by default as the lift says.
+    """
+    link, datum = governor.linkage(graph, x), graph.number(DATUM)
+    inner, outer = (governor.linkage(graph, stop).height for stop in stops)
+    lift = link.height - datum * inner
     slope, curvature, size = governor.held(graph, x, link, lift)
     (mass, sleeve_mass), radius = numbers(graph, "ball_mass", "sleeve_mass"), link.radius
     force = graph.apply(equilibrium.controlling_force, slope, link.radius_rate)
     sleeve = graph.apply(equilibrium.sleeve_equivalent, slope, link.lift_rate)
     margin = graph.apply(equilibrium.stability_margin, *link[:3], slope, curvature)
+    driving, gain = throttled(governor, graph, lift, outer - datum * inner, opens)
     inertia = graph.apply(equilibrium.moving_inertia, mass, sleeve_mass, link.radius_rate, link.rise, link.lift_rate)
     return States(
         radius=radius,
@@ -122,6 +169,7 @@ def equilibrium_nodes(governor: Element, graph: Graph, x: Node, inner: Node) -> 
         stiffness=graph.apply(equilibrium.sleeve_stiffness, sleeve, margin, radius, link.radius_rate, link.lift_rate),
         balls=2.0 * mass * radius * radius,
         radius_rate=link.radius_rate,
-        height=link.height,
         rounding=32.0 * EPS * (1.0 + abs(margin + 1.0)) * (1.0 + size / abs(slope)),
+        driving=driving,
+        gain=gain,
     )

@@ -38,10 +38,10 @@ class ProellGovernor(ArmGovernor):
         high = np.minimum(upper_pivot + upper, lower_pivot + lower)
         # Without both ends: there an arm is at right angles to the axis.
         places = low + (np.arange(_SAMPLES)[:, None] + 0.5) * ((high - low) / _SAMPLES)
-        found = g.at(places, low)
+        found = g.at(places)
         below = found.radius - radius < 0.0
         crossed = below[:-1] & (found.lift_rate[:-1] > 0.0) & (found.radius[1:] - radius >= 0.0)
         k = crossed.argmax(axis=0)
         a, b = (np.take_along_axis(places, k[None] + i, axis=0)[0] for i in (0, 1))
-        x = regula_falsi(lambda x: g.at(x, low).radius - radius, a, b)
-        return np.where(crossed.any(axis=0), g.moved(x, low, "radius", radius), np.nan)
+        x = regula_falsi(lambda x: g.at(x).radius - radius, a, b)
+        return np.where(crossed.any(axis=0), g.moved(x, "radius", radius), np.nan)

@@ -12,6 +12,8 @@ import math
 import numpy as np
 
 from engine.compiling.decorators import scalar
+from engine.compiling.instructions import chosen
+from engine.laws.governors.equilibrium import speed_with_friction
 
 
 @scalar
@@ -64,6 +66,45 @@ def engine_acceleration(moment: float, inertia: float, whirl_rate: float, veloci
     float
     """
     return (moment - whirl_rate * velocity * speed) / inertia
+
+
+@scalar
+def releasing_speeds(place: float, speed: float, held: float) -> tuple[float, float]:
+    """Engine speeds above which a resting sleeve rises and below which it falls: ω √(1 ± F/E).
+
+    Parameters
+    ----------
+    place : float
+        Of the sleeve: 0 at the inner stop, 1 at the outer one; a speed at which a stop is in its way is infinite.
+    speed, held : float
+        ω of the engine in equilibrium without friction [rad/s]; F/E.
+    """
+    rises, falls = speed_with_friction(speed, held, 1.0), speed_with_friction(speed, -min(held, 1.0), 1.0)
+    return chosen(place < 1.0, rises, math.inf), chosen(place > 0.0, falls, -math.inf)
+
+
+@scalar
+def released(speed: float, rises: float, falls: float) -> float:
+    """Sense in which a sleeve at rest sets off: +1 upwards, −1 downwards, 0 if it stays; see `releasing_speeds`."""
+    return chosen(speed > rises, 1.0, chosen(speed < falls, -1.0, 0.0))
+
+
+@scalar
+def holding_margin(sense: float, speed: float, rises: float, falls: float) -> float:
+    """Change of the engine speed that releases a sleeve at rest; infinite for one that moves."""
+    return chosen(sense == 0.0, min(rises - speed, speed - falls), math.inf)
+
+
+@scalar
+def room_ahead(sense: float, room: float) -> float:
+    """Distance to a stop for a sleeve that moves towards it, `sense` > 0; otherwise 1."""
+    return chosen(sense > 0.0, room, 1.0)
+
+
+@scalar
+def goes_on(inner: float, outer: float, velocity: float, margin: float) -> float:
+    """1 while a sleeve has room on both sides, keeps the sign of its velocity, or is held; 0 behind any of these."""
+    return chosen(min(min(inner, outer), min(velocity, margin)) > 0.0, 1.0, 0.0)
 
 
 # Curves over the cycle of an engine that is a mechanism, and through how many neighbours they go.
