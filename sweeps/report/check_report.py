@@ -87,7 +87,7 @@ def _second_input_text(scene: engine.Scene, name: str) -> str:
 
 def assembly_text(machine: engine.Machine) -> str:
     """Whether the unmodified machine assembles over its whole cycle."""
-    ranges = engine.assembly_ranges(machine.scene, known=machine.mechanics)
+    ranges = engine.assembly_ranges(machine.mechanics)
     units, nodes = engine.InputUnits.of(machine.scene).q, machine.input_values
     step = nodes[1] - nodes[0]
     if len(ranges) == 1 and ranges[0].stop - ranges[0].start >= nodes[-1] - nodes[0] - 1e-9 * step:
