@@ -94,9 +94,9 @@ from engine.parts.formulas.expressions import (
     ExpressionError,
     TextExpression,
     TextOperation,
+    apply_operation,
     evaluate_tree,
     joined_by_and,
-    names_in_tree,
 )
 from engine.parts.formulas.expressions import Tree as ExpressionTree
 from engine.parts.formulas.expressions import parse as parse_expression
@@ -122,15 +122,11 @@ from engine.parts.skeleton import Part as ScenePart
 from engine.quantities.quantity import STATISTICS, InputUnits, Quantity, drive_words, has_cycle
 from engine.scene.attachments import guide_of, places_on
 from engine.scene.names import definitions as definitions_of_names
-from engine.scene.pairs import (
-    Pair,
-    holder_of,
-    mesh_driver,
-    own_drives,
-)
+from engine.scene.pairs import Pair, holder_of, mesh_driver
 from engine.scene.pairs import pairs as pairs_of
 from engine.scene.scene import Scene, SceneError, scene_numbers
 from engine.scene.structure.free_groups import FreeGroup
+from engine.scene.structure.mobility import mobility
 from engine.scene.structure.ordering import group_links
 from engine.scene.structure.ordering import order as order_groups
 from engine.scene.structure.ordering import sliders as sliders_of
@@ -280,6 +276,7 @@ __all__ = [
     "Verdict",
     "Yoke",
     "any_quantity",
+    "apply_operation",
     "arms_of",
     "assembly_modes",
     "assembly_ranges",
@@ -345,13 +342,12 @@ __all__ = [
     "made_ready",
     "mesh_axis",
     "mesh_driver",
-    "names_in_tree",
+    "mobility",
     "natural_vibration",
     "near_of_variant",
     "nearest_names",
     "numbers_for_trains",
     "order_groups",
-    "own_drives",
     "pairs_of",
     "parse_expression",
     "permissible_unbalance",

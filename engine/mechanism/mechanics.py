@@ -92,6 +92,21 @@ class Mechanics:
         sprung = {name for name, moment in self.scene.moments.items() if isinstance(moment, TorsionSpring)}
         return [(load.characteristic, load.velocity) for load in self.loads.terms if load.action in sprung]
 
+    def replaced_in(self, scene: Scene, values: Mapping[str, float]) -> dict[str, float] | None:
+        """Numbers (SI) in which a variant of this scene differs from it; None if some of them don't vary here.
+
+        Parameters
+        ----------
+        scene : Scene
+            This scene, or one of its variants; its assembly modes are those of this scene.
+        values : mapping of path to float
+            Further numbers to replace.
+        """
+        own = scene_numbers(self.scene)
+        given = {path: number.value for path, number in scene_numbers(scene).items() if number != own.get(path)}
+        replaced = {path: value for path, value in {**given, **values}.items() if not path.startswith("near.")}
+        return replaced if self.varied.issuperset(replaced) else None
+
     # Whether the cycle closes
 
     def returns_of(self, nodes: Iterable[Node]) -> list[Return]:

@@ -1,4 +1,4 @@
 """The command line: its group of commands."""
 
-from sweeps.cli import asking, exporting, reporting, running, showing, sizing, starting, synthesising
+from sweeps.cli import asking, computing, exporting, reporting, showing, sizing, starting, synthesising
 from sweeps.cli.shared import main

@@ -14,7 +14,7 @@ from sweeps.pictures.style import format_of, save, save_beside
 
 
 def machine_pictures(
-    scene: Scene,
+    drawn: Scene | DrawnMotion,
     path: Path,
     at: Sequence[float] = (),
     paths: Sequence[str] = (),
@@ -25,7 +25,7 @@ def machine_pictures(
 
     Parameters
     ----------
-    scene : Scene
+    drawn : Scene or DrawnMotion
     path : Path
         File of the drawing; diagrams get `_diagrams` appended.
     at : sequence of float
@@ -48,10 +48,10 @@ def machine_pictures(
         Unknown extension; the mechanism can't be assembled, or an element can't be drawn.
     """
     format_of(path)
-    motion = None if scene.input is None else DrawnMotion(scene)
-    made = save_beside(path, _sheets(scene, motion, parts))
-    if motion is None:
-        return made
+    if isinstance(drawn, Scene) and drawn.input is None:
+        return save_beside(path, _sheets(drawn, None, parts))
+    motion = DrawnMotion.of(drawn)
+    made = save_beside(path, _sheets(motion.scene, motion, parts))
     # Last: where it is there, so are the others.
     save(picture(motion, at, paths, shown), path)
     return [path, *made]

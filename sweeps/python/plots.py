@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from engine import Scene, history, history_fields, show_system
+from engine import Scene, show_system
 from sweeps.pictures.drawing import picture
 from sweeps.pictures.machine.cycle_sheets import POSITIONS, field_curves
 from sweeps.pictures.machine.diagrams import diagrams
-from sweeps.pictures.machine.motion_diagrams import history_diagrams
+from sweeps.pictures.machine.motion_diagrams import motion_sheets
 from sweeps.pictures.picture_error import PictureError, need_mechanism
 from sweeps.pictures.sweep.maps import plot_result
 from sweeps.pictures.sweep.result_pictures import sweep_figure
@@ -111,8 +111,7 @@ def plot_history(scene: Scene) -> Figure:
     if not scene.regimes:
         raise PictureError('the scene has no regimes: add [regimes.NAME] with type = "run" or "steady"')
     show_system(scene.units)
-    seen = history(scene, fields=[name for name in history_fields(scene) if name.endswith(".reaction")])
-    return history_diagrams(scene, seen)
+    return next(motion_sheets(scene))[1]
 
 
 def plot_sweep(

@@ -43,12 +43,6 @@ def structure_text(scene: engine.Scene) -> str:
     free = engine.order_groups(scene).free_groups.values()
     # A shaft that only passes on torque and inertia has no place in the mechanism.
     wheels = [name for name, shaft in scene.shafts.items() if shaft.carrier or shaft.pivot]
-    touching = len(scene.cams) + len(wheels) + len(scene.racks) + len(scene.pinions)
-    touching += len(scene.noncircular_wheels) + sum(second.drive == "crank" for second in scene.inputs.values())
-    links = 1 + 2 * len(scene.groups) + sum(len(group.links) for group in free) + touching
-    pairs = 1 + 3 * len(scene.groups) + sum(len(group.pairs) for group in free) + touching
-    own = engine.own_drives(scene)
-    links, pairs = links + len(own), pairs + len(own)
     lines = [f"input {scene.input.link} ({scene.input.type})"]
     lines += [_second_input_text(scene, name) for name in scene.inputs]
     lines += [
@@ -70,8 +64,10 @@ def structure_text(scene: engine.Scene) -> str:
     lines += [f"rack {name} on guide {rack.guide}, driven by {rack.pinion}" for name, rack in scene.racks.items()]
     rolls = {n: p.rack or f"a fixed rack along {p.guide}" for n, p in scene.pinions.items()}
     lines += [f"pinion {name} about {scene.pinions[name].pivot}, driven by {rack}" for name, rack in rolls.items()]
-    higher = (" − p₂", f" − {touching}") if touching else ("", "")
-    lines.append(f"W = 3n − 2p₁{higher[0]} = 3·{links} − 2·{pairs}{higher[1]} = {3 * links - 2 * pairs - touching}")
+    found = engine.mobility(scene)
+    higher = (" − p₂", f" − {found.higher_pairs}") if found.higher_pairs else ("", "")
+    counts = f"3·{found.links} − 2·{found.lower_pairs}{higher[1]}"
+    lines.append(f"W = 3n − 2p₁{higher[0]} = {counts} = {found.degrees_of_freedom}")
     return "\n".join(lines)
 
 
@@ -91,7 +87,7 @@ def _second_input_text(scene: engine.Scene, name: str) -> str:
 
 def assembly_text(machine: engine.Machine) -> str:
     """Whether the unmodified machine assembles over its whole cycle."""
-    ranges = engine.assembly_ranges(machine.scene, known=machine.mechanics)
+    ranges = engine.assembly_ranges(machine.mechanics)
     units, nodes = engine.InputUnits.of(machine.scene).q, machine.input_values
     step = nodes[1] - nodes[0]
     if len(ranges) == 1 and ranges[0].stop - ranges[0].start >= nodes[-1] - nodes[0] - 1e-9 * step:

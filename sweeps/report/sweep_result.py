@@ -522,5 +522,9 @@ def drop_counts(conditions: int, missed: Iterable[np.ndarray]) -> tuple[np.ndarr
 def _first(found: list[tuple[np.ndarray, np.ndarray]], most: int | None) -> tuple[np.ndarray, np.ndarray]:
     """The variants with the smallest values, and these values; ties go to the first, undefined values come last."""
     variants, values = (np.concatenate(rows) for rows in zip(*found, strict=True))
+    if most is not None and most < values.size:
+        # Sorting a million takes a tenth of a second.
+        near = ~(values > np.partition(values, most - 1)[most - 1])
+        variants, values = variants[near], values[near]
     order = np.argsort(values, kind="stable")[:most]
     return variants[order], values[order]

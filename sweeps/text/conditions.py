@@ -8,7 +8,7 @@ met or both missed. If other values within the estimates would change the outcom
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -174,10 +174,10 @@ class Condition:
         count : int
             Number of variants.
         """
-        joins, known = (np.logical_and, np.logical_or), (self.expression.tree, values, errors)
+        tree, compared, joins = self.expression.tree, _compare(values, errors), (np.logical_and, np.logical_or)
         with np.errstate(all="ignore"):
-            met = _folded(*known, True, _Comparison.is_accepted, joins)
-            decided = [_folded(*known, wanted, _Comparison.is_sure, joins) for wanted in (True, False)]
+            met = _folded(tree, compared, True, _Comparison.is_accepted, joins)
+            decided = [_folded(tree, compared, wanted, _Comparison.is_sure, joins) for wanted in (True, False)]
         undecided = np.logical_not(np.logical_or(*decided))
         return Judgement(*(np.broadcast_to(found, (count,)).copy() for found in (met, undecided)))
 
@@ -213,10 +213,10 @@ class Condition:
         ndarray (parts, count)
             A part is met if its margin is 0 or less, except strict inequalities on their limit.
         """
-        joins = np.maximum, np.minimum
+        compared, joins = _compare(values, errors), (np.maximum, np.minimum)
         with np.errstate(all="ignore"):
             trees = [part.expression.tree for part in self.parts]
-            each = [_folded(tree, values, errors, True, _Comparison.margin, joins) for tree in trees]
+            each = [_folded(tree, compared, True, _Comparison.margin, joins) for tree in trees]
         found = [np.broadcast_to(margin, (count,)) for margin in each]
         return np.where(np.isnan(found), WORST, np.clip(found, -WORST, WORST))
 
@@ -246,15 +246,35 @@ def value_with_error(tree: engine.ExpressionTree, values: Values, errors: Values
     values, errors : mapping of str to float or ndarray
         As for `Condition.judged`.
     """
-    value, error = engine.evaluate_tree(tree, values), np.float64(0.0)
-    for name in engine.names_in_tree(tree):
-        off = np.maximum(errors.get(name, 0.0), ROUNDING * np.abs(values[name]))
-        ends = (engine.evaluate_tree(tree, {**values, name: values[name] + sign * off}) for sign in (1.0, -1.0))
+    (value, shifted), error = _shifted(tree, values, errors), np.float64(0.0)
+    for ends in shifted.values():
         # One end may be outside the domain.
         error = error + np.fmax(*(np.abs(end - value) for end in ends))
     # Infinite values need no estimate; unknown estimates are infinite.
     error = np.where(np.isfinite(value), np.where(np.isnan(error), np.inf, error), 0.0)
     return value, error
+
+
+class _Shifted(NamedTuple):
+    """A value, and its values at both ends of the error of each name in it."""
+
+    value: np.ndarray
+    ends: dict[str, tuple[np.ndarray, np.ndarray]]
+
+
+def _shifted(tree: engine.ExpressionTree, values: Values, errors: Values) -> _Shifted:
+    if isinstance(tree, engine.TextOperation):
+        parts = [_shifted(operand, values, errors) for operand in tree.operands]
+        ends = {}
+        for name in dict.fromkeys(name for part in parts for name in part.ends):
+            both = zip(*(part.ends.get(name, (part.value, part.value)) for part in parts), strict=True)
+            ends[name] = tuple(engine.apply_operation(tree.name, operands) for operands in both)
+        return _Shifted(engine.apply_operation(tree.name, [part.value for part in parts]), ends)
+    value = engine.evaluate_tree(tree, values)
+    if not isinstance(tree, str):
+        return _Shifted(value, {})
+    off = np.maximum(errors.get(tree, 0.0), ROUNDING * np.abs(value))
+    return _Shifted(value, {tree: (value + off, value - off)})
 
 
 def _compared(tree: engine.TextOperation) -> Iterator[tuple[engine.ExpressionTree, ...]]:
@@ -323,34 +343,39 @@ class _Comparison(NamedTuple):
         return (met == wanted) & np.isfinite(self.error)
 
 
-def _comparison(tree: engine.TextOperation, values: Values, errors: Values) -> _Comparison:
-    difference = engine.TextOperation("-", tree.operands, tree.column)
-    apart, error = value_with_error(difference, values, errors)
-    _, rounding = value_with_error(difference, values, {})
-    whole = sum(np.abs(engine.evaluate_tree(operand, values)) for operand in tree.operands)
-    error = np.where(np.isfinite(apart), error + ROUNDING * whole, 0.0)
-    if tree.name in (">", ">="):
-        apart = -apart
-    sign = {">": "<", ">=": "<=", "!=": "=="}.get(tree.name, tree.name)
-    return _Comparison(sign, tree.name == "!=", apart, error, whole, rounding)
+def _compare(values: Values, errors: Values) -> Callable[[engine.TextOperation], _Comparison]:
+    """Function that evaluates comparisons, each once."""
+
+    @cache
+    def compared(tree: engine.TextOperation) -> _Comparison:
+        difference = engine.TextOperation("-", tree.operands, tree.column)
+        apart, error = value_with_error(difference, values, errors)
+        _, rounding = value_with_error(difference, values, {}) if errors else (apart, error)
+        whole = sum(np.abs(engine.evaluate_tree(operand, values)) for operand in tree.operands)
+        error = np.where(np.isfinite(apart), error + ROUNDING * whole, 0.0)
+        if tree.name in (">", ">="):
+            apart = -apart
+        sign = {">": "<", ">=": "<=", "!=": "=="}.get(tree.name, tree.name)
+        return _Comparison(sign, tree.name == "!=", apart, error, whole, rounding)
+
+    return compared
 
 
 def _folded(
     tree: engine.TextOperation,
-    values: Values,
-    errors: Values,
+    compared: Callable[[engine.TextOperation], _Comparison],
     wanted: bool,
     of: Callable[[_Comparison, bool], np.ndarray],
     joins: tuple[np.ufunc, np.ufunc],
 ) -> np.ndarray:
     """A judgement of a condition, or of its negation: of its comparisons, joined for "and" and for "or"."""
     if tree.name == "not":
-        return _folded(tree.operands[0], values, errors, not wanted, of, joins)
+        return _folded(tree.operands[0], compared, not wanted, of, joins)
     if tree.name in ("and", "or"):
         # Parts on fixed numbers alone are scalars.
-        parts = np.broadcast_arrays(*(_folded(part, values, errors, wanted, of, joins) for part in tree.operands))
+        parts = np.broadcast_arrays(*(_folded(part, compared, wanted, of, joins) for part in tree.operands))
         return joins[(tree.name == "and") != wanted].reduce(parts)
-    found = _comparison(tree, values, errors)
+    found = compared(tree)
     return of(found, wanted != found.negated)
 
 

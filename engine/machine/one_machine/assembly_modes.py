@@ -11,6 +11,9 @@ from engine.mechanism.mechanics import Mechanics
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.scene.structure.ordering import order
 
+# Positions at which assembly is examined; ends of ranges are accurate to one interval.
+_EXAMINED = 7200
+
 
 def assembly_modes(scene: Scene) -> dict[str, tuple[AssemblyMode, ...] | None]:
     """The real assembly modes of every group of free links, in the order of the groups.
@@ -72,16 +75,12 @@ class AssemblyRange(NamedTuple):
     stop: float
 
 
-def assembly_ranges(scene: Scene, positions: int = 7200, known: Mechanics | None = None) -> list[AssemblyRange]:
+def assembly_ranges(mechanics: Mechanics) -> list[AssemblyRange]:
     """Ranges of the input over which every structural group can be assembled.
 
     Parameters
     ----------
-    scene : Scene
-    positions : int
-        Number of positions examined; ends of ranges are accurate to one interval.
-    known : Mechanics, optional
-        That of the scene.
+    mechanics : Mechanics
 
     Returns
     -------
@@ -89,8 +88,9 @@ def assembly_ranges(scene: Scene, positions: int = 7200, known: Mechanics | None
         One range over the whole cycle if the input moves freely; empty if the mechanism can't be assembled anywhere. A
         range that contains φ = 0 of a full circle has a negative start.
     """
+    scene = mechanics.scene
     fields = [f"{group}.transmission" for group in (*scene.groups, *order(scene).free_groups, *scene.cams)]
-    machine = MovingMachine(scene, positions=positions, known=known)
+    machine = MovingMachine(scene, positions=_EXAMINED, known=mechanics)
     nodes, turns = machine.q, machine.mechanics.has_cycle
     whole = np.ones(nodes.size, bool)
     for row in machine.fields(fields).values():

@@ -122,7 +122,7 @@ class MovingMachine:
     positions : int or sequence of float
         Intervals over the cycle, or over the input's range; or the positions themselves [rad, or m].
     known : Mechanics, optional
-        Reused if it belongs to this scene and these numbers are varied in it.
+        Reused if it is that of this scene, or of one of which this is a variant.
 
     Attributes
     ----------
@@ -151,10 +151,13 @@ class MovingMachine:
         self.scene, self.values = scene, dict(values or {})
         limits = scene_numbers(scene)
         check_names(self.values, limits, "number of the scene")
-        arrays, (self._given,) = given_numbers(limits, tuple(self.values), self.values, None)
+        replaced = None if known is None else known.replaced_in(scene, self.values)
+        if replaced is None:
+            known, replaced = Mechanics(scene, frozenset(self.values)), self.values
+        m, limits = known, scene_numbers(known.scene)
+        self.mechanics = m
+        arrays, (self._given,) = given_numbers(limits, tuple(replaced), replaced, None)
         self.numbers = Numbers(limits, {path: row[0] for path, row in arrays.items()})
-        fits = known is not None and known.scene is scene and known.varied.issuperset(self.values)
-        m = self.mechanics = known if fits else Mechanics(scene, frozenset(self.values))
         self.register = register_of(m)
         self._known_cycles: dict[SteadyCycle, WheelCycle] = {}
         self._variant = OneVariant(m.graph, self.numbers, (m.first, m.last), getattr(scene.input, "revolutions", 1))

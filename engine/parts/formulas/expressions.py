@@ -12,7 +12,7 @@ import keyword
 import math
 import re
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -231,9 +231,13 @@ def evaluate_tree(tree: Tree, values: Mapping[str, float | np.ndarray]) -> np.nd
         return np.float64(tree.value)
     if isinstance(tree, str):
         return np.asarray(values[tree], dtype=np.float64)
-    results = [evaluate_tree(operand, values) for operand in tree.operands]
-    ufunc = _UFUNCS[tree.name]
-    return functools.reduce(ufunc, results) if tree.name in _REPEATED else ufunc(*results)
+    return apply_operation(tree.name, [evaluate_tree(operand, values) for operand in tree.operands])
+
+
+def apply_operation(name: str, operands: Sequence[np.ndarray]) -> np.ndarray:
+    """Value of an operation, comparison or function."""
+    ufunc = _UFUNCS[name]
+    return functools.reduce(ufunc, operands) if name in _REPEATED else ufunc(*operands)
 
 
 def names_in_tree(tree: Tree) -> dict[str, None]:

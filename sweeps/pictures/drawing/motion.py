@@ -40,6 +40,8 @@ class DrawnMotion:
     Parameters
     ----------
     scene : Scene
+    known : Mechanics, optional
+        As for `MovingMachine`.
 
     Attributes
     ----------
@@ -65,10 +67,10 @@ class DrawnMotion:
         There is no mechanism, or it can't be assembled at any position.
     """
 
-    def __init__(self, scene: engine.Scene) -> None:
+    def __init__(self, scene: engine.Scene, known: engine.Mechanics | None = None) -> None:
         need_mechanism(scene)
         self.scene = scene
-        self.machine = engine.MovingMachine(scene, positions=POSITIONS)
+        self.machine = engine.MovingMachine(scene, positions=POSITIONS, known=known)
         self.numbers, self.q = self.machine.numbers, self.machine.q
         try:
             places = self.machine.places

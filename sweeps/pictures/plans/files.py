@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from engine import Scene, pairs_of
+from sweeps.pictures.drawing import DrawnMotion
 from sweeps.pictures.plans.bearing_loads import bearing_sheet, revolute_pairs
 from sweeps.pictures.plans.forces.loads import loaded_links
 from sweeps.pictures.plans.pose import MachineCycle
@@ -85,12 +86,12 @@ def _bearings(cycle: MachineCycle, names: Iterable[str]) -> Iterator[tuple[str, 
         yield f"bearing_{name.replace('.', '_')}", bearing_sheet(cycle, name)
 
 
-def reaction_pictures(scene: Scene, path: Path, fields: Collection[str]) -> list[Path]:
+def reaction_pictures(drawn: Scene | DrawnMotion, path: Path, fields: Collection[str]) -> list[Path]:
     """Draw the reactions over the cycle, and the load of each bearing among the fields.
 
     Parameters
     ----------
-    scene : Scene
+    drawn : Scene or DrawnMotion
     path : Path
         As for `plan_pictures`.
     fields : collection of str
@@ -101,8 +102,9 @@ def reaction_pictures(scene: Scene, path: Path, fields: Collection[str]) -> list
     list of Path
         Files written.
     """
+    scene = drawn.scene if isinstance(drawn, DrawnMotion) else drawn
     asked = {name.rpartition(".reaction")[0] for name in fields} & {pair.name for pair in pairs_of(scene)}
-    return save_beside(path, _reactions(MachineCycle(scene), asked)) if asked else []
+    return save_beside(path, _reactions(MachineCycle(drawn), asked)) if asked else []
 
 
 def _reactions(cycle: MachineCycle, asked: Collection[str]) -> Iterator[tuple[str, Figure]]:

@@ -20,7 +20,7 @@ class MachineCycle:
 
     Parameters
     ----------
-    scene : Scene
+    drawn : Scene or DrawnMotion
 
     Attributes
     ----------
@@ -35,9 +35,9 @@ class MachineCycle:
         The mechanism can't be assembled at any position.
     """
 
-    def __init__(self, scene: engine.Scene) -> None:
-        self.scene = scene
-        self.motion = DrawnMotion(scene)
+    def __init__(self, drawn: engine.Scene | DrawnMotion) -> None:
+        self.motion = DrawnMotion.of(drawn)
+        scene = self.scene = self.motion.scene
         self.numbers = self.motion.numbers
         self.structure = engine.order_groups(scene)
         in_groups = [link for links in self.groups.values() for link in links]

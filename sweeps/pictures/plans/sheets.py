@@ -25,9 +25,9 @@ HIGHEST = 74.0
 LINE = 150
 
 
-def blank_sheet(width: float = WIDTH, height: float = HEIGHT) -> Figure:
-    """An empty sheet [mm] with fixed axes."""
-    return Sheet(figsize=(width / MM_PER_INCH, height / MM_PER_INCH))
+def blank_sheet(height: float) -> Figure:
+    """An empty sheet of a height [mm] with fixed axes."""
+    return Sheet(figsize=(WIDTH / MM_PER_INCH, height / MM_PER_INCH))
 
 
 def place(figure: Figure, left: float, bottom: float, width: float, height: float, **kind: str) -> Axes:
@@ -81,7 +81,7 @@ def kinematic_sheet(pose: Pose, which: str) -> Figure:
         few = len(lines) <= 33
         rows = 11 if few else -(-len(lines) // 6)
         strip = 3.2 * max(0, len(notes) - 2) + (0.0 if few else 9.5 + 3.5 * rows)
-        figure = blank_sheet(height=HEIGHT + strip)
+        figure = blank_sheet(HEIGHT + strip)
         heading(figure, pose.scene, f"{which} plan at {pose.title}")
         mechanism_plan(pose, place(figure, 2, 54 + strip, 76, HEIGHT - HEADING - 54), plan.special, plan.places)
         draw_plan(plan, place(figure, 80, 2 + strip, 98, HEIGHT - HEADING - 2))
@@ -131,7 +131,7 @@ def force_sheet(pose: Pose, of: str) -> Figure:
         plan = (2 + width, 62, width, heights[0])
     top = (62 if alone else 98) + strip + sum(heights) + 3 * rows
     with house_style():
-        figure = blank_sheet(WIDTH, top + 10)
+        figure = blank_sheet(top + 10)
         heading(figure, pose.scene, f"forces on {of} at {pose.title}")
         for i, link in enumerate(links):
             height = heights[i // 2]

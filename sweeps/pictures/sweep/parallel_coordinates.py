@@ -86,29 +86,28 @@ def parallel(ax: Axes, data: SweepData, names: Sequence[str], colour: str, best:
         ax.set_title(f"{MOST_LINES} of {rows.size} variants (evenly sampled)", fontsize=7, loc="right", color=GREY)
         rows = rows[np.linspace(0, rows.size - 1, MOST_LINES).astype(int)]
     lows, highs = (np.array([reach(values[sound]) for values, _, _ in columns]) for reach in (np.min, np.max))
-    heights = (np.column_stack([values for values, _, _ in columns]) - lows) / (highs - lows)
-    places = np.arange(len(columns))
+
+    def paths(variants: np.ndarray) -> np.ndarray:
+        heights = (np.column_stack([values[variants] for values, _, _ in columns]) - lows) / (highs - lows)
+        return np.stack(np.broadcast_arrays(np.arange(len(columns)), heights), axis=-1)
+
     alpha = float(np.clip(200 / rows.size, 0.08, 0.7))
     look = {"linewidths": 0.7, "alpha": alpha, "rasterized": rows.size > MOST_VECTORS}
     out, rows = rows[data.out[rows]], rows[~data.out[rows]]
     if out.size:
-        ax.add_collection(LineCollection(_paths(places, heights[out]), color=PALE, **look))
+        ax.add_collection(LineCollection(paths(out), color=PALE, **look))
         ax.plot([], color=PALE, label=data.legend_of("misses:"))
     if rows.size:
-        lines = LineCollection(_paths(places, heights[rows]), array=shades[rows], cmap=COLOURS, **look)
+        lines = LineCollection(paths(rows), array=shades[rows], cmap=COLOURS, **look)
         ax.add_collection(lines)
         ax.figure.colorbar(lines, ax=ax, label=label, pad=0.02).solids.set_alpha(1)
     if best is not None:
         halo = [withStroke(linewidth=5, foreground="white")]
         look = {"color": VERMILION, "linewidth": 2.4, "marker": "o", "markersize": 5, "zorder": 5}
-        ax.plot(places, heights[best], label="best", path_effects=halo, **look)
+        ax.plot(*paths([best])[0].T, label="best", path_effects=halo, **look)
     if ax.get_legend_handles_labels()[0]:
         ax.figure.legend(loc="outside upper left", ncols=2)
     _uprights(ax, [text for _, text, _ in columns], lows, highs)
-
-
-def _paths(places: np.ndarray, heights: np.ndarray) -> list[np.ndarray]:
-    return [np.column_stack([places, row]) for row in heights]
 
 
 def _uprights(ax: Axes, labels: Sequence[str], lows: np.ndarray, highs: np.ndarray) -> None:

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from engine import Verdict
 from sweeps.optimising.optimum import is_front
+from sweeps.pictures.drawing import DrawnMotion
 from sweeps.pictures.picture_files import machine_pictures
 from sweeps.pictures.plans.files import reaction_pictures
 from sweeps.pictures.style import save
@@ -89,8 +90,10 @@ def _pictures_of_one(result: SweepResult, best: int | None) -> list[Path]:
 def _pictures_of(result: SweepResult, variant: int, stem: Path) -> list[Path]:
     """Plot the machine of a variant and the kept reactions."""
     scene = result.scene_of(variant)
-    made = machine_pictures(scene, stem)
-    return made if scene.input is None else [*made, *reaction_pictures(scene, stem, result.fields)]
+    if scene.input is None:
+        return machine_pictures(scene, stem)
+    motion = DrawnMotion(scene, result.mechanics)
+    return [*machine_pictures(motion, stem), *reaction_pictures(motion, stem, result.fields)]
 
 
 def sweep_data(

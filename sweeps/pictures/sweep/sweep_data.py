@@ -142,7 +142,9 @@ def evenly_chosen(shape: Sequence[int], best: int | None, most: int) -> tuple[tu
     longest = max(shape)
     while longest > 2 and np.prod([float(min(size, longest)) for size in shape]) > most:
         longest = int(0.95 * longest)
-    at = [()] * len(shape) if best is None else np.unravel_index(best, shape)
-    places = [np.linspace(0, size - 1, min(size, longest)).round().astype(int) for size in shape]
-    places = [np.union1d(along, place).astype(int) for along, place in zip(places, at, strict=True)]
+    kept = [np.zeros(size, bool) for size in shape]
+    for along, place in zip(kept, [[]] * len(shape) if best is None else np.unravel_index(best, shape), strict=True):
+        along[np.linspace(0, along.size - 1, min(along.size, longest)).round().astype(int)] = True
+        along[place] = True
+    places = [np.flatnonzero(along) for along in kept]
     return tuple(map(len, places)), np.ravel_multi_index(np.ix_(*places), shape).ravel()

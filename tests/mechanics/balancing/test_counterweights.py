@@ -15,7 +15,7 @@ from engine.machine.balancing import least_shaking
 from engine.machine.balancing.counterweights import BalanceError, CounterweightPlace, balance
 from engine.machine.balancing.least_shaking import GAP, DependentError, Unknown, least_peak, least_rms
 from sweeps.optimising.optimum import front, objectives
-from sweeps.optimising.runner import optimise_study
+from sweeps.optimising.search_runner import optimise_study
 from sweeps.report.sweep_result import SweepResult
 from sweeps.study.bundled import bundled_studies
 from sweeps.study.study_reader import read_study

@@ -13,7 +13,7 @@ from cluster_jobs import crew_on
 from commands import done, refused, said
 from press_sweeps import DISTINCT, GOOD, Stop, contents, run, stopping, study_of
 
-from sweeps.optimising.runner import optimise_study
+from sweeps.optimising.search_runner import optimise_study
 from sweeps.run import runner
 from sweeps.run.cluster.cluster_errors import ClusterError
 from sweeps.run.cluster.connecting import connected

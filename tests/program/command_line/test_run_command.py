@@ -34,7 +34,7 @@ def test_run__tells_counts_blame_answer_and_files(press_folder):
     assert SweepResult(Path("results/study.h5")).best() == 6
 
 
-def test_run_with_pictures__builds_two_machines_and_draws_what_is_older(press_folder, monkeypatch):
+def test_run_with_pictures__builds_one_machine_and_draws_what_is_older(press_folder, monkeypatch):
     built, build = [], Mechanics.__init__
 
     def noted(self, *arguments, **options):
@@ -43,8 +43,7 @@ def test_run_with_pictures__builds_two_machines_and_draws_what_is_older(press_fo
 
     monkeypatch.setattr(Mechanics, "__init__", noted)
     listed = done("run", "study.toml").partition("Files")[2].splitlines()[1:]
-    # That of the sweep, and the best variant as a scene of its own.
-    assert len(built) == 2
+    assert len(built) == 1
     pictures = [Path(line.strip()) for line in listed if line.endswith(".png")]
     assert [path.name for path in pictures if path.name.endswith("_best_diagrams.png")]
     assert len(pictures) == 3

@@ -14,7 +14,7 @@ from unit_scans import foreign
 from engine import Machine, Verdict, made_ready
 from sweeps import SweepResult, read_scene, read_study, run_study
 from sweeps.cli import main
-from sweeps.optimising.runner import optimise_study
+from sweeps.optimising.search_runner import optimise_study
 
 ROOT = Path(__file__).parents[3]
 README = (ROOT / "README.md").read_text(encoding="utf8")

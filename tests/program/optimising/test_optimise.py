@@ -7,7 +7,7 @@ from searches import CRANK, HEAD, NEAREST, ROD, TWO, best_of, searched, study_of
 from engine import Machine, Verdict, in_text
 from sweeps import Study, SweepResult, read_study
 from sweeps.optimising.optimum import choices, front, is_front, met, objectives, optimum_text
-from sweeps.optimising.runner import optimise_study
+from sweeps.optimising.search_runner import optimise_study
 
 # One objective
 

@@ -12,7 +12,7 @@ from searches import CRANK, NEAREST, ONE, ROD, TWO, best_of, searched, study_of
 from engine import Machine
 from sweeps import StoreError, Study, SweepResult, read_study, run_study
 from sweeps.optimising import searching
-from sweeps.optimising.runner import optimise_study
+from sweeps.optimising.search_runner import optimise_study
 from sweeps.store import MappedResult
 from sweeps.study.search_task import task_of
 
@@ -69,7 +69,7 @@ def test_search_interrupted_in_its_last_phase__doesn_t_repeat_its_generations(tm
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("sweeps.optimising.runner.refine", stop)
+        patch.setattr("sweeps.optimising.search_runner.refine", stop)
         with pytest.raises(KeyboardInterrupt):
             optimise_study(study, path)
     calls = []

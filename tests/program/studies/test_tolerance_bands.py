@@ -13,7 +13,7 @@ from slips import cases
 
 from engine import Verdict
 from sweeps import InputError, Study, SweepResult, read_study, run_study
-from sweeps.optimising.runner import optimise_study
+from sweeps.optimising.search_runner import optimise_study
 from sweeps.pictures.style import VERMILION
 from sweeps.pictures.sweep.maps import curves
 from sweeps.pictures.sweep.result_pictures import sweep_data

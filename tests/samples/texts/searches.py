@@ -5,7 +5,7 @@ from pathlib import Path
 from press_texts import PRESS_WITH_FLYWHEEL
 
 from sweeps import Study, SweepResult, read_study
-from sweeps.optimising.runner import optimise_study
+from sweeps.optimising.search_runner import optimise_study
 
 SCENE = PRESS_WITH_FLYWHEEL.replace("100 kN", "10 kN")
 CRANK, ROD = "input.length", "groups.slide.first.length"

@@ -131,7 +131,7 @@ def optimise(asked: shared.Options) -> None:
     The exit code is 1 if no candidate meets the conditions.
     """
     from sweeps.optimising.optimum import optimum_text
-    from sweeps.optimising.runner import optimise_study
+    from sweeps.optimising.search_runner import optimise_study
     from sweeps.report.result_report import counts_text
     from sweeps.report.sweep_result import SweepResult
     from sweeps.run.progress import ProgressBar
