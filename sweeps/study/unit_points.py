@@ -6,11 +6,8 @@ Every function takes the seed, the number of points, the number of dimensions, a
 
 import functools
 import math
-import operator
-from pathlib import Path
 
 import numpy as np
-import scipy
 
 SOBOL_BITS = 30
 SOBOL_LARGEST = 2**SOBOL_BITS
@@ -55,47 +52,18 @@ def sobol_points(seed: int, count: int, dimensions: int, indices: np.ndarray) ->
 def _sobol_tables(dimensions: int, seed: int, chunks: int) -> tuple[np.ndarray, np.ndarray]:
     """Digits of the first chunk's points, and of each chunk's first point relative to point 0.
 
-    `scipy.stats.qmc` draws the same points, but only in order, and takes half a second to import.
+    SciPy reaches a point only by stepping through all before it; this way each process does so once.
     """
-    shift, directions = _scrambled(seed, _directions(dimensions))
-    low, high = (np.zeros((1, dimensions), np.uint32) for _ in range(2))
-    # In the order of the Gray code, the second half of a table is the first one backwards, in another half of the cube.
-    for bit in range(SOBOL_BITS):
-        if bit < _SOBOL_CHUNK.bit_length() - 1:
-            low = np.concatenate([low, low[::-1] ^ directions[bit]])
-        elif len(high) < chunks:
-            high = np.concatenate([high, high[::-1] ^ directions[bit]])
-    # Each chunk but the first begins with the lower bits of a Gray code whose next higher bit is set.
-    high[1::2] ^= directions[_SOBOL_CHUNK.bit_length() - 2]
-    return low ^ shift, high
+    # Slow import (0.5 s).
+    from scipy.stats import qmc
 
-
-def _directions(dimensions: int) -> np.ndarray:
-    """Direction numbers (bits, dimensions) of Joe and Kuo (2008)."""
-    with np.load(Path(scipy.__file__).with_name("stats") / "_sobol_direction_numbers.npz") as known:
-        polynomials, starts = known["poly"][:dimensions], known["vinit"][:dimensions]
-    numbers = np.ones((SOBOL_BITS, dimensions), np.uint32)
-    for column, (polynomial, start) in enumerate(zip(polynomials.tolist(), starts.tolist(), strict=True)):
-        if column:
-            degree = polynomial.bit_length() - 1
-            own = start[:degree]
-            for j in range(degree, SOBOL_BITS):
-                terms = [own[j - k] << k for k in range(1, degree + 1) if polynomial >> (degree - k) & 1]
-                own.append(functools.reduce(operator.xor, terms, own[j - degree]))
-            numbers[:, column] = own
-    return numbers << np.arange(SOBOL_BITS - 1, -1, -1, dtype=np.uint32)[:, None]
-
-
-def _scrambled(seed: int, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Digital shift (dimensions,) and direction numbers, scrambled by random triangular matrices (Matoušek, 1998)."""
-    bits, dimensions = directions.shape
-    random, places = np.random.default_rng(seed).spawn(1)[0], np.arange(bits, dtype=np.uint32)
-    shift = random.integers(2, size=(dimensions, bits), dtype=np.uint32) @ (np.uint32(1) << places)
-    matrices = np.tril(random.integers(2, size=(dimensions, bits, bits), dtype=np.uint32))
-    matrices[:, places, places] = 1
-    digits = directions.T[:, None, :] >> places[::-1, None] & np.uint32(1)
-    mixed = matrices @ digits & np.uint32(1)
-    return shift, (mixed << places[::-1, None]).sum(axis=1, dtype=np.uint32).T
+    engine = qmc.Sobol(dimensions, bits=SOBOL_BITS, rng=seed)
+    low = (engine.random(_SOBOL_CHUNK) * SOBOL_LARGEST).astype(np.uint32)
+    high = np.zeros((chunks, dimensions), dtype=np.uint32)
+    for chunk in range(1, chunks):
+        high[chunk] = low[0] ^ (engine.random(1)[0] * SOBOL_LARGEST).astype(np.uint32)
+        engine.fast_forward(_SOBOL_CHUNK - 1)
+    return low, high
 
 
 def _philox(seed: int, stream: int, indices: np.ndarray, width: int) -> np.ndarray:
