@@ -5,7 +5,7 @@ from collections.abc import Callable
 from functools import partial
 
 import numpy as np
-from scipy.optimize import differential_evolution, minimize
+from scipy.optimize import OptimizeResult, differential_evolution, minimize
 
 from sweeps.optimising.trials import BEYOND, Evaluate, Trials
 from sweeps.study.search_task import GENETIC, SearchTask
@@ -65,6 +65,11 @@ def _evolve(task: SearchTask, evaluate: Evaluate) -> None:
         batch = evaluate(coordinates.T)
         return np.where(batch.met, batch.costs[:, 0], BEYOND * (1.0 + batch.violation))
 
+    def is_settled(intermediate_result: OptimizeResult) -> bool:
+        """Whether the candidates are feasible and alike; violations alone may be alike far from any feasible one."""
+        energies = intermediate_result.population_energies
+        return energies.max() < BEYOND and np.std(energies) <= ALIKE * abs(np.mean(energies))
+
     first = first_generation(task)
     if task.generations == 1:
         costs(first.T)
@@ -77,7 +82,10 @@ def _evolve(task: SearchTask, evaluate: Evaluate) -> None:
         vectorized=True,
         updating="deferred",
         polish=False,
-        tol=ALIKE,
+        # No spread is below that: `is_settled` decides.
+        atol=-1.0,
+        tol=0.0,
+        callback=is_settled,
         rng=task.seed,
     )
 

@@ -98,8 +98,12 @@ def _remark(digest: Digest) -> str:
 
 def _sample_words(digest: Digest, moving: int) -> str:
     works, shown = digest.counts[Verdict.OK], digest.shown.size
-    kinds = f"the best {digest.leaders.size} that meet the condition, {'the front, ' if digest.front.size else ''}and"
-    text = f"{shown} of {works} variants that work: {kinds} a random sample."
+    kinds = []
+    if digest.leaders.size:
+        met = " that meet the condition" if digest.aim.where else ""
+        kinds.append(f"the best {digest.leaders.size}{met}")
+    kinds += ["the front"] if digest.front.size else []
+    text = f"{shown} of {works} variants that work: {', '.join([*kinds, ''])}{'and ' if kinds else ''}a random sample."
     if shown == works:
         text = f"All {works} variants that work."
     return f"{text} {moving} of them can be shown in motion." if moving else text

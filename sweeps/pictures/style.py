@@ -216,7 +216,9 @@ def save_beside(path: Path, figures: Iterable[tuple[str, Figure]]) -> list[Path]
     """
     made = []
     for words, figure in figures:
-        made.append(path.with_name(f"{path.stem}_{words.removeprefix(f'{path.stem}_')}{path.suffix}"))
+        rest = words.removeprefix(f"{path.stem}_")
+        # What begins with the name of the file, engine, may still be another element's, engine_b.
+        made.append(path.with_name(f"{path.stem}_{words if '_' in rest else rest}{path.suffix}"))
         save(figure, made[-1])
     return made
 

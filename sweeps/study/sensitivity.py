@@ -5,7 +5,7 @@ deviations are independent and all tᵢ equally rare (root of the sum of squares
 Source: any handbook of tolerance analysis, linear stack-up.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property
 
 import numpy as np
@@ -13,10 +13,12 @@ import numpy as np
 import engine
 from sweeps.store import Column, columns_of_number
 from sweeps.study.study_content import AskedDerivative, StudyContent
-from sweeps.study.tolerances import Tolerance, read_tolerances
+from sweeps.study.tolerances import read_tolerances
 
 # Variants per batch, to bound memory.
 TOGETHER = 2048
+# Factor on joint effects of two tolerances, for those of three.
+MARGIN = 1.25
 WORST_CASE, RSS = "tolerance_worst_case", "tolerance_rss"
 
 
@@ -117,8 +119,9 @@ class Sensitivity:
         found = {name: np.full(status.size, np.nan) for name in (*names, *(f"{name}_error" for name in names))}
         found |= {f"status_by.{by}": status.copy() for by in self._derived_by}
         chosen = np.flatnonzero(status == engine.Verdict.OK) if self.evaluations else np.zeros(0, int)
-        for start in range(0, chosen.size, TOGETHER):
-            some = chosen[start : start + TOGETHER]
+        together = max(1, TOGETHER // max(1, len(self.tolerances)))
+        for start in range(0, chosen.size, together):
+            some = chosen[start : start + together]
             part = self._of_some({name: array[some] for name, array in values.items()}, some.size)
             for name, array in part.items():
                 found[name][some] = array
@@ -172,29 +175,40 @@ class Sensitivity:
         self, known: Mapping[str, np.ndarray], along: Callable[[str, bool], engine.Derivatives]
     ) -> dict[str, np.ndarray]:
         slopes = [along(tolerance.path, False) for tolerance in self.tolerances]
-        bends = [self._bend(known, tolerance) for tolerance in self.tolerances]
+        widths, ends = np.array([[t.half_width] for t in self.tolerances]), self._ends(known)
+        first, second = np.triu_indices(len(self.tolerances), 1)
         found = {}
         for name in self._summaries:
-            parts = _table(slope.values[name] * t.half_width for slope, t in zip(slopes, self.tolerances, strict=True))
-            doubts = _table(slope.errors[name] * t.half_width for slope, t in zip(slopes, self.tolerances, strict=True))
-            doubts += _table(bend[name] for bend in bends)
-            parts = np.where(np.isfinite(doubts), parts, np.nan)
+            parts, slips = (
+                np.stack(rows) * widths for rows in ([s.values[name] for s in slopes], [s.errors[name] for s in slopes])
+            )
+            # What is nonlinear in one number adds to the error of its slope; a product of two is linear in each.
+            alone, paired = ends[name]
+            slips += np.abs(alone - np.stack([parts, -parts])).max(axis=0)
+            both = MARGIN * np.abs(paired - alone[:, first] - alone[:, second]).max(axis=0)
+            doubts = np.vstack([slips, both])
+            parts = np.where(np.isfinite(doubts).all(axis=0), parts, np.nan)
             for ending, added in ((WORST_CASE, np.sum), (RSS, np.linalg.norm)):
                 found[f"{name}.{ending}"] = added(np.abs(parts), axis=0)
                 found[f"{name}.{ending}_error"] = added(doubts, axis=0)
         return found
 
-    def _bend(self, known: Mapping[str, np.ndarray], tolerance: Tolerance) -> dict[str, np.ndarray]:
-        """Nonlinear remainder at the ends of one tolerance; NaN if no machine can be built there."""
-        move, count = self._move(known, tolerance.path, False), known[tolerance.path].size
-        offsets = np.array([0.0, 1.0, -1.0])[:, None] * tolerance.half_width
-        outcome = self.machine.evaluate(move.varied((move.at + offsets).ravel(), np.tile(np.arange(count), 3)))
+    def _ends(self, known: Mapping[str, np.ndarray]) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+        """Changes of each summary at both ends (2, tolerances, variants) of every tolerance, and of every pair at once.
+
+        NaN if no machine can be built there.
+        """
+        count = known[self.tolerances[0].path].size
+        each = np.eye(len(self.tolerances))
+        up = np.vstack([each, *(each[i] + each[i + 1 :] for i in range(len(each)))])
+        offsets = np.vstack([0.0 * each[:1], up, -up])
+        places = {path: np.broadcast_to(known[path], (len(offsets), count)) for path in self.machine.varied}
+        for tolerance, offset in zip(self.tolerances, offsets.T, strict=True):
+            places[tolerance.path] = places[tolerance.path] + tolerance.half_width * offset[:, None]
+        outcome = self.machine.evaluate({path: values.ravel() for path, values in places.items()})
         found = {}
         for name, values in outcome.summaries.items():
-            here, more, less = np.where(outcome.status == engine.Verdict.OK, values, np.nan).reshape(3, count)
-            found[name] = np.abs((more - here) + (less - here)) / 2
+            built = np.where(outcome.status == engine.Verdict.OK, values, np.nan).reshape(-1, count)
+            changes = (built[1:] - built[0]).reshape(2, len(up), count)
+            found[name] = changes[:, : len(each)], changes[:, len(each) :]
         return found
-
-
-def _table(rows: Iterable[np.ndarray]) -> np.ndarray:
-    return np.stack(list(rows))

@@ -22,7 +22,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Columns, Element, ElementResult, Numbers
+from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.elements.rotors.unbalance import Resultant, unbalance_in_two_planes
 from engine.parts.actions import Force
@@ -79,12 +79,17 @@ class LocomotiveElement(Element):
     wheel_load: Annotated[Force, Field(gt=0)] | None = None
     crank_angle: Angle | None = None
 
+    def evaluate(self, n: Numbers) -> Answers:
+        """Results with error estimates; those of usual throws, which cancel, contain the rounding of their angle."""
+        usual = np.full_like(n["speed"], USUAL_THROW_ANGLES[self.cylinders])
+        return super().evaluate({"throw_angle": usual} | dict(n))
+
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name."""
         apart, track, stroke, radius = (n[k] for k in ("cylinder_spacing", "wheel_spacing", "stroke", "balance_radius"))
         rotating, reciprocating, speed = n["rotating_mass"], n["reciprocating_mass"], n["speed"]
         s_rot, c = n["balanced_rotating"], n["balanced_reciprocating"]
-        between = n.get("throw_angle", USUAL_THROW_ANGLES[self.cylinders])
+        between = n["throw_angle"]
         load, phi = n.get("wheel_load", math.nan), n.get("crank_angle", 0.0)
         count, square = np.arange(self.cylinders)[:, None], speed**2
         pins = stroke / 2 * np.exp(1j * count * between)

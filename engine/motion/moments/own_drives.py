@@ -29,8 +29,8 @@ from engine.scene.scene import SceneError
 
 _NOT_SMOOTH = (
     "in a run with a second input that has a drive of its own, a load whose point or link that input moves may neither "
-    "jump nor be by formula or a higher power of the speed: use a linear one, or let gears or cams move the input, "
-    "drive = 'crank'"
+    "jump nor be along its point's motion, by formula or a higher power of the speed: use a linear one with an angle, "
+    "or let gears or cams move the input, drive = 'crank'"
 )
 
 

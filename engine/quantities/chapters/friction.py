@@ -80,6 +80,8 @@ def declare(mechanics: Mechanics) -> Declared:
         rank=Rank.ANSWER,
     )
     if m.has_cycle:
+        # Without a useful or driving load nothing comes out by definition.
+        works = any(term.role in ("useful", "driving") for term in m.loads.terms)
         of = "useful work and work delivered at the input over driving work and work supplied there, over the cycle"
         yield Summary(
             "mechanical_efficiency",
@@ -87,7 +89,7 @@ def declare(mechanics: Mechanics) -> Declared:
             "1",
             lambda: _efficiency(m),
             may_be_undefined=True,
-            rank=Rank.ANSWER,
+            rank=Rank.ANSWER if works else Rank.FURTHER,
         )
 
 

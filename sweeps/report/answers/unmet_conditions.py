@@ -62,7 +62,8 @@ def no_answer_text(result: SweepResult, noun: str = "variant") -> str:
     """
     aim, counts = result.aim, result.verdict_counts()
     if result.count_meeting(aim.where):
-        return f"{aim.goal} is undefined for all {noun}s that meet the conditions."
+        met = " that meet the conditions" if aim.where else ""
+        return f"{aim.goal} is undefined for all {noun}s{met}."
     head = f"No {noun} meets all conditions{undecided_text(result, aim.where)}."
     asked = _asked(result)
     if asked is None:

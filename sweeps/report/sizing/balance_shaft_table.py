@@ -63,8 +63,9 @@ def _engine_text(name: str, element: engine.EngineElement, given: tuple[float, f
     kinds = "force and couple" if len(used) > 1 else "force"
     lines.append(f"Unbalances that cancel the primary and secondary {kinds}:")
     lines.append(table(rows, "  "))
+    throw = degrees_text(np.exp(1j * made.layout.throws.reshape(-1)[0]))
     lines.append(
-        "Angles from the engine's axis in the direction of rotation, with the throw of cylinder 1 on that axis."
+        f"Angles from the engine's axis in the direction of rotation, with the throw of cylinder 1 at {throw}."
     )
     if element.spacing is None:
         lines.append("Couples omitted: they need the cylinder spacing.")

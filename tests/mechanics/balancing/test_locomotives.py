@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from element_samples import asked, one
+from element_samples import asked, figures, one
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -43,6 +43,12 @@ def test_locomotive__is_that_of_the_textbook():
     assert left == pytest.approx(270 * 0.3 / 0.6 * math.hypot(near, far), rel=1e-13)
     assert blow == pytest.approx(2 / 3 * pin * math.hypot(near, far), rel=1e-13)
     assert angle == pytest.approx(math.atan2(-far, -near), rel=1e-13)
+
+
+@pytest.mark.parametrize("cylinders", [3, 4])
+def test_evenly_spaced_throws__vary_the_traction_by_rounding_only(cylinders):
+    ((variation, error),) = figures(INSIDE | {"cylinders": cylinders}, "tractive_variation")
+    assert variation <= error < 1e-10
 
 
 @few

@@ -162,3 +162,10 @@ def test_element_without_results__is_not_drawn(tmp_path):
     stuck = {"type": "car", "speed": 15.0, "friction": 0.1, "wheelbase": 2.8, "rear_distance": 1.2, "height": 0.6}
     with pytest.raises(PictureError, match="no results to draw"):
         save_beside(tmp_path / "it.svg", element_sheets(Scene(elements={"it": stuck | {"slope": -0.5}})))
+
+
+def test_elements_named_after_the_file__have_pictures_of_their_own(tmp_path):
+    elements = dict.fromkeys(("engine", "engine_b", "b"), TIE)
+    made = save_beside(tmp_path / "engine.svg", element_sheets(Scene(elements=elements)))
+    assert made[0].name.count("engine") == 1
+    assert len({picture.name for picture in made}) == 3

@@ -336,6 +336,7 @@ JUMPS = "may neither jump nor"
 test_what_a_second_input_does_not_allow__is_refused = refusals(
     lambda changes: Machine(Scene.model_validate(changed(FIVE_BAR, regimes=REGIMES, **changes)), ["go.time"]),
     ({"forces__rub": {"type": "against_motion", "on": "B", "force": 1.0}}, JUMPS),
+    ({"forces__rub": {"type": "linear_drag", "on": "B", "coefficient": 1.0}}, "use a linear one with an angle"),
     ({"forces__oil__acts": "along"}, JUMPS),
     ({"moments__air": {"type": "quadratic_drag", "on": "left", "coefficient": 1e-3}}, JUMPS),
     ({"moments__air": {"type": "torsion_spring", "on": "left", "stiffness": 1.0}}, JUMPS),

@@ -216,6 +216,16 @@ def test_narrow_conditions__are_found_by_missing_them_less_and_less(goals, tmp_p
     assert least == pytest.approx(0.07125, rel=1e-6) or ("[" in goals and 0.07125 <= least <= 0.07135)
 
 
+def test_condition_that_all_candidates_miss_by_little__is_met_at_last(tmp_path):
+    # Cranks of 50 mm to 50.1 mm miss 100.0001 mm by less than 0.2 %: their violations are alike from the beginning.
+    narrow = '[vary]\n"input.length" = {low = "50 mm", high = "50.1 mm"}\n'
+    asked = 'maximise = "ram.stroke"\nwhere = "ram.stroke <= \'100.0001 mm\'"\npopulation = 8'
+    asked += '\nstart = {"input.length" = "50.05 mm"}'
+    result = searched(tmp_path, asked, vary=narrow)
+    assert not met(result)[:8].any()
+    assert best_of(result)["ram.stroke"] == pytest.approx(0.1000001, rel=1e-8)
+
+
 def test_scene_as_it_is__is_the_first_candidate_and_start_replaces_it(tmp_path):
     asked = 'minimise = "ram.stroke"\npopulation = 8\ngenerations = 2'
     first = {name: searched(tmp_path, asked).columns[name][0] for name in (CRANK, ROD)}

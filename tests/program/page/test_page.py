@@ -222,7 +222,9 @@ def test_page__carries_the_front_of_a_search(tmp_path, monkeypatch):
     there = set(front(found).tolist())
     assert there <= set(data_of(page, "variants")["numbers"])
     assert there <= {machine["number"] for machine in data_of(page, "motion")["machines"]}
-    assert "the front, and a random sample" in page.read_text("utf8")
+    words = page.read_text("utf8")
+    assert "the front, and a random sample" in words
+    assert "meet the condition" not in words
 
 
 def test_page__variants_have_every_number(page, result):

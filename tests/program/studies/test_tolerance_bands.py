@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from press_texts import slider_crank_text
 from slips import cases
 
-from engine import Verdict
-from sweeps import InputError, Study, SweepResult, read_study, run_study
+from engine import Machine, Verdict
+from sweeps import InputError, Study, SweepResult, read_scene, read_study, run_study
 from sweeps.optimising.search_runner import optimise_study
 from sweeps.pictures.style import VERMILION
 from sweeps.pictures.sweep.maps import curves
@@ -175,6 +175,20 @@ def test_nonlinear_number__error_of_the_band_holds_the_second_order(tmp_path):
     assert found["ram.stroke.tolerance_worst_case"][0] == pytest.approx(0, abs=1e-9)
     # Besides the second order the figure holds what strokes at their positions may be off by, some 1e-6 of 0.1 m.
     assert 0.999 * exact <= found["ram.stroke.tolerance_worst_case_error"][0] <= 1.02 * exact
+
+
+def test_product_of_numbers__error_of_the_band_holds_their_joint_effect(tmp_path):
+    both = one_tolerance("bodies.ram_body.mass", "0.2 kg").replace("ram.stroke", "reduced_inertia.mean")
+    c = swept(tmp_path, f'{both}"input.length" = "5 mm"\n').columns
+    machine = Machine(
+        read_scene(tmp_path / "scene.toml"), ["reduced_inertia.mean"], varied=["input.length", "bodies.ram_body.mass"]
+    )
+    heavy = {"input.length": np.array([0.05, 0.055]), "bodies.ram_body.mass": np.array([2.0, 2.2])}
+    given, most = machine.evaluate(heavy).summaries["reduced_inertia.mean"]
+    band, error = (c[f"reduced_inertia.mean.tolerance_worst_case{end}"][0] for end in ("", "_error"))
+    # Linear in the mass, nearly quadratic in the crank: 10 % · 2 · 10 % jointly, and 10 % squared by the crank alone.
+    assert most - given - band == pytest.approx(0.03 * given, rel=0.2)
+    assert most - given - band <= error <= 0.05 * given
 
 
 def test_tolerance_beyond_what_can_be_assembled__no_band(tmp_path):

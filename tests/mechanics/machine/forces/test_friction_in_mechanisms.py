@@ -132,6 +132,15 @@ def test_slider_crank__loses_its_gain_of_force_near_the_dead_centre():
     assert reach > 0.02
 
 
+@pytest.mark.parametrize("role", ["useful", "driving", "harmful"])
+def test_efficiency__is_an_answer_where_a_load_is_useful_or_drives(role):
+    scene = press(0.2)
+    scene["forces"]["work"]["role"] = role
+    machine = Machine(Scene.model_validate(scene), [])
+    assert "mechanical_efficiency" in machine.available_summaries
+    assert ("mechanical_efficiency" in machine.register.answers) == (role != "harmful")
+
+
 def test_slider_crank__has_the_efficiency_of_its_works():
     names = ["mechanical_efficiency", "friction_loss", "drive.second.friction_work", "required_drive_moment"]
     _, outcome = outcome_of(press(0.2, journals=False), ["ram.slide"], names)

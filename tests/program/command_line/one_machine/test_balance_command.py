@@ -115,6 +115,14 @@ def test_engine__gets_the_shafts_that_leave_neither_force_nor_couple(folder):
     assert answer.count("2 × crank") == 2
 
 
+def test_angles_of_shafts__refer_to_the_given_position_of_the_first_throw(folder):
+    Path("one.toml").write_text(TRIPLE.replace("cylinders = 3", 'cylinders = 1\nthrows = ["30 deg"]'))
+    answer = said("balance", "one.toml").stdout
+    # Half the reciprocating mass turns with the crank: its counterweight is opposite the throw.
+    assert re.search(r"the crank itself .* kg·mm at 210.0°", answer)
+    assert answer.rstrip().endswith("with the throw of cylinder 1 at 30.0°.")
+
+
 def test_engine_without_spacing__gets_shafts_for_its_forces(folder):
     Path("four.toml").write_text(TRIPLE.replace("cylinders = 3", "cylinders = 4").replace('spacing = "90 mm"', ""))
     answer = said("balance", "four.toml").stdout
