@@ -27,8 +27,8 @@ from engine.words.verdicts import Verdict
 TELLS_NOTHING = 0.01
 # Bytes of cache shared by the cores, and rows of tables: they limit the variants computed together.
 CACHE, ROWS = 16e6, 6
-# Variants in steady running computed together: many blocks, but few enough for a cache.
-TOGETHER = 4096
+# Variants computed together, if no fields are tabulated: with fewer, calls of NumPy count.
+TOGETHER = 16_384
 WORTH_A_THREAD = 128
 # Numbers in a cache line.
 ODD = 8
