@@ -37,6 +37,8 @@ def spread_errors(
     for name in errors._fields:
         rows = getattr(errors, name)
         for i in np.ndindex(rows.shape[:-1]) if name not in SKIPPED else ():
+            if not rows[i].any():
+                continue
             alone = np.zeros_like(rows)
             alone[i] = rows[i]
             changed = results_of(motion.shifted(nothing._replace(**{name: alone})))
