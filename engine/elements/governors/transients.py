@@ -207,8 +207,8 @@ def follow_changes(
 class _Runs(WalkedRuns):
     """Runs of a number of variants, in progress; rows (variants,)."""
 
-    # Of MOST_STEPS steps at most.
-    most_walks = 14
+    # Of MOST_STEPS steps at most; abandoned at once if that number gains less than this fraction of its time.
+    most_walks, of_its_time = 14, 1e-3
 
     def __init__(self, g: GovernorVariants, marks: Marks, cycle: np.ndarray, longer: float, records: bool) -> None:
         self.g, self.records, count = g, records, marks.inner.size
@@ -302,6 +302,7 @@ class _Runs(WalkedRuns):
         self.done[who] = (why == Why.GOAL) & ~early
         self.give_up(who[why == Why.GUARD], Verdict.STALLS)
         self.give_up(who[why == Why.LOST], Verdict.NOT_FINITE)
+        self.give_up(who[(why == Why.FULL) & (gone.at < self.of_its_time * duration)])
 
     def _record(self, gone: Walks) -> None:
         """Record the instants of the steps of the first variant."""
