@@ -28,7 +28,7 @@ def coupled(coupling: dict, regime: dict, scene: dict | None = None) -> dict:
     return scene
 
 
-COUPLED = run(START, from_speed=1.0, from_shaft_speed=300.0, time=0.6)
+COUPLED = run(START, from_speed=1.0, from_shaft_speed=300.0, time=0.3)
 CASES = {
     "clutch": (coupled(CLUTCH, COUPLED), ("coupling_heat", "final_speed", "angle")),
     "fluid coupling": (coupled(FLUID, COUPLED), ("coupling_heat", "final_speed", "angle")),
@@ -41,7 +41,7 @@ CASES = {
 }
 # Steady running behind a steep coupling takes dozens of cycles of each variant.
 VARIANTS = dict.fromkeys(CASES, 24) | {"steady fluid coupling": 6}
-ACCURACIES = (1e-11, 1e-8, 1e-6, 1e-4, 1e-2)
+ACCURACIES = (1e-11, 1e-8, 1e-5, 1e-2)
 
 
 @pytest.fixture(scope="module", params=CASES)
@@ -71,7 +71,7 @@ def test_what_a_walk_misses__is_covered_and_within_the_accuracy(found, accuracy)
 
 
 def test_accuracy__is_what_steps_are_made_for(found):
-    assert (np.median(found[1e-11][1], axis=1) < 0.1 * np.median(found[1e-6][1], axis=1)).all()
+    assert (np.median(found[1e-11][1], axis=1) < 0.1 * np.median(found[1e-5][1], axis=1)).all()
 
 
 @pytest.mark.parametrize("accuracy", [1e-12, 1e-15])
