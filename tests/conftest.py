@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from commands import STUDY, said
+from commands import STUDY, leave_pictures_blank, said
 from hypothesis import settings
 from numba.core import event
 from press_texts import PRESS, PRESS_WITH_FLYWHEEL
@@ -108,6 +108,12 @@ def silent_pictures(caplog: pytest.LogCaptureFixture) -> Iterator[None]:
     yield
     logged = [record.getMessage() for record in caplog.get_records("call") if record.name.startswith("matplotlib")]
     assert not logged, logged
+
+
+@pytest.fixture
+def blank_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Files of pictures without what is drawn."""
+    leave_pictures_blank(monkeypatch)
 
 
 def write_press() -> None:

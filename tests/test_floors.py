@@ -38,7 +38,7 @@ def type_checking(node: ast.AST) -> bool:
 
 def imports_in(node: ast.Module, module: str, typed: bool = False) -> set[str]:
     """Modules imported by a piece of code, inside functions too; `typed`: also those for type checkers alone."""
-    found, pending = used_of_rooms(node), [node]
+    found, pending = set(used_of_rooms(node)), [node]
     while pending:
         for child in ast.iter_child_nodes(pending.pop()):
             if type_checking(child) and not typed:
@@ -52,7 +52,8 @@ def imports_in(node: ast.Module, module: str, typed: bool = False) -> set[str]:
     return found
 
 
-def used_of_rooms(tree: ast.Module) -> set[str]:
+@cache
+def used_of_rooms(tree: ast.Module) -> frozenset[str]:
     """Modules that rooms load on use: `mechanism.friction.rubbing_pairs` after `from engine import mechanism`.
 
     What is chosen by its name, as in `getattr(mechanism.groups, name)`, may be any module of the room.
@@ -64,6 +65,8 @@ def used_of_rooms(tree: ast.Module) -> set[str]:
         for alias in node.names
         if is_room(f"{node.module}.{alias.name}")
     }
+    if not rooms:
+        return frozenset()
 
     def module_of(node: ast.AST) -> str:
         if isinstance(node, ast.Name):
@@ -74,7 +77,7 @@ def used_of_rooms(tree: ast.Module) -> set[str]:
     for node in ast.walk(tree):
         if isinstance(node, ast.Call) and ast.unparse(node.func) == "getattr" and is_room(module_of(node.args[0])):
             found.update(name for name in FILES if name.rpartition(".")[0] == module_of(node.args[0]))
-    return found
+    return frozenset(found)
 
 
 def is_room(module: str) -> bool:
@@ -298,8 +301,8 @@ def test_rooms__use_only_those_before_them(package, rooms):
         parts = module.split(".")
         if parts[0] != package or len(parts) < 2 or parts[1].startswith("__"):
             continue
-        later = rooms[rooms.index(parts[1]) + 1 :]
-        wrong += [f"{module} -> {n}" for n in needs if n.startswith(tuple(f"{package}.{room}" for room in later))]
+        later = tuple(f"{package}.{room}" for room in rooms[rooms.index(parts[1]) + 1 :])
+        wrong += [f"{module} -> {n}" for n in needs if n.startswith(later)]
     assert wrong == []
 
 

@@ -5,6 +5,7 @@ import io
 import re
 import tokenize
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -101,7 +102,12 @@ def docstrings(tree: ast.Module) -> set[int]:
     return {id(body[0].value) for body in bodies if body and isinstance(body[0], ast.Expr)}
 
 
-def texts(file: Path, seen_only: bool) -> Iterator[tuple[int, str]]:
+@cache
+def texts(file: Path, seen_only: bool) -> list[tuple[int, str]]:
+    return list(found_texts(file, seen_only))
+
+
+def found_texts(file: Path, seen_only: bool) -> Iterator[tuple[int, str]]:
     source = file.read_text(encoding="utf8")
     if file.suffix == ".js":
         # Comments and texts, without the code in these.
@@ -132,9 +138,11 @@ def excepted(place: str, text: str) -> bool:
 
 def hits(place: str, seen_only: bool, banned: dict[str, str]) -> Iterator[str]:
     for file in files(place):
-        name = file.relative_to(ROOT).as_posix()
-        for line, text in texts(file, seen_only):
-            for pattern, instead in banned.items():
+        name, read = file.relative_to(ROOT).as_posix(), texts(file, seen_only)
+        whole = "\n".join(text for _, text in read)
+        for pattern, instead in banned.items():
+            # Most patterns are nowhere in a file.
+            for line, text in read if re.search(pattern, whole) else ():
                 found = re.search(pattern, text)
                 if found and not excepted(name, text):
                     yield f"{name}:{line}: {found[0]!r}: say {instead}: {text.strip()}"

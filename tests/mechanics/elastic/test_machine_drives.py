@@ -110,6 +110,8 @@ def equations(k: float, b: float, first: float, peak: float = 0.0):
         by_speed = -drag - peak * np.exp(-w2 / GROWTH) / GROWTH
         a2 = (moment + load - 0.5 * slope * w2**2) / whole
         own = [w1 - w2, (STALL * (1 - w1 / NO_LOAD) - moment) / first, w2, a2]
+        if len(y) == 4:
+            return own
         by_phi = (-DRAG * 0.01 * np.sin(2 * phi) * w2 - 0.5 * bend * w2**2 - a2 * slope) / whole
         jacobian = np.array(
             [
@@ -128,16 +130,16 @@ def shot(k: float, b: float, first: float, peak: float = 0.0) -> dict:
     """Steady motion by shooting over the time of a turn."""
     rates = equations(k, b, first, peak)
 
-    def flow(x):
-        begin = np.concatenate([[x[0], x[1], 0.0, x[2]], np.eye(4).ravel()])
+    def flow(x, *variations):
+        begin = [x[0], x[1], 0.0, x[2], *variations]
         return solve_ivp(rates, (0.0, x[3]), begin, method="DOP853", rtol=1e-11, atol=1e-12, dense_output=True)
 
     def miss(x):
-        end = flow(x).y[:4, -1]
+        end = flow(x).y[:, -1]
         return [1e2 * (end[0] - x[0]), end[1] - x[1], end[2] - math.tau, end[3] - x[2]]
 
     x = fsolve(miss, [0.02, 21.0, 21.0, math.tau / 21.0], xtol=1e-12)
-    found = flow(x)
+    found = flow(x, *np.eye(4).ravel())
     q, w1, _, w2 = found.sol(np.linspace(0.0, x[3], 40_001))[:4]
     moment = k * q + b * (w1 - w2)
     multipliers = np.sort(np.abs(np.linalg.eigvals(found.y[4:, -1].reshape(4, 4))))[::-1]
@@ -178,7 +180,7 @@ def test_steady_motion__is_that_of_shooting_in_time(machine, drive, peak):
 
 def test_power__is_balanced_over_the_cycle_and_error_figures_hold(machine):
     rng = np.random.default_rng(5)
-    numbers = [10.0 ** rng.uniform(*ends, 40) for ends in ((2.0, 7.0), (-3.0, 0.5), (-2.0, 1.0))]
+    numbers = [10.0 ** rng.uniform(*ends, 20) for ends in ((2.0, 7.0), (-3.0, 0.5), (-2.0, 1.0))]
     status, values, errors = answers(machine, *numbers)
     found = status == Verdict.OK
     assert found.mean() > 0.5

@@ -22,7 +22,7 @@ from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.loads import Loads
 from engine.scene.structure.ordering import order
 
-some = settings(deadline=None, max_examples=24)
+some = settings(deadline=None, max_examples=12)
 
 TURN = 2 * math.pi
 # Cuts closer than this are one: rounding moves a place at which a curve has a slope by less. Nearer to a dead centre a
@@ -247,7 +247,6 @@ def pairs_of(edges: np.ndarray) -> list[tuple[float, float]]:
 @some
 @given(scenes())
 def test_loads__switch_at_crossings_and_are_smooth_between(scene):
-    """It takes 5 s: scenes with loads of many kinds."""
     assume(moves_along_its_loads(scene))
     check_switches(scene)
     check_smoothness(scene)

@@ -17,6 +17,9 @@ from sweeps.run.runner import layout_of
 from sweeps.store import variants_kept
 from sweeps.text.interruption import farewell
 
+# Tests of pictures look at what is drawn.
+pytestmark = pytest.mark.usefixtures("blank_pictures")
+
 
 def test_run__tells_counts_blame_answer_and_files(press_folder):
     answer = said("run", "study.toml", "--no-plots")

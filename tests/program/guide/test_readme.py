@@ -135,7 +135,7 @@ def test_readme__shows_a_piece_of_the_tutorial():
 ELSEWHERE = ("sweeps run crank_press", "sweeps optimise four_bar_counterweights", "sweeps guide --web", "sweeps watch")
 
 
-def test_commands__run_in_the_order_written(folder, monkeypatch):
+def test_commands__run_in_the_order_written(folder, blank_pictures, monkeypatch):
     monkeypatch.chdir(folder)
     listed, seen = commands(), run_by_worked_pages()
     assert len(listed) >= 12

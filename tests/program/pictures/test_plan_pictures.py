@@ -204,26 +204,26 @@ def test_plan_pictures__a_sheet_for_each_plan(tmp_path):
         ElementTree.parse(path)
 
 
-def test_plan_pictures_of_a_machine_without_masses_and_forces__kinematics_alone(tmp_path):
+def test_plan_pictures_of_a_machine_without_masses_and_forces__kinematics_alone(tmp_path, blank_pictures):
     made = plan_pictures(four_bar(), tmp_path / "a.png")
     assert [path.name for path in made] == ["a_velocity.png", "a_acceleration.png"]
 
 
-def test_reaction_pictures__bearings_of_the_fields_alone(tmp_path):
+def test_reaction_pictures__bearings_of_the_fields_alone(tmp_path, blank_pictures):
     scene = MACHINES["slider_crank"]
     made = reaction_pictures(scene, tmp_path / "a.png", ["drive.inner.reaction", "ram.slide"])
     assert [path.name for path in made] == ["a_reactions.png", "a_bearing_drive_inner.png"]
     assert reaction_pictures(scene, tmp_path / "b.png", ["ram.slide"]) == []
 
 
-def test_bearing_pictures__those_named_once_each(tmp_path):
+def test_bearing_pictures__those_named_once_each(tmp_path, blank_pictures):
     made = bearing_pictures(MACHINES["slider_crank"], tmp_path / "a.svg", ("drive.inner", "input", "drive.inner"))
     assert [path.name for path in made] == ["a_bearing_drive_inner.svg", "a_bearing_input.svg"]
     with pytest.raises(PictureError, match="input is unloaded"):
         bearing_pictures(four_bar(), tmp_path / "b.svg", ["input"])
 
 
-def test_plan_pictures_of_many_bearings__those_that_bear_most(tmp_path, monkeypatch):
+def test_plan_pictures_of_many_bearings__those_that_bear_most(tmp_path, blank_pictures, monkeypatch):
     scene = MACHINES["slider_crank"]
     monkeypatch.setattr("sweeps.pictures.plans.files.MOST_BEARINGS", 1)
     drawn = [path.stem for path in plan_pictures(scene, tmp_path / "a.svg") if "bearing" in path.stem]

@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from click.testing import CliRunner, Result
 
 from sweeps.cli import main
@@ -67,6 +68,11 @@ def refused(*arguments: str) -> str:
     assert answer.stderr
     assert "Traceback" not in answer.output
     return answer.stderr
+
+
+def leave_pictures_blank(patch: pytest.MonkeyPatch) -> None:
+    """Write files of pictures without what is drawn, which tests of pictures look at."""
+    patch.setattr("sweeps.pictures.style.Sheet.savefig", lambda figure, file, **given: file.write(b"<svg/>"))
 
 
 def row(text: str, name: str) -> list[str]:

@@ -221,11 +221,11 @@ def behind_a_fast_shaft() -> Scene:
 
 
 def test_windows_behind_a_shaft_of_any_ratio__each_stroke_does_its_work():
-    """It takes 6 s, half of it compiling: 180 shafts, with up to 120 windows in a cycle and in a run."""
+    """Of shafts with up to 120 windows in a cycle and in a run."""
     scene, rng = behind_a_fast_shaft(), np.random.default_rng(3)
     # In 35 and 59 intervals of a turn, as in any other whole number, such shafts are where they were.
-    ratios = np.concatenate([np.arange(1.0, 121.0), -rng.integers(1, 121, 60)])
-    varied = {"shafts.fast.ratio": ratios, "shafts.fast.phase": rng.permutation(np.r_[np.zeros(60), rng.random(120)])}
+    ratios = np.concatenate([[1.0, 35.0, 59.0, 70.0, 118.0, 120.0], np.arange(2, 119, 4), -rng.integers(1, 121, 28)])
+    varied = {"shafts.fast.ratio": ratios, "shafts.fast.phase": rng.permutation(np.r_[np.zeros(21), rng.random(43)])}
     asked = ["ram.stroke", "required_drive_moment", "run.final_speed"]
     machine = Machine(scene, asked, varied=list(varied))
     found = machine.evaluate(varied)
@@ -238,7 +238,7 @@ def test_windows_behind_a_shaft_of_any_ratio__each_stroke_does_its_work():
         room = (1e-10 if name == "run.final_speed" else 1e-15) * np.abs(value)
         assert (np.abs(found.summaries[name] - value) <= found.errors[name] + room).all(), name
         assert (found.errors[name] <= 1e-9 * np.abs(value)).all(), name
-    for i in (0, 34, 69, 119):
+    for i in (0, 1, 3, 5):
         alone = machine.evaluate({path: values[i : i + 1] for path, values in varied.items()})
         for name in asked:
             assert alone.summaries[name][0] == found.summaries[name][i]

@@ -58,8 +58,7 @@ def test_number_of_any_size__is_in_one_unit_of_its_system_apart_from_metric_pref
     wrong, known = [], frozenset.union(*map(units_of, BUNDLED))
     show_units({"system": system})
     for units in sorted(known):
-        texts = [quantity_text(float(size), units) for size in SIZES]
-        wrong += [text for text in texts if foreign(text, system)]
+        wrong += foreign("\n".join(quantity_text(float(size), units) for size in SIZES), system)
         labels = {display_unit(units, np.array([size]))[1] for size in SIZES}
         # Many turns are revolutions; kN for N, L for cm³.
         if system != "mm" and units != "rad":

@@ -18,6 +18,9 @@ from sweeps.report.order_table import EngineRow, engine_rows, remaining_orders
 from sweeps.text.scene_text import with_values
 from sweeps.text.templates import bundled_templates
 
+# Tests of pictures look at what is drawn.
+blank = pytest.mark.usefixtures("blank_pictures")
+
 EPS = np.finfo(float).eps
 
 
@@ -94,6 +97,7 @@ def test_plot_of_a_variant__draws_the_elements_with_its_numbers(folder):
     assert first != second
 
 
+@blank
 def test_plot_of_elements_beside_a_mechanism__adds_their_pictures(folder):
     slider_crank, rotor = (bundled_templates()[name].read_text() for name in ("slider_crank", "rotor"))
     text = slider_crank + rotor.partition("\n\n")[2]
@@ -184,6 +188,7 @@ def test_engine_rows__are_the_layouts_with_lengths_as_multiples():
 # Shaking forces of mechanisms
 
 
+@blank
 def test_hodograph__of_a_scene_and_beside_another(drawn):
     done("new", "slider_crank")
     assert wrote(done("plot", "slider_crank.toml", "--hodograph"))[-1] == "slider_crank_hodograph.png"
@@ -193,6 +198,7 @@ def test_hodograph__of_a_scene_and_beside_another(drawn):
     assert [list(scenes) for scenes in drawn] == [*others]
 
 
+@blank
 def test_hodograph_of_a_variant__has_the_scene_as_given_beside(drawn):
     axis = '"bodies.piston_body.mass" = { values = ["1.5 kg", "3 kg"] }'
     swept("masses", "slider_crank", axis, 'summaries = ["piston.stroke"]')
@@ -234,6 +240,7 @@ def test_export_of_a_sliding_input__has_a_position_without_asking(ending, rack):
 # Results without a goal
 
 
+@blank
 def test_result_without_a_goal__shows_the_reactions_of_the_first_variant_that_works(folder):
     axis = '"groups.drive.first.length" = { values = ["20 mm", "160 mm"] }'
     asked = 'summaries = ["piston.stroke"]\nfields = ["drive.inner.reaction_x"]'
@@ -244,6 +251,7 @@ def test_result_without_a_goal__shows_the_reactions_of_the_first_variant_that_wo
     assert len(result_pictures(result, Path("a.png"))) == 1
 
 
+@blank
 def test_elements_alone__are_no_mechanism(folder):
     assert "needs a crank that turns fully" in refused("plot", "v_twin", "--hodograph")
     assert "there is no mechanism to draw" in refused("export", "v_twin", "--to", "a.dxf")

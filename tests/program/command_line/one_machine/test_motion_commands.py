@@ -20,6 +20,9 @@ from sweeps.run import blocks, cost
 from sweeps.run.blocks import evaluate_block
 from sweeps.study.default_summaries import telling_summaries
 
+# Tests of pictures look at what is drawn.
+pytestmark = pytest.mark.usefixtures("blank_pictures")
+
 USEFUL = PRESS.replace('force = "100 kN"', 'force = "5 kN"\nrole = "useful"')
 MOTION = f"""{USEFUL}
 [flywheel]

@@ -19,6 +19,9 @@ from engine import Machine, Scene
 from sweeps import InputError, read_scene, readings_at, readings_in_time
 from sweeps.text.scene_text import scene_from
 
+# Tests of pictures look at what is drawn.
+pytestmark = pytest.mark.usefixtures("blank_pictures")
+
 CRANK, ROD = 0.05, 0.2
 PRESS = scene_from(tomllib.loads(press_texts.PRESS), "", "press", Path())
 # Of lengths of some decimetres in double precision.
