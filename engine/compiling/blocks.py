@@ -17,11 +17,11 @@ Row, Rows = Memory(()), Memory((LANES,))
 in_lanes = memory(Rows)
 
 
-def rows(*shape: int, aside: int = 0) -> np.ndarray:
-    """Allocate zeros (…, LANES) that begin `aside` numbers after the start of a page."""
+def rows(*shape: int, offset: int = 0) -> np.ndarray:
+    """Allocate zeros (…, LANES) that begin `offset` numbers after the start of a page."""
     size = math.prod(shape) * LANES
-    memory = np.zeros(size + aside + _PAGE // 8)
-    start = -(memory.ctypes.data // 8) % (_PAGE // 8) + aside
+    memory = np.zeros(size + offset + _PAGE // 8)
+    start = -(memory.ctypes.data // 8) % (_PAGE // 8) + offset
     return memory[start : start + size].reshape(*shape, LANES)
 
 

@@ -69,7 +69,7 @@ class _NoRegimes(NamedTuple):
     fields: Mapping[str, Quantity] = {}
     asked: tuple[str, ...] = ()
     kept_at: Mapping[str, "motion.quantities.KeptAt"] = {}
-    schedule: None = None
+    in_order: None = None
     nodes: tuple[Node, ...] = ()
 
 
@@ -358,7 +358,7 @@ class Machine:
     @property
     def has_regimes(self) -> bool:
         """Whether a quantity of a regime is requested, such as a run or steady running."""
-        return self.regimes.schedule is not None
+        return self.regimes.in_order is not None
 
     def new_buffer(self, variants: int) -> np.ndarray:
         """Allocate memory for the requested fields of a number of variants; reuse it from block to block."""
@@ -535,11 +535,11 @@ class Machine:
     @property
     def _runs_alone_count(self) -> bool:
         """Whether no requested quantity depends on the cycle as a whole, for instance by the ends of a stroke."""
-        schedule = self.regimes.schedule
-        if schedule is None or self._summaries or self._fields or self._trains or self._governing or self._drives:
+        in_order = self.regimes.in_order
+        if in_order is None or self._summaries or self._fields or self._trains or self._governing or self._drives:
             return False
         strokes = any(isinstance(node, Found) for node in reached(self._moving))
-        return schedule.steady.isdisjoint(schedule.needed) and not strokes and not self._measuring.windings
+        return in_order.steady.isdisjoint(in_order.needed) and not strokes and not self._measuring.windings
 
     def _keep(self, room: np.ndarray, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles) -> np.ndarray:
         """Fill the kept fields; return which variants have finite values only."""

@@ -24,9 +24,9 @@ from engine.motion.runs.spread_errors import spread_errors
 from engine.motion.runs.watching import Observer, RunFields
 from engine.motion.settled.cycle import Cycle, answers_of, cycle_of
 from engine.motion.settled.return_map import Returned
-from engine.motion.settled.rubbing_steady import settled_motion
 from engine.motion.settled.sizing import flywheel_for
 from engine.motion.settled.steady import Steady, steady_motion
+from engine.motion.settled.steady_with_friction import settled_motion
 from engine.stepping.records import on_arrays, over_all, put, some
 from engine.words.verdicts import Verdict
 

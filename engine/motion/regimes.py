@@ -46,7 +46,7 @@ class Regimes:
         Requested summaries and fields.
     kept_at : dict of str to KeptAt
         Where the fields of runs are stored; those of steady regimes are stored over the cycle.
-    schedule : Schedule or None
+    in_order : RegimesInOrder or None
         The regimes in order; None if no result of them is requested.
     """
 
@@ -62,9 +62,9 @@ class Regimes:
         asked = list(dict.fromkeys(asked))
         self.summaries |= self._statistics(asked)
         self.asked = tuple(name for name in asked if name in self.summaries or name in self.fields)
-        self.schedule: motion.regimes_in_order.Schedule | None = None
+        self.in_order: motion.regimes_in_order.RegimesInOrder | None = None
         if self.asked:
-            self.schedule = motion.regimes_in_order.Schedule(mechanics, set(self.asked), steps, accuracy)
+            self.in_order = motion.regimes_in_order.RegimesInOrder(mechanics, set(self.asked), steps, accuracy)
 
     def _statistics(self, names: Iterable[str]) -> dict[str, Quantity]:
         """The statistics of fields among some names."""
@@ -80,7 +80,7 @@ class Regimes:
     @property
     def nodes(self) -> list[Node]:
         """Nodes from which the motion is computed at a position."""
-        return [] if self.schedule is None else self.schedule.nodes
+        return [] if self.in_order is None else self.in_order.nodes
 
     def compile_ahead(self) -> None:
         """Compile what the regimes of all machines share in another process."""
@@ -95,7 +95,7 @@ class Regimes:
         count : int
             Number of variants.
         """
-        found = self.schedule.answers(numbers, count)
+        found = self.in_order.answers(numbers, count)
         missing = np.zeros(count, bool)
         for name, value in found.values.items():
             if not name.endswith(MAY_BE_UNDEFINED):

@@ -1,4 +1,4 @@
-"""A schedule: the regimes of a scene in order, for many variants, with an error estimate for every number.
+"""The regimes of a scene in order, for many variants, with an error estimate for every number.
 
 Runs over the crank angle and steady running propagate the errors of their steps; fields of steady running, and what
 follows a run, are evaluated again with these errors added, fields at half the positions. All other motions run three
@@ -75,7 +75,7 @@ class RegimeAnswers(NamedTuple):
         return found
 
 
-class Schedule(AskedRegimes):
+class RegimesInOrder(AskedRegimes):
     """The regimes of a scene in order; parameters as for `AskedRegimes`.
 
     Attributes

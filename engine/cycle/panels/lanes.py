@@ -20,7 +20,7 @@ from engine.compiling.memory import Memory, memory
 from engine.cycle.panels.chebyshev import POSITIONS
 
 # Half a row, in numbers.
-ASIDE = LANES // 2
+OFFSET = LANES // 2
 
 # Shape (…, POSITIONS, LANES).
 Panels = Memory((POSITIONS, LANES))
@@ -78,9 +78,9 @@ def new_record(record: type, /, **given: object) -> tuple:
         if not isinstance(kind, Memory):
             made[name] = given[name]
         elif not kind.inner:
-            made[name] = rows(aside=ASIDE)
+            made[name] = rows(offset=OFFSET)
         else:
             count = given[name] if kind.before or kind.record is None else len(kind.record._fields)
             inside = kind.inner[:-1]
-            made[name] = rows(count, *inside, aside=0 if POSITIONS in inside else ASIDE)
+            made[name] = rows(count, *inside, offset=0 if POSITIONS in inside else OFFSET)
     return record(**made)

@@ -136,12 +136,12 @@ class EngineElement(NamingElement):
             firing_angles(self.nominal_layout, self.order_of_firing)
 
     def _faults_of_rods(self) -> Faults:
-        aside = abs(self.gudgeon_offset or 0.0)
-        if self.rod <= math.hypot(self.stroke / 2, aside):
+        offset = abs(self.gudgeon_offset or 0.0)
+        if self.rod <= math.hypot(self.stroke / 2, offset):
             least = f"half the stroke, {quantity_text(self.stroke / 2, 'm')}"
-            if aside:
+            if offset:
                 least = (
-                    f"{quantity_text(math.hypot(self.stroke / 2, aside), 'm')}, for half the "
+                    f"{quantity_text(math.hypot(self.stroke / 2, offset), 'm')}, for half the "
                     f"stroke and gudgeon_offset across it"
                 )
             yield f"rod = {quantity_text(self.rod, 'm')}: it must be longer than {least}"

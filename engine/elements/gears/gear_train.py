@@ -147,7 +147,7 @@ class GearTrain(NamingElement):
         if len(structure.driven) != structure.mobility:
             yield (
                 f"{structure.words}, and as many shafts need a speed, or further ones are held; "
-                f"{_told(structure.driven, 'a speed')}"
+                f"{_those_with(structure.driven, 'a speed')}"
             )
         if not structure.speeds_follow:
             yield (
@@ -163,7 +163,7 @@ class GearTrain(NamingElement):
         if len(follow) != structure.mobility:
             yield (
                 f"W = {structure.mobility}: this many torques follow from the others, those of driven shafts without a "
-                f"moment and of loaded ones; {_told(follow, 'such a role')}"
+                f"moment and of loaded ones; {_those_with(follow, 'such a role')}"
             )
         if not structure.moments_follow:
             yield (
@@ -207,5 +207,5 @@ class GearTrain(NamingElement):
         return train_answers(self, n)
 
 
-def _told(names: tuple[str, ...], role: str) -> str:
+def _those_with(names: tuple[str, ...], role: str) -> str:
     return f"those with {role} are {len(names)}: {', '.join(names)}" if names else f"no shaft has {role}"

@@ -29,7 +29,7 @@ from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.moments.grid import GAP
 from engine.motion.one_speed import MachineSystem
-from engine.motion.regimes_in_order import Schedule
+from engine.motion.regimes_in_order import RegimesInOrder
 from engine.motion.runs.run_progress import ADAPTIVE, Stepping
 from engine.motion.runs.watching import Observer
 from engine.motion.settled.steady import steady_motion
@@ -63,8 +63,8 @@ class ElasticDrives:
     def __init__(self, mechanics: Mechanics, drives: Sequence[str]) -> None:
         self.scene = mechanics.scene
         self.drives: dict[str, MachineDrive] = {name: self.scene.elements[name] for name in drives}
-        self._schedule = Schedule(mechanics, set(), 2)
-        reduction = self._schedule.reduction
+        self._in_order = RegimesInOrder(mechanics, set(), 2)
+        reduction = self._in_order.reduction
         gathered = frozenset({"fading"})
         made = {
             name: Dynamics(reduction, frozenset(drive.off), gathered=gathered) for name, drive in self.drives.items()
@@ -86,7 +86,7 @@ class ElasticDrives:
             Which variants can be assembled; the others have no results.
         """
         found, who = {}, np.flatnonzero(sound)
-        variants = self._schedule.variants(numbers.of_variants(who), who.size) if who.size else None
+        variants = self._in_order.variants(numbers.of_variants(who), who.size) if who.size else None
         for name in self.drives:
             values, errors = np.full((2, len(RESULTS) + len(RUN_RESULTS), sound.size), np.nan)
             verdict = np.full(sound.size, float(Verdict.OK))
@@ -147,7 +147,7 @@ class ElasticDrives:
         count : int
             Number of variants.
         """
-        variants, seconds = self._schedule.variants(numbers, count), 0.0
+        variants, seconds = self._in_order.variants(numbers, count), 0.0
         for name in self.runs:
             with np.errstate(all="ignore"):
                 ready, _, _ = self._ready(name, variants)
@@ -211,7 +211,7 @@ class ElasticDrives:
 
     def as_is(self, name: str) -> "tuple[Ready, ElasticCycle, DrivenMachine, RigidCycle] | None":
         """The scene's own values on one of the shafts, in steady running; None without steady running."""
-        ready, steps, _ = self._ready(name, self._schedule.variants(Numbers(scene_numbers(self.scene), {}), 1))
+        ready, steps, _ = self._ready(name, self._in_order.variants(Numbers(scene_numbers(self.scene), {}), 1))
         if not steps.size:
             return None
         machine, guess, rigid = _machine_over_cycle(ready, int(steps[0]))

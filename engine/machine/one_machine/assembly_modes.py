@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.machine.one_machine.moving_machine import MovingMachine
-from engine.mechanism.groups.seed_tables import AssemblyMode, ModeNotTold
+from engine.mechanism.groups.seed_tables import AssemblyMode, ModeNotGiven
 from engine.mechanism.mechanics import Mechanics
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.scene.structure.ordering import order
@@ -33,7 +33,7 @@ def assembly_modes(scene: Scene) -> dict[str, tuple[AssemblyMode, ...] | None]:
     for name, tables in Mechanics(scene).kinematics.seed_tables.items():
         try:
             found[name] = tables.modes
-        except ModeNotTold:
+        except ModeNotGiven:
             found[name] = None
     return found
 
@@ -59,7 +59,7 @@ def near_of_variant(scene: Scene, values: Mapping[str, float]) -> dict[str, floa
     for tables in Mechanics(scene, frozenset(values)).kinematics.seed_tables.values():
         try:
             places = tables.told_places(numbers)
-        except ModeNotTold:
+        except ModeNotGiven:
             return None
         if places is None:
             return None

@@ -12,10 +12,10 @@ from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.one_speed import CHANNELS
 from engine.motion.quantities import load_fields, sized_regimes
-from engine.motion.regimes_in_order import Schedule
+from engine.motion.regimes_in_order import RegimesInOrder
 from engine.motion.runs.run_progress import CoupledStanding, Standing
 from engine.motion.runs.watching import Piece, RunFields
-from engine.motion.settled.rubbing_steady import settled_motion
+from engine.motion.settled.steady_with_friction import settled_motion
 from engine.quantities.quantity import Quantity
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.words.verdicts import Verdict
@@ -104,12 +104,12 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
     asked = {f"{name}.useful_work" for name in scene.regimes}
     asked |= {f"{name}.{field}.max" for name in scene.regimes for field in fields}
     asked |= {f"{name}.flywheel" for name in sized_regimes(scene)}
-    schedule, numbers = Schedule(mechanics, asked, steps), Numbers(scene_numbers(scene), {})
-    every = schedule.variants(numbers, 1)
-    zero, standing = np.zeros(1), schedule.at_begin(every)
+    in_order, numbers = RegimesInOrder(mechanics, asked, steps), Numbers(scene_numbers(scene), {})
+    every = in_order.variants(numbers, 1)
+    zero, standing = np.zeros(1), in_order.at_begin(every)
     parts: list[_Part] = []
     begun = 0.0
-    for name, motion in schedule.motions.items():
+    for name, motion in in_order.motions.items():
         dynamics = motion.dynamics
         variants = dynamics.driven(every)
         hindered = motion.hindered(variants)
@@ -139,7 +139,7 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
             begun += pieces[-1].time[-1, 0]
         else:
             variants, verdict = motion.with_sized_flywheel(variants)
-            piece, standing = _one_cycle(dynamics, variants, steps, schedule.tolerance)
+            piece, standing = _one_cycle(dynamics, variants, steps, in_order.tolerance)
             standing = standing._replace(verdict=np.maximum(standing.verdict, verdict))
             along = RunFields(dynamics, variants, zero, zero, motion.loads, dynamics.off)
             sides = None if motion.two is None else motion.two.of(variants, zero)
@@ -150,7 +150,7 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
         if standing.verdict[0] != Verdict.OK:
             break
     found = _gathered(parts, fields, Verdict(int(standing.verdict[0])))
-    return _up_to_failure(found, Measuring(mechanics, (), (), (), (steps, steps + 1), None, schedule.nodes), numbers)
+    return _up_to_failure(found, Measuring(mechanics, (), (), (), (steps, steps + 1), None, in_order.nodes), numbers)
 
 
 def history_fields(scene: Scene) -> dict[str, Quantity]:

@@ -79,7 +79,7 @@ class AssemblyMode(NamedTuple):
     chosen: bool
 
 
-class ModeNotTold(SceneError):
+class ModeNotGiven(SceneError):
     """A group has several assembly modes, and the scene does not select one."""
 
 
@@ -236,12 +236,12 @@ class SeedTables:
 
     def _nearest(self, places: list[dict[str, tuple[float, float]]]) -> int | None:
         """Index of the mode selected by the scene; None if it is ambiguous."""
-        told = [name for name in self.scene.near if name in self._points]
-        if not told:
+        given = [name for name in self.scene.near if name in self._points]
+        if not given:
             return 0 if len(places) == 1 else None
         wanted = self.scene.near
         far = [
-            sum((at[name][0] - wanted[name].x) ** 2 + (at[name][1] - wanted[name].y) ** 2 for name in told) ** 0.5
+            sum((at[name][0] - wanted[name].x) ** 2 + (at[name][1] - wanted[name].y) ** 2 for name in given) ** 0.5
             for at in places
         ]
         order = np.argsort(far)
@@ -254,14 +254,14 @@ class SeedTables:
 
         Raises
         ------
-        ModeNotTold
+        ModeNotGiven
             The group has several modes, and `near` selects none of them.
         """
         if self.modes and not any(mode.chosen for mode in self.modes):
             words = f"{', '.join(self.group.links)} have {len(self.modes)} assembly modes at the first position"
             if not self._points:
                 mend = f'points.NAME = {{ link = "{self.group.links[0]}", x = "…", y = "…" }}, away from its joints'
-                raise ModeNotTold([("near", f"{words}, and they have no point to select one: give them {mend}")])
+                raise ModeNotGiven([("near", f"{words}, and they have no point to select one: give them {mend}")])
             point = max(self._points, key=lambda name: _least_distance([m.points[name] for m in self.modes]))
             listed = "; ".join(
                 f"({quantity_text(x, 'm')}, {quantity_text(y, 'm')})"
@@ -269,8 +269,8 @@ class SeedTables:
             )
             mend = f'near.{point} = {{ x = "…", y = "…" }}'
             pointed = any(name in self.scene.near for name in self._points)
-            told = "and near is equally far from two of them" if pointed else "and the mode is ambiguous"
-            raise ModeNotTold([("near", f"{words}, {told}: give {mend}; {point} may lie at {listed}")])
+            ending = "and near is equally far from two of them" if pointed else "and the mode is ambiguous"
+            raise ModeNotGiven([("near", f"{words}, {ending}: give {mend}; {point} may lie at {listed}")])
 
     # Tables
 

@@ -234,9 +234,9 @@ def _piece_of(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks) -
 
     facing = runs.facing[who]
     turned, speed, _ = states_at(gone, columns, time)
-    aside = np.where(reach > 4.0 * JUMP, 1.0, 0.0) * facing[column]
+    inwards = np.where(reach > 4.0 * JUMP, 1.0, 0.0) * facing[column]
     beside = runs.equation(who[column]).beside
-    begins, ends = (aside * beside(at_end) for at_end in (first, last))
+    begins, ends = (inwards * beside(at_end) for at_end in (first, last))
     turned = np.where(k == 0, first[of] + begins[of], np.where(k == looks[of], last[of] - ends[of], turned))
     counts = np.bincount(columns, minlength=who.size)
     steps = np.where(k < looks[of], (reach / looks)[of], 0.0)

@@ -11,7 +11,7 @@ import numpy as np
 
 from engine.compiling.running import mean_of_rows
 from engine.motion.moments.dynamics import Dynamics, Variants
-from engine.motion.settled.rubbing_steady import settled_motion
+from engine.motion.settled.steady_with_friction import settled_motion
 from engine.words.verdicts import Verdict
 
 # Crank angles over which the inertia is averaged.

@@ -164,12 +164,12 @@ class _Motion:
             # A cycle with shorter steps may reveal that a motor is steep.
             steep[who] |= gone.why == Why.STEEP
             verdict[who[(gone.why != Why.GOAL) & (implicit | (gone.why != Why.STEEP))]] = Verdict.NOT_FINITE
-            own, other = self._told(*begin, closed.off[who], gone)
+            own, other = self._numbers_of(*begin, closed.off[who], gone)
             for mine, new in zip((*found, *off), (*own, record, *other, record_off), strict=True):
                 mine[..., who] = np.where(gone.why == Why.GOAL, new, np.nan)
         return Steady(verdict, *found, steep.astype(float)), Steady(verdict, *off, np.zeros(count))
 
-    def _told(
+    def _numbers_of(
         self, energy: np.ndarray, carried_error: np.ndarray, residual: np.ndarray, gone: Walks
     ) -> tuple[list[np.ndarray], list[np.ndarray]]:
         """Numbers of cycles in the order of `Steady`, without verdict and record, and their error estimates."""

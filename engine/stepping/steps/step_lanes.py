@@ -7,7 +7,7 @@ import numpy as np
 
 from engine.compiling.blocks import Row, Rows, hand_out, hand_out_row, in_lanes
 from engine.compiling.decorators import routine
-from engine.cycle.panels.lanes import ASIDE, one, rows
+from engine.cycle.panels.lanes import OFFSET, one, rows
 from engine.stepping.walk_task import WalkTask
 
 # Maximum number of stored steps per cycle; lanes that need more don't repeat theirs.
@@ -180,10 +180,10 @@ def new_room(task: WalkTask, numbers: int, edges: int, instants: int, repeats: b
         rows(2 * edges),
         rows(max(instants, 1)),
         # Tiles of one position.
-        rows(task.width * max(len(task.nodes), task.stages + 1), 1, aside=ASIDE),
+        rows(task.width * max(len(task.nodes), task.stages + 1), 1, offset=OFFSET),
         rows(2 * task.watched, 1),
         rows(task.width),
-        rows(task.width, aside=ASIDE),
+        rows(task.width, offset=OFFSET),
         rows(task.width),
         rows(task.width),
         rows(task.width),
