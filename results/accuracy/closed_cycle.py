@@ -22,7 +22,7 @@ NODES = 16
 FIRST_PANELS, MOST_PANELS = 20, 600
 GRID = 1440
 # Legendre coefficients that are left over at degree 15, relative to the greatest of the field.
-RESOLVED = 1e-15
+RESOLVED, SMALL = 1e-15, 1e-9
 # Extremes that differ by less than this, relative to the range, are one extreme at several places.
 EQUAL = 1e-9
 TURN = 2 * PI
@@ -226,8 +226,8 @@ class Cycle:
         count, before = FIRST_PANELS, np.inf
         while True:
             tail = self._resolve(count)
-            # What halving the panels doesn't lessen is rounding.
-            if tail <= RESOLVED or tail > 0.5 * before or count > MOST_PANELS:
+            # A small remainder that halving the panels doesn't reduce is rounding.
+            if tail <= RESOLVED or (0.5 * before < tail < SMALL) or count > MOST_PANELS:
                 break
             count, before = 2 * count, tail
 

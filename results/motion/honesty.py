@@ -152,7 +152,7 @@ TEXT = """# How honest the error estimates of motion are
 
 {count} random machines of {kinds} kinds with induction motors of breakdown slips from 0.5 to 20 %, on wheels from none
 to heavy, with loads that set in and jump anywhere: {cycles} cycles from {share} of the synchronous speed (`go`), and
-the motion that repeats itself (`even`), against collocation in 80 bits (`settled_path.py`). {statuses}.
+steady running (`even`), against collocation in 80 bits (`settled_path.py`). {statuses}.
 The last column says how far the worst error is beyond its estimate; below 1 it is within. Smaller estimates, of ten
 times the error in the median, would cover what the third of these columns says. Made by
 `python results/motion/honesty.py --machines {count} --seed {seed}`.
