@@ -8,15 +8,19 @@ import numpy as np
 
 from engine.compiling.running import mean_of_rows
 from engine.elements.elastic_drives.drive_cycles import (
-    DrivenMachine,
-    ElasticCycle,
     drive_results,
-    elastic_cycle,
     least_and_greatest,
     rounding_scales,
     steps_needed,
 )
-from engine.elements.elastic_drives.elastic_cycle import GAUSS, STAGES, STATE
+from engine.elements.elastic_drives.elastic_cycle import (
+    GAUSS,
+    STAGES,
+    STATE,
+    DrivenMachine,
+    ElasticCycle,
+    elastic_cycle,
+)
 from engine.elements.elastic_drives.elastic_shaft import drive_shaft
 from engine.elements.elastic_drives.machine_drive import RESULTS, RUN_RESULTS, VERDICT_KEY, MachineDrive, machine_keys
 from engine.machine.drives.drive_over_angle import drive_over_angle
@@ -442,7 +446,7 @@ def _machine_over_cycle(ready: Ready, count: int) -> tuple[DrivenMachine, np.nda
 
     rigid = RigidCycle(points(rigid_moment), points(omega), moment_error)
     moment, speed, inertia = rigid.moment[..., 1:-1], rigid.speed[..., 1:-1], points(inertia)
-    guess = np.stack([moment, speed, 0.5 * inertia[..., 1:-1] * speed**2], axis=3)
+    guess = np.stack([moment, speed, 0.5 * inertia[..., 1:-1] * speed**2], axis=1)
     sizes, way = ready.system.sizes, bare.direction
     given = dict(zip((sizes.stiffness, sizes.damping, sizes.motor_inertia), ready.given.T, strict=True))
     for side in (sizes.machine, sizes.motors):
