@@ -2,7 +2,7 @@
 
 Three machines run from a given speed over some revolutions, thousands of random variants each. All methods get the
 same variants in this process, on one core, by turns: in every round each of them runs once, so that what else the
-computer does meanwhile falls on all. What is told are ratios of times of the same round, the median of all rounds; the
+computer does meanwhile falls on all. The results are ratios of times of the same round, the median of all rounds; the
 error is the greatest of all checked variants against a reference in extended precision.
 
     python results/motion/benchmark.py
@@ -177,23 +177,23 @@ def report(results: dict[str, Curves]) -> str:
     lines = [
         "# Motion: error against time",
         "",
-        f"{VARIANTS} random variants of each machine, on one core. All methods run by turns, {ROUNDS} rounds; told",
-        "are ratios of times of the same round, the median of the rounds: above 1 this project is the faster one.",
+        f"{VARIANTS} random variants of each machine, on one core. All methods run by turns, {ROUNDS} rounds. The",
+        "tables give ratios of times of the same round, the median of the rounds: above 1 this project is faster.",
         f"Errors are relative, the greatest of {CHECKED} variants, against heyoka.py in extended precision, which",
         "agrees with SciPy's DOP853 and, for one variant each of press and shaper, with mpmath at 30 digits to 1e-15.",
         "Every other method starts anew at the angles where a force jumps, which are given to it; this project finds",
         "them, within its time.",
         "",
-        "This project: `accuracy` of a study from 10 % to 1e-8; with the numbers come error figures: what steps may be",
-        'off by is carried along to the end. This project, rk4: a run with `method = "rk4"`, by its steps a turn, with',
-        f"figures as well. heyoka.py: batch integrator, {HEYOKA_LANES} lanes. SciPy: all variants as one system with",
-        "compiled rates. In lanes: compiled, vectorised over",
+        "This project: `accuracy` of a study from 10 % to 1e-8; each number has an error estimate: the errors",
+        'of steps are propagated to the end. This project, rk4: a run with `method = "rk4"`, by its steps a turn, with',
+        f"error estimates, too. heyoka.py: batch integrator, {HEYOKA_LANES} lanes. SciPy: all variants as one system",
+        "with compiled rates. In lanes: compiled, vectorised over",
         f"{LANES} variants side by side; in the energy form, as heyoka.py and SciPy. All their right-hand sides are",
         "written by hand for the machine.",
         "",
         f"{processor()}; {platform.system()}; Python {platform.python_version()}, {packages}.",
         "Remade by `python results/motion/benchmark.py`. What regimes cost: [regimes.md](regimes.md); how honest",
-        "their error figures are: [honesty.md](honesty.md).",
+        "their error estimates are: [honesty.md](honesty.md).",
         "",
         "![Error against time](motion.png)",
         "",

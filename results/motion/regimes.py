@@ -40,7 +40,7 @@ def settled_press() -> list[str]:
     scene = case.scene.model_copy(update={"regimes": {"work": SteadyRegime(type="steady")}})
     varied = sample(case, VARIANTS)
     lines = [
-        f"| accuracy | µs a variant | {' | '.join(f'{name} (median, greatest figure)' for name in ASKED)} |",
+        f"| accuracy | µs a variant | {' | '.join(f'{name} (estimate: median, maximum)' for name in ASKED)} |",
         "|---" * (2 + len(ASKED)) + "|",
     ]
     for accuracy in ACCURACIES:
@@ -66,7 +66,8 @@ def machine_over_time() -> str:
     seconds = least_time(lambda: machine.evaluate({}))
     outcome = machine.evaluate({})
     figure = float(outcome.errors["go.final_speed"][0] / outcome.summaries["go.final_speed"][0])
-    return f"{seconds * 1e3:.0f} ms for {CYCLES:g} turns of the slider-crank; figure of its final speed {figure:.0e}."
+    turns = f"{CYCLES:g} turns of the slider-crank"
+    return f"{seconds * 1e3:.0f} ms for {turns}; estimated error of its final speed {figure:.0e}."
 
 
 CLUTCH = {"type": "friction_clutch", "shaft": "motor_shaft", "capacity": "20 N m", "engagement": "0.1 s"}
@@ -124,7 +125,7 @@ def main() -> None:
     lines = [
         "# What regimes cost",
         "",
-        "CPU time on one thread, the least of some rounds, cuts found and error figures included. Remade by",
+        "CPU time on one thread, the least of some rounds, with cuts and error estimates. Remade by",
         "`python results/motion/regimes.py`.",
         "",
         f"## Steady state of the crank press with an induction motor, {VARIANTS} variants",

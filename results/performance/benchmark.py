@@ -288,7 +288,7 @@ def title(name: str) -> str:
 
 def before_lines(before: Path | None) -> list[str]:
     """The bundled studies with this version and with version 0.1, in turns."""
-    label = f"| study | variants | now [µs] |{' version 0.1 [µs] | ratio |' if before else ''} figure now |"
+    label = f"| study | variants | now [µs] |{' version 0.1 [µs] | ratio |' if before else ''} estimate now |"
     lines = [label + (" figure 0.1 |" if before else ""), "|---" * (7 if before else 4) + "|"]
     for name in STUDIES:
         here = [in_child("study", name) for _ in range(2)]
@@ -331,11 +331,11 @@ C++: `{compiler}`. Made by `python results/performance/benchmark.py{option}`.
 
 ## Summaries of a flywheel study
 
-{names}: each with its error figure. The engine measures them on panels of each variant's own, the C++ at {positions}
+{names}: each with its error estimate. The engine measures them on panels of each variant's own, the C++ at {positions}
 equally spaced positions. Errors are against the engine at accuracy {accuracy:g}, the same method driven further
 (`results/accuracy/calibration.md` has an independent truth), relative to the summary, of mean moment and power to the
 excess work: of the summary that is worst the median over the variants and the greatest, and the share of all errors
-that the error figures cover.
+that the error estimates cover.
 """
 
 
@@ -381,7 +381,7 @@ def report(before: Path | None) -> str:
 
 STUDY_TEXT = (
     f"Up to the first {STUDY_VARIANTS} variants of each bundled study, all of its summaries; µs of processor time per\n"
-    "variant, the lower of two processes' medians. `figure`: relative error figure of the summary that is worst,\n"
+    "variant, the lower of two processes' medians. `estimate`: relative error estimate of the summary that is worst,\n"
     "median over the variants."
 )
 

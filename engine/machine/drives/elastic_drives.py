@@ -116,7 +116,8 @@ class ElasticDrives:
                 part, who = ready.some(some), ready.which[some]
                 (fine, off, cycle), (coarse, _, _) = (_settled(part, int(n)) for n in (count, count // 2))
                 values[: len(RESULTS), who] = fine
-                scales = rounding_scales({result.name: row for result, row in zip(RESULTS, fine, strict=True)})
+                named = {result.name: row for result, row in zip(RESULTS, fine, strict=True)}
+                scales = rounding_scales(named, part.given[:, 0])
                 errors[: len(RESULTS), who] = np.abs(fine - coarse) + off + ROUNDING * np.array(list(scales.values()))
                 verdict[who] = cycle.verdict
                 begin[:, who] = cycle.begin

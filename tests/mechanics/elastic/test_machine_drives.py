@@ -197,6 +197,28 @@ def test_power__is_balanced_over_the_cycle_and_error_figures_hold(machine):
         assert np.isfinite(errors[name][found]).all(), name
 
 
+def test_stiff_drive_of_three_times_the_size__rounds_within_the_estimates():
+    """Torques, inertias, stiffness and damping times 3: the motion is the same, every rounding another."""
+    sizes = {
+        "bodies.yoke_body.mass": MASS,
+        "shafts.wheel.inertia": WHEEL,
+        "forces.load.coefficient": DRAG,
+        "moments.motor.stall_moment": STALL,
+    }
+    rng = np.random.default_rng(5)
+    drawn = [10.0 ** rng.uniform(*ends, 24) for ends in ((5.5, 7.0), (-3.0, 0.5), (-2.0, 1.0))]
+    varied = {path: np.full(24, size) for path, size in sizes.items()}
+    varied |= {f"elements.d.{key}": row for key, row in zip(("stiffness", "damping", "motor_inertia"), drawn)}
+    machine = Machine(yoke(), [f"d.{name}" for name in STEADY], varied=list(varied))
+    (status, one, off), (others, three, more) = (answers(machine, *(k * r for r in varied.values())) for k in (1, 3))
+    found = (status == Verdict.OK) & (others == Verdict.OK)
+    assert found.sum() > 20
+    for name in STEADY:
+        factor = 3.0 if name.endswith(("moment", "power")) else 1.0
+        apart = np.abs(three[name] - factor * one[name])[found]
+        assert (apart <= (more[name] + factor * off[name])[found]).all(), name
+
+
 def test_stiff_shaft__moves_as_the_rigid_regime_does(machine):
     work = {"type": "steady", **only("motor", "load")}
     rigid = yoke(regimes={"work": work}, flywheel={"inertia": 0.2, "speed_fluctuation": 0.1}, elements={})
