@@ -14,7 +14,7 @@ from engine.elements.cams.over_turn import Measures, PeakPlaces, Sought, measure
 from engine.elements.cams.positions import at_positions, cam_variants, limit_radius, with_roundings
 from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, Rank, nudged
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
-from engine.laws.cams.profiles import pressure_of_lines
+from engine.laws.cams.hertz_contact import pressure_of_lines
 from engine.laws.rounding import EPS
 from engine.parts.motion_programs import TURN, CamProgram, sections_of
 from engine.parts.skeleton import AngularSpeed, Faults, Positive

@@ -5,13 +5,10 @@ y at x = e. An oscillating one has its pivot at (d, 0); its arm, above the line 
 line and opens against the cam's rotation (`sense` = 1) or with it (−1). Statements about the pitch curve hold for the
 path of a roller's centre and for a knife edge.
 
-Source: K. L. Johnson, Contact Mechanics, for the pressure of line contact; everything else follows from the envelope of
-the follower's positions in the axes of the cam.
+Source: the envelope of the follower's positions in the axes of the cam.
 """
 
 import math
-
-import numpy as np
 
 from engine.compiling.decorators import scalar
 
@@ -156,21 +153,6 @@ def sliding_face_transmission(height: float) -> float:
 def swinging_face_transmission(psi: float, s1: float, sense: float) -> float:
     """Measure of force transmission by a flat face through its pivot: 0 for contact at the pivot or at infinity."""
     return math.cos(psi) * (1.0 + sense * s1)
-
-
-def pressure_of_lines(curved_force: np.ndarray, modulus: np.ndarray, width: np.ndarray) -> np.ndarray:
-    """Maximum Hertzian pressure between cylinders of one material in line contact [Pa].
-
-    Parameters
-    ----------
-    curved_force : ndarray
-        Normal force times the sum of the curvatures, negative for hollow ones [N/m].
-    modulus : ndarray
-        E/(2(1 − ν²)) of the material [Pa].
-    width : ndarray
-        Length of the contact line [m].
-    """
-    return np.sqrt(curved_force * modulus / (math.pi * width))
 
 
 @scalar

@@ -79,6 +79,7 @@ def _characteristic(
             growth = graph.apply(power, abs(v), graph.number(exponent))
             drag = graph.derived(f"{at} at speed", lambda n: _power_drag(n, at, value))
             return Characteristic(drag, _against(along, acts) * growth, exponent)
+        # All others are brakes.
         case _:
             braking = mechanism.actions.brakes.braking_moment
             moment = graph.derived(f"{at} at speed", lambda n: braking(action, at, n) * _sense(n))
