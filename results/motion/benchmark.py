@@ -36,8 +36,8 @@ QUANTITIES = ("ω", "t")
 FLOOR = 1e-16
 BOUNDS = (
     "What bounds this project: jumps, edges and motors are found for every variant, where the others have them written",
-    "by hand. The places of a cycle are evaluated once and used again in those that follow, so that most of what a",
-    "step takes goes into its sums, its estimated errors and what these come to at the end of the run.",
+    "by hand. Of a run of the press at 1e-4 the steps take a quarter to a third, its cycle and jumps a fifth,",
+    "Python and NumPy around them half.",
 )
 OURS, OUR_RK4 = "this project", "this project, rk4"
 HEYOKA, BY_HAND = "heyoka.py batch", "RK8 over φ, lanes"
