@@ -67,7 +67,7 @@ class Inert(NamedTuple):
 
 
 def inert_parts(kinematics: Kinematics) -> Iterator[Inert]:
-    """All masses and moments of inertia: of bodies, of shafts, and of what the crank moves."""
+    """Yield the masses and moments of inertia of all bodies and shafts, and of loads carried by the crank."""
     scene, graph = kinematics.scene, kinematics.graph
     for name, part in kinematics.masses.items():
         yield Inert(name, part.link, graph.derived(f"mass of {name}", part.mass), kinematics.mass_centre(name))
