@@ -36,6 +36,11 @@ def some(record: Record, chosen: np.ndarray) -> Record:
     return on_arrays(lambda row: row[..., chosen], record)
 
 
+def variant_columns(rows: np.ndarray, who: np.ndarray) -> np.ndarray:
+    """Columns of the variants `who`; not a copy where these are all variants in order."""
+    return rows if np.array_equal(who, np.arange(rows.shape[-1])) else rows[..., who]
+
+
 def over_all(record: Record, who: np.ndarray, count: int) -> Record:
     """Results of the variants `who` among all `count` of them; verdicts of the others are OK, their numbers NaN."""
 

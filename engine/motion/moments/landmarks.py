@@ -14,9 +14,10 @@ from engine.motion.moments.breaks import JUMP, Breaks, watches_of
 from engine.motion.moments.tabulation import Ends, Tabulation
 from engine.scene.scene import Numbers
 
-# Offsets from a break at which torques are tested [rad]: close to a dead centre the stroke differs from its end by less
+TURN = 2.0 * np.pi
+# Offset from a break at which torques are tested [rad]: closer to a dead centre the stroke differs from its end by less
 # than rounding, and a load that acts there may seem to vanish.
-BESIDE = (JUMP, 1e-5)
+CLEAR = 1e-5
 
 
 class Landmarks:
@@ -91,14 +92,17 @@ class Landmarks:
             return acting
         owned = np.array([[name in self.watches[w].actions for w in which] for name in self.actions])[..., None]
         acting |= np.array([name in self._unjudged for name in self.actions])[:, None, None]
-        for distance in BESIDE:
-            # The second distance is seldom needed.
-            if (acting | ~owned | np.isnan(angles)).all():
-                break
-            beside = np.concatenate([angles - distance, angles + distance])
-            still = dict.fromkeys(self.tabulation.given, np.zeros_like(beside))
-            rows = self.tabulation(parameters, beside, still).reshape(-1, 2, *angles.shape)
+        around = np.sort([*angles, np.fmin.reduce(angles, axis=0) + TURN * self._turns], axis=0)
+        # Between two close breaks, torques are tested next to each of them.
+        close = np.flatnonzero((np.diff(around, axis=0) < 2.0 * CLEAR).any(axis=0))
+        for distance, some in ((CLEAR, slice(None)), (JUMP, close)):
+            own = angles[:, some]
+            if not own.size:
+                continue
+            offset = np.concatenate([own - distance, own + distance])
+            still = dict.fromkeys(self.tabulation.given, np.zeros_like(offset))
+            rows = self.tabulation(parameters[:, some], offset, still).reshape(-1, 2, *own.shape)
             for i, name in enumerate(self.actions):
                 if name in self.moments:
-                    acting[i] |= (rows[self.moments[name]] != 0.0).any(axis=0)
+                    acting[i][:, some] |= (rows[self.moments[name]] != 0.0).any(axis=0)
         return acting & owned & np.isfinite(angles)

@@ -84,7 +84,7 @@ def _walk(
     lanes |= {"goal": goal, "other_goal": runs.ends.time[who] - state.time, "pace": np.minimum(pace, farthest)}
     states = np.zeros((len(system.rates), who.size))
     states[ENERGY] = 0.5 * runs.inertia(who, state.turned) * state.omega**2
-    numbers = system.limited(dynamics.moving(system, runs.variants)[:, who], limits | {system.sizes.brisk: brisk})
+    numbers = system.limited(dynamics.moving(system, runs.variants, who), limits | {system.sizes.brisk: brisk})
     recorded = RECORDED if runs.observers else 0
     gone = system.run(task, numbers, runs.edges(who, begin), None, lanes, states, runs.carried[:, who], recorded)
     moved = np.flatnonzero(gone.steps > 0.0)

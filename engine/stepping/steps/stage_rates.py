@@ -22,6 +22,12 @@ SOLVED_TO, MOST_SECANTS, SURE_SECANTS = 1e-13, 20, 6
 # A step
 
 
+@inlined
+def places_at(stage: int, task: WalkTask) -> int:
+    """Number of position-dependent values at a stage; `watch` needs those that `rates` doesn't at a step's ends."""
+    return task.places if stage == 0 or stage == task.stages else task.rated
+
+
 @routine
 def stand(share: float, stage: int, slot: int, printed: Printed, task: WalkTask, room: Room) -> None:
     """Put the position and the time of a stage into P; a negative `slot` computes the position's values afresh."""
@@ -39,8 +45,7 @@ def stand(share: float, stage: int, slot: int, printed: Printed, task: WalkTask,
         printed.places(room.numbers, printed.memory, room.position[0:1], room.position[1:2], room.position[2:3], tile)
     elif count > 0:
         kept, at = room.places, (slot * (task.stages + 1) + stage) * count
-        # `watch` needs the other rows, but only at the ends of the step.
-        for i in range(count if stage == 0 or stage == task.stages else task.rated):
+        for i in range(places_at(stage, task)):
             for lane in range(LANES):
                 state[first + i, lane] = kept[at + i, lane]
     if task.clock >= 0:
@@ -113,7 +118,7 @@ def keep_place(stage: int, task: WalkTask, room: Room) -> None:
     for lane in range(LANES):
         slot = int(own.kept[lane])
         at = (slot * (task.stages + 1) + stage) * task.places
-        for i in range(task.places if 0 <= slot < room.lengths.shape[0] else 0):
+        for i in range(places_at(stage, task) if 0 <= slot < room.lengths.shape[0] else 0):
             kept[at + i, lane] = numbers[task.first_place + i, lane]
 
 
