@@ -43,6 +43,7 @@ CLOSE = {
     "after the begin of the cycle": lambda d: ([0, d, d, 3, TURN, TURN], [50, 50, -2, -2, -2, 50], 0.0),
     "before the end of the cycle": lambda d: ([0, 3, TURN - d, TURN - d, TURN, TURN], [50, 50, 50, -2, -2, 50], 0.0),
     "after another": lambda d: ([0, 1, 1, 1 + d, 1 + d, TURN], [5, 5, 1e3, 1e3, 5, 5], 0.0),
+    "with nothing but what is between them": lambda d: ([0, 1, 1, 1 + d, 1 + d, TURN], [0, 0, 1e3, 1e3, 0, 0], 0.0),
     "after the begin of the run": lambda d: ([0, 1, 1, 3, TURN, TURN], [50, 50, -2, -2, -2, 50], 1 - d),
     "before the begin of the run": lambda d: ([0, 1, 1, 3, TURN, TURN], [50, 50, -2, -2, -2, 50], 1 + d),
 }
@@ -50,7 +51,7 @@ CLOSE = {
 
 @pytest.mark.parametrize("place", CLOSE)
 def test_breaks_however_close__give_their_work(place):
-    distances = 10.0 ** np.random.default_rng(7).uniform(-13.0, -8.0, 2)
+    distances = 10.0 ** np.random.default_rng(7).uniform(-13.0, -5.0, 3)
     for d in distances:
         angles, moments, begin = CLOSE[place](float(d))
         # The second one goes in time, as something may depend on it.
