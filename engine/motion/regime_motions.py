@@ -331,8 +331,9 @@ class RegimeMotion:
 
     def _stepping(self, longer: float) -> Stepping:
         steps = self.regime.steps_per_turn if not self.is_steady else None
+        peaks = self.two is not None and self.asks(f"{self.two.name}_moment_peak")
         extremes = self.asks(*EXTREMES_OF_SPEED)
-        stepping = Stepping(*self._asked.run_tolerance, extremes=extremes, longer=longer)
+        stepping = Stepping(*self._asked.run_tolerance, extremes=extremes, peaks=peaks, longer=longer)
         return stepping if steps is None else stepping._replace(farthest=TURN / steps, classical=True)
 
     def _along(self, run: "_Ready") -> RunFields:

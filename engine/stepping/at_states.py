@@ -19,7 +19,8 @@ class GivenStates(NamedTuple):
     ----------
     printed : Printed
     numbers : ndarray (numbers, variants)
-        Point i belongs to variant i modulo their number.
+    variants : ndarray (points,) of int
+        Variant of each point.
     places, clock : ndarray (points,)
         Position of the input [rad] and time [s].
     states : ndarray (states, points)
@@ -30,6 +31,7 @@ class GivenStates(NamedTuple):
 
     printed: Printed
     numbers: np.ndarray
+    variants: np.ndarray
     places: np.ndarray
     clock: np.ndarray
     states: np.ndarray
@@ -41,7 +43,7 @@ class GivenStates(NamedTuple):
 def evaluate_states(begin: int, end: int, batch: GivenStates, task: WalkTask, room: Room) -> None:
     """Evaluate a system at the states of the blocks begin … end − 1 of points."""
     own, printed, numbers = room.lane, batch.printed, in_lanes(room.numbers)
-    points, variants, first_state = batch.places.shape[0], batch.numbers.shape[1], task.first_place + task.places
+    points, first_state = batch.places.shape[0], task.first_place + task.places
     rated, watched, rates_asked = in_lanes(room.rates), in_lanes(room.watched), task.solves >= 0
     for i in range(batch.wanted.shape[0]):
         rates_asked |= batch.wanted[i] < task.width
@@ -49,7 +51,7 @@ def evaluate_states(begin: int, end: int, batch: GivenStates, task: WalkTask, ro
         first = b * LANES
         for lane in range(LANES):
             point = min(first + lane, points - 1)
-            variant = point % variants
+            variant = batch.variants[point]
             for i in range(batch.numbers.shape[0]):
                 numbers[i, lane] = batch.numbers[i, variant]
             for i in range(task.states):

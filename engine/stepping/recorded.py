@@ -6,6 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.running import over_variants
+from engine.cycle.panels.chebyshev import PLACES
+from engine.cycle.panels.sampled import tops
 from engine.stepping.records import elements_of_counts
 from engine.stepping.system import SHOWN, Walks
 
@@ -14,6 +16,9 @@ RECORDED = 64
 # Lagrange polynomials of the recorded samples, and their derivatives at these samples.
 LAGRANGE = [np.polynomial.Polynomial.fit(SHOWN, row, SHOWN.size - 1) for row in np.eye(SHOWN.size)]
 SLOPES = np.array([polynomial.deriv()(SHOWN) for polynomial in LAGRANGE])
+# A polynomial exceeds its samples by at most this fraction of their range: half of what the Lebesgue constant of the
+# fractions SHOWN, 2.2, exceeds 1.
+EXCEEDS = 0.6
 
 
 class MadeSteps(NamedTuple):
@@ -51,6 +56,59 @@ def made_steps(recorded: np.ndarray, steps: np.ndarray) -> MadeSteps:
 def weights_at(share: np.ndarray) -> np.ndarray:
     """Weights of a step's samples in its value at fractions of its length, (SHOWN, …)."""
     return np.array([polynomial(share) for polynomial in LAGRANGE])
+
+
+AT_PLACES = weights_at(0.5 + 0.5 * PLACES).T
+
+
+class StepTops(NamedTuple):
+    """Maxima of curves within the steps of each variant, (curves, variants).
+
+    Attributes
+    ----------
+    value : ndarray
+        NaN for a variant without steps.
+    step : ndarray of int
+        Number of the step among all.
+    share : ndarray
+        Position as a fraction of the step's length.
+    """
+
+    value: np.ndarray
+    step: np.ndarray
+    share: np.ndarray
+
+
+def tops_in_steps(variant: np.ndarray, samples: np.ndarray, count: int) -> StepTops:
+    """Maxima within recorded steps, also between their samples; of equal ones the earliest.
+
+    Parameters
+    ----------
+    variant : ndarray (steps,) of int
+        As in `MadeSteps`.
+    samples : ndarray (curves, SHOWN, steps)
+        Values at the fractions SHOWN; a step with a NaN is left out.
+    count : int
+        Number of variants.
+    """
+    curves, steps = len(samples), variant.size
+    value, share, step = *np.full((2, curves * count), np.nan), np.zeros(curves * count, int)
+    if steps:
+        owner, every = (count * np.arange(curves)[:, None] + variant).ravel(), np.concatenate(samples, axis=1)
+        high, low, begins = every.max(axis=0), every.min(axis=0), _firsts(owner)
+        best = np.repeat(np.fmax.reduceat(high, begins), np.diff(begins, append=owner.size))
+        may = np.flatnonzero(high + EXCEEDS * (high - low) >= best)
+        found, own = tops((AT_PLACES @ every[:, may]).T, np.zeros(may.size)), owner[may]
+        order = np.lexsort((may, -found.values, own))
+        chosen = order[_firsts(own[order])]
+        own = own[chosen]
+        value[own], share[own], step[own] = found.values[chosen], 0.5 + 0.5 * found.places[chosen], may[chosen] % steps
+    return StepTops(*(row.reshape(curves, count) for row in (value, step, share)))
+
+
+def _firsts(owners: np.ndarray) -> np.ndarray:
+    """Index of the first element of each owner."""
+    return np.flatnonzero(np.diff(owners, prepend=-1))
 
 
 def states_at(gone: Walks, columns: np.ndarray, at: np.ndarray, off: bool = False) -> np.ndarray:

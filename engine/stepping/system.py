@@ -285,30 +285,34 @@ class PrintedSystem:
         states: Sequence[np.ndarray],
         wanted: Sequence[int],
         clock: np.ndarray | float = 0.0,
+        who: np.ndarray | None = None,
     ) -> np.ndarray:
         """Evaluate the system at states of many variants.
 
         Parameters
         ----------
         numbers : ndarray (numbers, variants)
-        places : ndarray (…, variants)
+        places : ndarray (…, columns)
             Positions of the input [rad].
-        states : sequence of ndarray (…, variants)
+        states : sequence of ndarray (…, columns)
         wanted : sequence of int
             Rows of the results, from `names` and `shown`; the first ones are the rates of the states.
-        clock : ndarray (…, variants), optional
+        clock : ndarray (…, columns), optional
             Time [s].
+        who : ndarray (columns,) of int, optional
+            Variant of each column; by default, each variant has one.
 
         Returns
         -------
-        ndarray (wanted, …, variants)
+        ndarray (wanted, …, columns)
             NaN where an implicit rate has no solution.
         """
         found = np.empty((len(wanted), places.size))
         rows = (np.array(np.broadcast_to(row, places.shape), float).ravel() for row in (places, clock))
         flat = np.array([np.broadcast_to(state, places.shape) for state in states]).reshape(len(states), places.size)
-        numbers = np.require(numbers, requirements="CW")
-        batch = GivenStates(self._printed, numbers, *rows, flat, np.array(wanted, int), found)
+        numbers, who = np.require(numbers, requirements="CW"), np.arange(numbers.shape[1]) if who is None else who
+        variants = np.array(np.broadcast_to(who, places.shape)).ravel()
+        batch = GivenStates(self._printed, numbers, variants, *rows, flat, np.array(wanted, int), found)
         given, asked = Packed(batch), self.task(np.inf)
         spread(evaluate_states, -(-places.size // LANES), lambda: (given, asked, room_of(asked, len(numbers), 1)))
         return found.reshape(len(wanted), *places.shape)

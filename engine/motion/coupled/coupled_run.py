@@ -23,12 +23,13 @@ from engine.motion.coupled.two_sides import (
 )
 from engine.motion.coupled.two_speeds import CRANK_SPEED, GRIP, SHAFT_SPEED, SHAFT_TURNED, TURNED
 from engine.motion.moments.breaks import JUMP
+from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.runs.run_progress import ADAPTIVE, BELOW, Ends, MachineRuns, Standing, Stepping
 from engine.motion.runs.watching import Observer, side_by_side
 from engine.stepping.methods import EIGHT, NINE
-from engine.stepping.recorded import RECORDED, made_steps, weights_at
+from engine.stepping.recorded import RECORDED, made_steps, tops_in_steps, weights_at
 from engine.stepping.records import some
-from engine.stepping.system import Walks
+from engine.stepping.system import SHOWN, Walks
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
 
@@ -40,8 +41,6 @@ AT_LOOKS = weights_at(LOOKS).T
 SETTLED, FADED = 1e-8, 1e-9
 # A peak counts as later only if it is higher by more than this fraction.
 SAME_PEAK = 1e-12
-# Newton iterations for the peak of a quartic.
-NEWTONS = 5
 # Angles this close to the end of a cycle, as a fraction of it, count as its end.
 NEARLY = 1e-9
 # Steps of a standing machine to the next change.
@@ -342,45 +341,59 @@ class CoupledRuns(MachineRuns):
     def _see(self, who: np.ndarray, joined: Joined, before: np.ndarray, gone: Walks) -> None:
         """Update minima, maxima and peaks from the recorded steps."""
         column, at, length, samples = made_steps(gone.recorded, gone.steps)
-        looks, moving = LOOKS[self.looks, None], AT_LOOKS[self.looks] @ samples[: SHAFT_SPEED + 1]
-        seen, faced = some(joined, column), np.array(faced_ways(joined))[:, column]
-        moving[[CRANK_SPEED, SHAFT_SPEED]] *= faced[:, None]
-        time = before[column] + at + looks * length
-        mine = who[column]
-        for row, speeds in enumerate((moving[CRANK_SPEED], moving[SHAFT_SPEED])):
-            np.fmin.at(self.lows[row], mine, -highest(-speeds)[0])
-            np.fmax.at(self.highs[row], mine, highest(speeds)[0])
-        moment = self._moments(mine, seen, moving, time)
-        self._see_peaks(mine, np.abs(moment), time)
+        seen, begin, moving = some(joined, column), before[column] + at, samples[: SHAFT_SPEED + 1]
+        moving[[CRANK_SPEED, SHAFT_SPEED]] *= np.array(faced_ways(seen))[:, None]
+        speeds, moment = moving[[CRANK_SPEED, SHAFT_SPEED]], np.zeros((0, *moving.shape[1:]))
+        if self.stepping.peaks or self.observers:
+            time = begin + SHOWN[:, None] * length
+            moment = self._moments(who[column], seen, moving, time, column, gone.numbers)[None]
+        top = tops_in_steps(column, np.concatenate((-speeds, speeds, -moment, moment)), who.size)
+        self.lows[:, who] = np.fmin(self.lows[:, who], -top.value[:2])
+        self.highs[:, who] = np.fmax(self.highs[:, who], top.value[2:4])
+        for value, step, share in zip(*(row[4:] for row in top), strict=True):
+            # Ties go to the earlier step.
+            higher = np.flatnonzero(value > self.peak[who] * (1.0 + SAME_PEAK))
+            self.peak_at[who[higher]] = begin[step[higher]] + share[higher] * length[step[higher]]
+            self.peak[who] = np.fmax(self.peak[who], value)
         if self.observers and column.size:
             moved = np.flatnonzero(gone.steps)
-            along = np.concatenate((time[None], moving, moment[None]))
-            counts = len(looks) * gone.steps[moved].astype(int)
+            looks, counts = LOOKS[self.looks, None], LOOKS[self.looks].size * gone.steps[moved].astype(int)
+            along = begin + looks * length, *(AT_LOOKS[self.looks] @ [*moving, *moment])
             whole = [side_by_side(row.T.ravel(), counts) for row in along]
             piece = CoupledPiece(whole[0], np.array(whole[1:-1]), whole[-1], some(joined, moved))
             self.see(who[moved], piece)
 
-    def _see_peaks(self, mine: np.ndarray, size: np.ndarray, time: np.ndarray) -> None:
-        """Update the peak torques of some variants from magnitudes at instants of steps, (instants, steps)."""
-        tops, share = highest(size)
-        when, before = time[0] + share * (time[-1] - time[0]), self.peak[mine]
-        np.fmax.at(self.peak, mine, tops)
-        higher = np.flatnonzero((tops > before * (1.0 + SAME_PEAK)) & (tops == self.peak[mine]))
-        # Ties go to the earlier step.
-        self.peak_at[mine[higher[::-1]]] = when[higher[::-1]]
+    def _moments(
+        self,
+        who: np.ndarray,
+        joined: Joined,
+        moving: np.ndarray,
+        time: np.ndarray,
+        column: np.ndarray,
+        numbers: np.ndarray,
+    ) -> np.ndarray:
+        """Torques of the coupling at instants of steps, (instants, steps).
 
-    def _moments(self, who: np.ndarray, joined: Joined, moving: np.ndarray, time: np.ndarray) -> np.ndarray:
-        """Torques of the coupling at instants of the steps of some variants, (instants, steps)."""
+        Parameters
+        ----------
+        who : ndarray (steps,) of int
+        joined, moving, time
+            As for `coupling_pull`.
+        column : ndarray (steps,) of int
+            Columns of `numbers`, those of the motion.
+        """
         holds = (joined.mode == TOGETHER) & (joined.crank_way != 0.0)
         sides = self.sides._replace(coupling=some(self.sides.coupling, who))
         found = sides.apart_moment(joined, moving, time)
         if holds.any():
-            sides, ways = self.sides.some(who[holds]), joined.crank_way[holds]
-            there, moving = time[:, holds], moving[..., holds].copy()
+            system, own, (turned, speed, other, shaft_speed) = sides.two.system, who[holds], moving[..., holds]
+            ways, crank = joined.crank_way[holds], EquationOfMotion(self.dynamics, self.variants, self.start, own)
             # Torques jump at the ends of a step, not within it.
-            moving[TURNED, 0] += ways * sides.crank.beside(moving[TURNED, 0])
-            moving[TURNED, -1] -= ways * sides.crank.beside(moving[TURNED, -1])
-            found[:, holds] = coupling_pull(sides, some(joined, holds), moving, there).moment
+            turned[0] += ways * crank.beside(turned[0])
+            turned[-1] -= ways * crank.beside(turned[-1])
+            places = self.start[own] + self.variants.direction[own] * turned
+            states, clock = (turned, ways * speed, other, ways * shaft_speed), joined.clock[holds] + time[:, holds]
+            found[:, holds] = system.at(numbers, places, states, [system.shown["coupling"]], clock, column[holds])[0]
         return found
 
     # After a walk
@@ -451,33 +464,3 @@ class CoupledRuns(MachineRuns):
 def _grip(sides: CoupledSides, engaged: np.ndarray) -> np.ndarray:
     """Torque capacity of locked clutches [N·m], a given time after their engagement [s]."""
     return sides.coupling.capacity_at(engaged) * (1.0 + GRIP)
-
-
-def highest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Maximum of equally spaced values along the first axis, on the quartic around the largest; and its location.
-
-    Parameters
-    ----------
-    values : ndarray (places, steps)
-
-    Returns
-    -------
-    value, share : ndarray (steps,)
-        The location is a fraction of the interval from the first node to the last.
-    """
-    last, column = len(values) - 1, np.arange(values.shape[1])
-    k = values.argmax(axis=0)
-    centre = np.clip(k, 2, last - 2)
-    a, b, c, d, e = (values[centre + way, column] for way in (-2, -1, 0, 1, 2))
-    # Taylor coefficients of the quartic about its middle node.
-    first, second = (a - 8.0 * b + 8.0 * d - e) / 12.0, (-a + 16.0 * b - 30.0 * c + 16.0 * d - e) / 24.0
-    third, fourth = (e - 2.0 * d + 2.0 * b - a) / 12.0, (e - 4.0 * d + 6.0 * c - 4.0 * b + a) / 24.0
-    begin = (k - centre).astype(float)
-    x = begin.copy()
-    for _ in range(NEWTONS):
-        slope = first + x * (2.0 * second + x * (3.0 * third + x * 4.0 * fourth))
-        x = x - slope / (2.0 * second + x * (6.0 * third + x * 12.0 * fourth))
-    top = c + x * (first + x * (second + x * (third + x * fourth)))
-    sound = (np.abs(x - begin) <= 1.0) & (x + centre >= 0.0) & (x + centre <= last) & (top >= values[k, column])
-    place = np.where(sound, x, begin) + centre
-    return np.where(sound, top, values[k, column]), place / last

@@ -25,7 +25,6 @@ from engine.parts.motor_constants import MotorCurve, motor_curve
 from engine.scene.load_formulas import load_formulas
 from engine.scene.pairs import contact_pairs, lossy_meshes, own_drives, pairs
 from engine.scene.scene import Numbers, Scene
-from engine.stepping.records import variant_columns
 
 # Crank angles at which the inertia of a machine without a constant part is sampled.
 LOOKED_AT = 720
@@ -283,17 +282,13 @@ class Dynamics:
         mechanics = self.reduction.mechanics
         return MachineSystem(*along_time(mechanics, self.works, self._gathered, self.rubs), mechanics)
 
-    def moving(
-        self, system: MachineSystem, variants: Variants, who: np.ndarray | None = None, facing: float = 1.0
-    ) -> np.ndarray:
+    def moving(self, system: MachineSystem, variants: Variants, facing: float = 1.0) -> np.ndarray:
         """Numbers of a motion for one of the systems, (numbers, variants), without the limits that end a walk.
 
         Parameters
         ----------
         system : MachineSystem
         variants : Variants
-        who : ndarray of int, optional
-            Indices of a subset of the variants.
         facing : float
             +1 or −1: forwards or backwards.
         """
@@ -310,7 +305,7 @@ class Dynamics:
             by_angle = facing > 0.0 and not self.in_time
             given |= {sizes.stay: 0.0 if by_angle else np.inf}
             variants.kept[key] = system.tabulation.parameters(numbers, way, variants.ends, given)
-        return variants.kept[key] if who is None else variant_columns(variants.kept[key], who)
+        return variants.kept[key]
 
     def sized(self, sizes: Sizes, numbers: Numbers, way: np.ndarray) -> dict[Given, np.ndarray | float]:
         """Sizes of the acting loads for motion in the direction `way` of the crank angle, and the acting motors."""

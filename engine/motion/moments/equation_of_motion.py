@@ -115,13 +115,14 @@ class EquationOfMotion:
         dynamics, variants, who = self.dynamics, self.variants, self.who
         system = dynamics.by_time if in_time else dynamics.by_angle
         forward = facing > 0.0
-        numbers = dynamics.moving(system, variants, who)
+        numbers, columns = dynamics.moving(system, variants), who
         if not forward.all():
-            numbers = np.where(forward, numbers, dynamics.moving(system, variants, who, -1.0))
+            numbers = np.concatenate((numbers, dynamics.moving(system, variants, -1.0)), axis=1)
+            columns = np.where(forward, who, who + variants.count)
         places = self.start[who] + variants.direction[who] * turned
         speed = facing * omega
         states = (turned, speed) if in_time else (0.5 * dynamics.inertia(variants, places, who) * speed**2,)
-        found = system.at(numbers, places, states, [system.shown[name] for name in names], time)
+        found = system.at(numbers, places, states, [system.shown[name] for name in names], time, columns)
         for row, name in zip(found, names, strict=True):
             if name in ("acceleration", "motors", *dynamics.channels):
                 row *= facing
@@ -131,7 +132,7 @@ class EquationOfMotion:
         """Reduced torque on variants that move forwards with a kinetic energy, (variants,) [N·m]."""
         system, who = self.dynamics.by_angle, self.who
         places = self.start[who] + self.variants.direction[who] * turned
-        return system.at(self.dynamics.moving(system, self.variants, who), places, (energy,), [0], time)[0]
+        return system.at(self.dynamics.moving(system, self.variants), places, (energy,), [0], time, who)[0]
 
     def beside(self, turned: np.ndarray) -> np.ndarray:
         """Offset at which torques are evaluated from angles turned, (…, variants) [rad]: 0 except at a break."""

@@ -8,7 +8,7 @@ from engine.motion.runs.settled_runs import pass_mark
 from engine.motion.runs.watching import BetweenNodes, Piece
 from engine.stepping.methods import EIGHT, FOUR, NINE
 from engine.stepping.recorded import RECORDED, states_at
-from engine.stepping.records import some
+from engine.stepping.records import some, variant_columns
 from engine.stepping.system import Walks
 from engine.stepping.walk_task import Why
 
@@ -84,7 +84,8 @@ def _walk(
     lanes |= {"goal": goal, "other_goal": runs.ends.time[who] - state.time, "pace": np.minimum(pace, farthest)}
     states = np.zeros((len(system.rates), who.size))
     states[ENERGY] = 0.5 * runs.inertia(who, state.turned) * state.omega**2
-    numbers = system.limited(dynamics.moving(system, runs.variants, who), limits | {system.sizes.brisk: brisk})
+    numbers = variant_columns(dynamics.moving(system, runs.variants), who)
+    numbers = system.limited(numbers, limits | {system.sizes.brisk: brisk})
     recorded = RECORDED if runs.observers else 0
     gone = system.run(task, numbers, runs.edges(who, begin), None, lanes, states, runs.carried[:, who], recorded)
     moved = np.flatnonzero(gone.steps > 0.0)

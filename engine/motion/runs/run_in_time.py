@@ -165,7 +165,7 @@ def _walk(runs: OneSpeedRuns, who: np.ndarray, goal: np.ndarray, floor: np.ndarr
     """Walk in time, up to a given angle turned."""
     dynamics, state, facing = runs.dynamics, runs.part(who), runs.facing[who]
     system, brisk = dynamics.by_time, TIMES_TO_THE_END if runs.to_the_end else BRISK_TO_LOOK
-    ways = (dynamics.moving(system, runs.variants, who, way) for way in (1.0, -1.0))
+    ways = (dynamics.moving(system, runs.variants, way)[:, who] for way in (1.0, -1.0))
     limits = runs.speed_limits(who, system.sizes, facing) | {system.sizes.brisk: brisk}
     numbers = system.limited(np.where(facing > 0.0, *ways), limits)
     edges = runs.edges(who, runs.start[who], None if dynamics.reduction.has_cycle else runs.bounds[:, who])

@@ -164,6 +164,8 @@ class Stepping(NamedTuple):
         Whether all steps over the angle have that length, with the classical method of order four.
     extremes : bool
         Whether the minimum and maximum speed are also located within steps.
+    peaks : bool
+        Whether the peak torque of a coupling is located.
     longer : float
         One of `WALKS`: the tolerances of a comparison run are looser, and its equal steps longer.
     """
@@ -173,6 +175,7 @@ class Stepping(NamedTuple):
     farthest: float = FARTHEST_STEP
     classical: bool = False
     extremes: bool = True
+    peaks: bool = True
     longer: float = 1.0
 
 
