@@ -16,9 +16,9 @@ RECORDED = 64
 # Lagrange polynomials of the recorded samples, and their derivatives at these samples.
 LAGRANGE = [np.polynomial.Polynomial.fit(SHOWN, row, SHOWN.size - 1) for row in np.eye(SHOWN.size)]
 SLOPES = np.array([polynomial.deriv()(SHOWN) for polynomial in LAGRANGE])
-# A polynomial exceeds its samples by at most this fraction of their range: half of what the Lebesgue constant of the
-# fractions SHOWN, 2.2, exceeds 1.
-EXCEEDS = 0.6
+# A polynomial exceeds its samples by at most this fraction of their range: half the excess over 1 of the Lebesgue
+# constant of the fractions SHOWN, 2.203.
+EXCEEDS = 0.61
 
 
 class MadeSteps(NamedTuple):
