@@ -119,8 +119,11 @@ def over_variants(function: Callable) -> Callable:
 
 
 def sum_of_rows(rows: np.ndarray) -> np.ndarray:
-    """Sum over the first axis in row order. NumPy's own sum adds in a different order for one variant than for many."""
-    return np.add.accumulate(rows, axis=0)[-1]
+    """Sum over the first axis in row order, for one variant as for many."""
+    # NumPy adds the rows of a single column in pairs, those of several columns one after the other.
+    if rows[0].size == 1:
+        return np.add.accumulate(rows, axis=0)[-1]
+    return np.add.reduce(np.ascontiguousarray(rows), axis=0)
 
 
 def mean_of_rows(rows: np.ndarray) -> np.ndarray:
