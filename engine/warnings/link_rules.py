@@ -7,7 +7,7 @@ import numpy as np
 
 from engine.cycle.measured import Measured
 from engine.elements.gears.tooth_laws import transverse_angle
-from engine.parts.actions import Motor
+from engine.parts.motors import Motor
 from engine.parts.skeleton import FRAME
 from engine.scene.masses import body_mass
 from engine.scene.pairs import holder_of, rods_of

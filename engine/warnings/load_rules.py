@@ -6,8 +6,9 @@ import numpy as np
 
 from engine import laws, mechanism
 from engine.cycle.measured import Measured
-from engine.parts.actions import Motor, Tabled
+from engine.parts.actions import Tabled
 from engine.parts.formulas.by_formula import ByFormula
+from engine.parts.motors import Motor
 from engine.parts.skeleton import CrankInput
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.units.display import quantity_text

@@ -20,7 +20,6 @@ from engine.laws.motor_characteristics import (
     nameplate_trouble,
 )
 from engine.parts.actions import MomentAction
-from engine.parts.motor_constants import motor_curve
 
 EPS = np.finfo(float).eps
 SYNCHRONOUS = 157.07963267948966
@@ -91,7 +90,7 @@ def test_kloss_between_its_poles__is_nan_not_a_driving_generator():
 def torque_of(motor: dict, speed: float) -> float:
     made = TypeAdapter(MomentAction).validate_python({"on": "crank"} | motor)
     numbers = {f"m.{key}": value for key, value in made.model_dump().items()}
-    return motor_curve(made, "m", numbers).moment(speed)
+    return made.curve("m", numbers).moment(speed)
 
 
 def test_dc_motor__does_the_power_of_its_line():
