@@ -16,7 +16,7 @@ from engine.elements.elastic_drives.two_masses import (
 from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, named_in_order, nudged
 from engine.elements.panels import SPEED, TIME, Curve, Mark, Panel, PanelAxis
 from engine.laws.motor_characteristics import straight_motor
-from engine.laws.rounding import EPS
+from engine.laws.rounding import EPS, LEAST_NORMAL
 from engine.parts.motors import DCCharacteristic, InductionCharacteristic, MotorCurve, TableCharacteristic
 from engine.parts.skeleton import Angle, AngularSpeed, Inertia, Moment, Time
 from engine.stepping.recorded import made_steps, weights_at
@@ -24,7 +24,7 @@ from engine.stepping.walk_task import WALKS
 from engine.words.verdicts import Verdict
 
 # The smallest backlash [rad] whose products keep full precision.
-SMALLEST = np.finfo(float).tiny / EPS
+SMALLEST = LEAST_NORMAL / EPS
 # Number of steps over which rounding accumulates.
 STEPS = 1e4
 # Instants of curves, and maximum number of steps recorded for a plot.
