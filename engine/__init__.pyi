@@ -81,7 +81,7 @@ from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import regime_text
 from engine.motion.quantities import of_sliding as sliding_quantity
 from engine.motion.quantities import sized_regimes
-from engine.parts.actions import Brake, DCMotor, InductionMotor, TorsionSpring
+from engine.parts.actions import Brake, TorsionSpring
 from engine.parts.formulas.by_formula import FormulaNumber
 from engine.parts.formulas.dimension_check import (
     check_yields,
@@ -101,6 +101,7 @@ from engine.parts.formulas.expressions import (
 from engine.parts.formulas.expressions import Tree as ExpressionTree
 from engine.parts.formulas.expressions import parse as parse_expression
 from engine.parts.higher_pairs import DrivingCam, NoncircularWheel, Pinion, Rack
+from engine.parts.motors import DCMotor, InductionMotor
 from engine.parts.regimes import Regime, RunRegime, SteadyRegime, run_keys
 from engine.parts.second_inputs import SecondCrank, SecondSlider
 from engine.parts.skeleton import (

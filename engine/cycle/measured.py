@@ -11,12 +11,12 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from engine.laws.rounding import EPS
+from engine.laws.rounding import EPS, LEAST_NORMAL
 
 # Rounding units of a complex product or quotient.
 _COMPLEX_ROUNDING = 4.0
 # A smaller number that was computed from squares is unknown, since its square is subnormal.
-UNKNOWN_ROOT = float(np.sqrt(np.finfo(np.float64).tiny))
+UNKNOWN_ROOT = LEAST_NORMAL**0.5
 
 
 class Measured:

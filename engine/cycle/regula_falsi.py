@@ -4,6 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+# Bisections of an interval to rounding.
+_HALVINGS = 64
 # Maximum iterations, and the last step as a fraction of the bracket; the error it leaves is smaller still.
 _ITERATIONS, _LAST_STEP = 20, 4e-14
 
@@ -35,3 +37,19 @@ def regula_falsi(f: Callable[[np.ndarray], np.ndarray], a: np.ndarray, b: np.nda
         if not moving.any():
             break
     return b
+
+
+def bisected(holds: Callable[[np.ndarray], np.ndarray], a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Neighbouring places between a and b, at the first of which a condition holds, as at a, and not at the second.
+
+    Parameters
+    ----------
+    holds : callable
+        Maps an array of the shape of a to one of bool.
+    a, b : ndarray
+    """
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (a + b)
+        there = holds(middle)
+        a, b = np.where(there, middle, a), np.where(there, b, middle)
+    return a, b

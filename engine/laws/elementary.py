@@ -16,6 +16,7 @@ import numpy as np
 
 from engine.compiling.decorators import in_order
 from engine.compiling.instructions import bits_of, fused, number_of
+from engine.laws.rounding import LEAST_NORMAL
 
 # Added to a number below 2^51 in magnitude, it gives a sum whose last bits are the nearest integer.
 _ROUNDER = 1.5 * 2.0**52
@@ -25,7 +26,7 @@ _SIGNIFICAND_BITS = 52
 _EXPONENT_OF_ONE = 1023
 # Significands for logarithms lie between √½ and √2.
 _ROOT_HALF_BITS = 0x3FE6A09E667F3BCD
-_LEAST_NORMAL, _NEAR_OVERFLOW = 2.0**-1022, 2.0**1022
+_NEAR_OVERFLOW = 2.0**1022
 
 # Constants split into two parts. The first part of ln 2 is short enough for exact products with exponents.
 _LN2, _LN2_REST = 0.6931471805598903, 5.497923018708371e-14
@@ -81,7 +82,7 @@ def _logarithm_parts(x: float) -> tuple[float, float]:
     rest = t - (logarithm - first)
     rest += first_rest + fused(2.0, s_rest, fused(k, _LN2_REST, t_rest))
     logarithm = logarithm if x < math.inf else x
-    logarithm = -math.inf if x < _LEAST_NORMAL else logarithm
+    logarithm = -math.inf if x < LEAST_NORMAL else logarithm
     return (math.nan if x < 0.0 else logarithm), rest
 
 

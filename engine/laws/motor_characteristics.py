@@ -19,15 +19,27 @@ NAMEPLATE_TOLERANCE = 1e-12
 
 
 @scalar
-def bend_of(x: float) -> float:
-    """Ramp: x above zero, else 0; a characteristic with a bend departs from its straight line by a multiple of it."""
-    return chosen(x > 0.0, x, 0.0)
+def straight_motor(level: float, slope: float, omega: float) -> float:
+    """Torque of a motor whose characteristic is a straight line: level + slope ω [N·m]."""
+    return level + slope * omega
 
 
 @scalar
-def bend_slope(x: float) -> float:
-    """Derivative of `bend_of`; 0 at the bend itself."""
-    return chosen(x > 0.0, 1.0, 0.0)
+def straight_motor_slope(level: float, slope: float, omega: float) -> float:
+    """Derivative of `straight_motor` by the speed [N·m·s]."""
+    return slope
+
+
+@scalar
+def bent_motor(change: float, at: float, omega: float) -> float:
+    """Torque by which a line whose slope changes at a speed departs from the straight one [N·m]."""
+    return change * chosen(omega - at > 0.0, omega - at, 0.0)
+
+
+@scalar
+def bent_motor_slope(change: float, at: float, omega: float) -> float:
+    """Derivative of `bent_motor` by the speed; 0 at the bend itself [N·m·s]."""
+    return change * chosen(omega - at > 0.0, 1.0, 0.0)
 
 
 @scalar
@@ -104,6 +116,17 @@ def induction_motor_curvature(
     rise = (breakdown - slip) * (breakdown + slip)
     bend = slip * denominator + rise * (slip + slip + rotor_ratio * breakdown_slip * breakdown)
     return -2.0 * factor * bend / (denominator * denominator * denominator)
+
+
+# Derivative of each law of motors by the speed, its last argument; None where it is 0.
+BY_SPEED = {
+    straight_motor: straight_motor_slope,
+    straight_motor_slope: None,
+    bent_motor: bent_motor_slope,
+    bent_motor_slope: None,
+    induction_motor: induction_motor_slope,
+    induction_motor_slope: induction_motor_curvature,
+}
 
 
 def dc_motor_from_nameplate(power: ArrayLike, rated_speed: ArrayLike, no_load_speed: ArrayLike) -> np.ndarray:

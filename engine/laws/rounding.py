@@ -4,6 +4,8 @@ from engine.compiling.decorators import scalar
 
 # Machine epsilon: distance from 1 to the next float64.
 EPS = 2.0**-52
+# The smallest normal number.
+LEAST_NORMAL = 2.0**-1022
 # Relative perturbation by which sensitivity to rounding is measured: half of the digits remain for the change.
 NUDGE = 2.0**-26
 # Maximum steps towards a zero, at least as many as bisection needs, and relative width at which it is found.

@@ -6,13 +6,14 @@ import numpy as np
 
 from engine.compiling.kept_code import load_printed
 from engine.compiling.tiles import TileFunction
+from engine.cycle.regula_falsi import bisected
 from engine.graph.at_points import Points, fill_points
 from engine.graph.functions import function_at
 from engine.graph.nodes import Node
 from engine.machine.measuring import Measuring
 
-# Equally spaced positions that are examined, and bisections of the interval between two of them.
-LOOKED_AT, HALVINGS = 720, 40
+# Equally spaced positions that are examined.
+LOOKED_AT = 720
 
 
 def first_failure(
@@ -52,11 +53,6 @@ def first_failure(
     anywhere = failing.any(axis=(0, 1))
     at = failing.any(axis=0).argmax(axis=0)
     low, high = q[np.maximum(at - 1, 0), variants], q[at, variants]
-    which = failing[:, at, variants].argmax(axis=0)
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        here = failing_at(middle[None])[:, 0]
-        found = here.any(axis=0)
-        which = np.where(found, here.argmax(axis=0), which)
-        high, low = np.where(found, middle, high), np.where(found, low, middle)
-    return np.where(anywhere, which, -1), np.where(anywhere, high, np.nan)
+    _, first = bisected(lambda q: ~failing_at(q[None]).any(axis=(0, 1)), low, high)
+    which = failing_at(first[None])[:, 0].argmax(axis=0)
+    return np.where(anywhere, which, -1), np.where(anywhere, first, np.nan)

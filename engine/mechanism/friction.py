@@ -12,15 +12,12 @@ import numpy as np
 
 from engine.graph.nodes import Node
 from engine.laws.friction.coefficients import BUSHES, GAUSS, stribeck
-from engine.laws.friction.feedback import change_of
-from engine.laws.friction.settled import (
+from engine.laws.friction.feedback import (
     GUIDE,
     JOURNAL,
     bearing,
+    change_of,
     margin_against_jamming,
-    settled_one,
-    settled_three,
-    settled_two,
     unless_jammed,
 )
 from engine.laws.senses import sense
@@ -35,8 +32,7 @@ from engine.parts.skeleton import FRAME
 from engine.scene.pairs import Pair, contact_pairs, pairs
 from engine.scene.scene import Numbers
 
-_SOLVERS = {1: settled_one, 2: settled_two, 3: settled_three}
-# Passes for groups with more pairs than these laws take; the laws make the same number.
+# Iterations of `engine.laws.friction.feedback`.
 _PASSES = 6
 
 
@@ -71,7 +67,7 @@ class Settled(NamedTuple):
     margin : Node
         Margin against jamming: 1 without friction; 0 or less where no force can move the group.
     residual : Node
-        Relative change of the pressing forces in the last pass.
+        Relative change of the pressing forces in the last iteration.
     """
 
     pressing: tuple[Node, ...]
@@ -152,21 +148,6 @@ def pressing_in_group(
         [i][j]: change of the reaction in pair i per newton of pressing force in pair j.
     """
     graph = rubs[0].drag.graph
-    if len(rubs) not in _SOLVERS:
-        return _solved_by_elimination(rubs, free, backs)
-    known: list[Node | float] = []
-    for rub, reaction, row in zip(rubs, free, backs, strict=True):
-        known += [rub.kind, rub.edge, *reaction]
-        known += [component for back in row for component in back]
-    *pressing, margin, residual = graph.apply(_SOLVERS[len(rubs)], *known)
-    return Settled(tuple(pressing), margin, residual)
-
-
-def _solved_by_elimination(
-    rubs: Sequence[Rub], free: Sequence[Components], backs: Sequence[Sequence[Components]]
-) -> Settled:
-    """The passes of `engine.laws.friction.settled` for any number of pairs, by Gaussian elimination."""
-    graph = rubs[0].drag.graph
     old, pressing, determinants = (), [graph.zero] * len(rubs), []
     for _ in range(_PASSES):
         old, rows, forces, lengths = pressing, [], [], []
@@ -185,7 +166,7 @@ def _solved_by_elimination(
 
 
 def _eliminated(rows: list[list[Node]], forces: list[Node], lengths: Sequence[Node]) -> tuple[list[Node], Node]:
-    """Solve the equations of a pass; also their determinant, divided by the lengths of the reactions.
+    """Solve the equations of an iteration; also their determinant, divided by the lengths of the reactions.
 
     Pivots stay on the diagonal: each is a length times the margin against jamming of the pairs up to it.
     """

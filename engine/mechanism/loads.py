@@ -15,6 +15,7 @@ from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.link_loads import Characteristic, Grip, Load, load
 from engine.mechanism.vectors import Vector
 from engine.parts import actions
+from engine.parts.motors import Motor
 from engine.parts.skeleton import FRAME
 from engine.scene.pairs import holder_of
 from engine.scene.scene import Scene
@@ -43,7 +44,7 @@ class Loads:
     ) -> None:
         self.scene, self.kinematics = scene, kinematics
         self._time, self._speed = uniform_time(kinematics) if time is None else time, speed
-        self.motors = tuple(n for n, m in scene.moments.items() if isinstance(m, actions.Motor))
+        self.motors = tuple(n for n, m in scene.moments.items() if isinstance(m, Motor))
         self.terms: list[Load] = [
             *self._gravity(),
             *(load for name in scene.forces for load in self._force(name)),

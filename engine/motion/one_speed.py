@@ -5,20 +5,16 @@ the angle turned and the speed, with I ε + ½ω² dI/dφ = M(φ, ω, t). Torque
 is never negative: a machine that moves backwards has the opposite nominal direction of its input.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
+from engine.compiling.decorators import Law
 from engine.graph.derivatives import derivative
 from engine.graph.nodes import Given, Node, Stage
 from engine.laws.elementary import exponential, power
 from engine.laws.kinematics.closure import greater
 from engine.laws.loads import sized
-from engine.laws.motor_characteristics import (
-    bend_of,
-    bend_slope,
-    induction_motor,
-    induction_motor_curvature,
-    induction_motor_slope,
-)
+from engine.laws.motor_characteristics import BY_SPEED
 from engine.laws.senses import sense, side
 from engine.mechanism.actions.motors import motor_at_speed, motor_on_shaft
 from engine.mechanism.input_motion import InputMotion
@@ -34,12 +30,14 @@ CHANNELS = ("driving", "useful", "harmful", "braking", "other")
 # Powers of the speed whose loads are summed at a position.
 POLYNOMIAL_ORDERS = (0, 1, 2)
 
+
+def _motor_slope(slope: Law | None) -> Callable[..., Node]:
+    return lambda *operands: operands[-1].graph.zero if slope is None else operands[-1].graph.apply(slope, *operands)
+
+
 SLOPES = {
+    **{law: {law.py_func.__code__.co_argcount - 1: _motor_slope(slope)} for law, slope in BY_SPEED.items()},
     sized: {1: lambda size, value: value.graph.apply(sized, size, 1.0)},
-    induction_motor: {4: lambda *operands: operands[-1].graph.apply(induction_motor_slope, *operands)},
-    induction_motor_slope: {4: lambda *operands: operands[-1].graph.apply(induction_motor_curvature, *operands)},
-    bend_of: {0: lambda x: x.graph.apply(bend_slope, x)},
-    bend_slope: {0: lambda x: x.graph.zero},
     exponential: {0: lambda x: x.graph.apply(exponential, x)},
     power: {0: lambda x, n: n * x.graph.apply(power, x, n) / x},
     # A sign of a speed is constant on either side of its switch.

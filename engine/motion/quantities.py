@@ -7,8 +7,8 @@ import numpy as np
 from engine.compiling.running import of_all
 from engine.elements.element import Rank
 from engine.mechanism.mechanics import Mechanics
-from engine.parts.actions import InductionMotor, Motor
 from engine.parts.bodies import OF_FLUCTUATION
+from engine.parts.motors import InductionMotor, Motor
 from engine.parts.regimes import Regime
 from engine.parts.skeleton import CrankInput, SliderInput
 from engine.quantities.chapters import inertia, reactions

@@ -9,13 +9,13 @@ the part of the cycle in which its point moves "along" or "against" its directio
 """
 
 import math
-from itertools import pairwise
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, field_validator
 
 from engine import laws
 from engine.parts.formulas.by_formula import ByFormula, FormulaText
+from engine.parts.motors import AnyMotor
 from engine.parts.skeleton import (
     FRAME,
     Acceleration,
@@ -27,6 +27,7 @@ from engine.parts.skeleton import (
     Length,
     LinkRef,
     Mass,
+    Moment,
     Name,
     Number,
     Part,
@@ -38,8 +39,6 @@ from engine.parts.skeleton import (
 )
 
 Force = quantity("force")
-Moment = quantity("moment")
-Power = quantity("power")
 Speed = quantity("speed")
 Stiffness = quantity("stiffness")
 Damping = quantity("damping")
@@ -413,123 +412,6 @@ class ConveyorMoment(Carried):
     incline: Annotated[Angle, Field(gt=-math.pi / 2, lt=math.pi / 2)] = 0.0
 
 
-class DCCharacteristic(Part):
-    """The straight characteristic of a DC motor, M = `stall_moment` (1 − ω/`no_load_speed`)."""
-
-    ascending: ClassVar = {("rated_speed", "no_load_speed"): "a motor slows down under load"}
-
-    no_load_speed: Annotated[AngularSpeed, Field(gt=0)]
-    stall_moment: Annotated[Moment, Field(gt=0)] | None = None
-    power: Annotated[Power, Field(gt=0)] | None = None
-    rated_speed: Annotated[AngularSpeed, Field(gt=0)] | None = None
-
-    def _faults(self) -> Faults:
-        nameplate = (self.power, self.rated_speed)
-        if (self.stall_moment is None) == (None in nameplate) or (None in nameplate and any(nameplate)):
-            yield "give either stall_moment, or power and rated_speed (nameplate)"
-
-
-class Motor(Part):
-    """A motor on the crank or a shaft geared to it; its torque depends on its speed only."""
-
-    by_speed_alone: ClassVar[bool] = True
-
-    on: Annotated[LinkRef, Refers("driven shaft")]
-
-
-class DCMotor(Motor, DCCharacteristic):
-    """A DC motor, M = stall_moment (1 − ω/no_load_speed), on the crank or a shaft geared to it.
-
-    The nameplate's `power` and `rated_speed` may replace `stall_moment`.
-    """
-
-    type: Literal["dc_motor"]
-
-
-class InductionCharacteristic(Part):
-    """The characteristic of an induction motor, by Kloss' formula or from its nameplate.
-
-    Kloss' formula takes `synchronous_speed`, `breakdown_moment` (the maximum torque) and `breakdown_slip` (the slip at
-    that torque). The nameplate gives `synchronous_speed`, `power`, `rated_speed`, `breakdown_ratio` (breakdown torque
-    over rated torque) and, if known, `starting_ratio` (starting torque over rated torque).
-    """
-
-    synchronous_speed: Annotated[AngularSpeed, Field(gt=0)]
-    breakdown_moment: Annotated[Moment, Field(gt=0)] | None = None
-    breakdown_slip: Annotated[Number, Field(gt=0)] | None = None
-    power: Annotated[Power, Field(gt=0)] | None = None
-    rated_speed: Annotated[AngularSpeed, Field(gt=0)] | None = None
-    breakdown_ratio: Annotated[Number, Field(gt=1)] | None = None
-    starting_ratio: Annotated[Number, Field(gt=0)] | None = None
-
-    def _faults(self) -> Faults:
-        kloss = (self.breakdown_moment, self.breakdown_slip)
-        nameplate = (self.power, self.rated_speed, self.breakdown_ratio)
-        if None not in kloss and all(v is None for v in (*nameplate, self.starting_ratio)):
-            return
-        if None not in nameplate and all(v is None for v in kloss):
-            trouble = laws.motor_characteristics.nameplate_trouble(
-                self.power, self.rated_speed, self.synchronous_speed, self.breakdown_ratio, self.starting_ratio
-            )
-            if trouble:
-                yield trouble
-            return
-        yield (
-            "give either breakdown_moment and breakdown_slip (Kloss), or power, rated_speed and "
-            "breakdown_ratio, with starting_ratio if known (nameplate)"
-        )
-
-
-class InductionMotor(Motor, InductionCharacteristic):
-    """An induction motor by Kloss' formula or from its nameplate, on the crank or a shaft geared to it."""
-
-    type: Literal["induction_motor"]
-
-
-class TableCharacteristic(Part):
-    """A motor's torque given by a table over its speed, with linear interpolation.
-
-    The first and last segments are extrapolated. All torques are multiplied by `scale`.
-    """
-
-    speed: list[AngularSpeed]
-    moment: list[Moment]
-    scale: Annotated[Number, Field(gt=0)] = 1.0
-
-    def _faults(self) -> Faults:
-        laws.tables.make_table(self.speed, self.moment, "linear", outside="hold", names=("speed", "moment"))
-        if any(after <= before for before, after in pairwise(self.speed)):
-            yield "speed: every row must lie above the one before; a motor's torque doesn't jump"
-
-
-class TableMotor(Motor, TableCharacteristic):
-    """A motor on the crank or a shaft geared to it, with its torque given by a table over its speed.
-
-    Interpolation is linear. The first and last segments are extrapolated; above some speed the torque must vanish. All
-    torques are multiplied by `scale`.
-    """
-
-    type: Literal["table_motor"]
-
-    def _faults(self) -> Faults:
-        before, last = self.moment[-2:]
-        if before < last or before == last > 0.0:
-            yield (
-                "moment: the last rows must fall, as a motor stops driving at its no-load speed; for a torque that "
-                "doesn't depend on the speed use type = 'constant' with role = 'driving'"
-            )
-        if not max(self.moment) > 0.0:
-            yield "moment: no row is above 0: a motor drives at some speed"
-
-    @property
-    def no_load_speed(self) -> float:
-        """The highest speed at which the torque vanishes [rad/s]."""
-        rows = list(zip(self.speed, self.moment, strict=True))
-        drives = max(i for i, moment in enumerate(self.moment) if moment > 0.0)
-        (low, driving), (high, beyond) = rows[min(drives, len(rows) - 2) :][:2]
-        return low + (high - low) * driving / (driving - beyond)
-
-
 _ForceDrag = LinearDragForce | QuadraticDragForce | PowerDragForce
 ForceAction = Annotated[
     ConstantForce | TableForce | FormulaForce | ForceAgainstMotion | _ForceDrag, Field(discriminator="type")
@@ -538,9 +420,8 @@ _GivenMoment = ConstantMoment | TableMoment | FormulaMoment | MomentAgainstMotio
 _MomentDrag = LinearDragMoment | QuadraticDragMoment | PowerDragMoment
 _AnyBrake = BlockBrake | DiscBrake | BandBrake
 _CarriedMoment = HoistMoment | VehicleMoment | ConveyorMoment
-_AnyMotor = DCMotor | InductionMotor | TableMotor
 MomentAction = Annotated[
-    _GivenMoment | _MomentDrag | _AnyBrake | TorsionSpring | _CarriedMoment | _AnyMotor, Field(discriminator="type")
+    _GivenMoment | _MomentDrag | _AnyBrake | TorsionSpring | _CarriedMoment | AnyMotor, Field(discriminator="type")
 ]
 
 

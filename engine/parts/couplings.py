@@ -11,8 +11,8 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from engine.parts.actions import Interpolation, Moment, Time
-from engine.parts.skeleton import Density, Faults, GearedRef, Length, Number, Part
+from engine.parts.actions import Interpolation
+from engine.parts.skeleton import Density, Faults, GearedRef, Length, Moment, Number, Part, Time
 
 Share = Annotated[Number, Field(ge=0)]
 

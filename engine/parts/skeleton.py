@@ -118,6 +118,8 @@ Acceleration = quantity("acceleration")
 Number = quantity("number")
 Time = quantity("time")
 Pressure = quantity("pressure")
+Moment = quantity("moment")
+Power = quantity("power")
 Mode = Literal[1, -1]
 
 

@@ -5,7 +5,8 @@ from collections.abc import Iterator
 from typing import get_args
 
 from engine import laws
-from engine.parts.actions import Carried, MomentAction, Motor, Tabled
+from engine.parts.actions import Carried, MomentAction, Tabled
+from engine.parts.motors import Motor
 from engine.parts.regimes import OF_CRANK, OF_SLIDER, run_keys
 from engine.parts.requirements import wrong_angles
 from engine.parts.skeleton import FRAME, CrankInput

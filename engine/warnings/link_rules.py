@@ -7,12 +7,13 @@ import numpy as np
 
 from engine.cycle.measured import Measured
 from engine.elements.gears.tooth_laws import transverse_angle
-from engine.parts.actions import Motor
+from engine.laws.rounding import LEAST_NORMAL
+from engine.parts.motors import Motor
 from engine.parts.skeleton import FRAME
 from engine.scene.masses import body_mass
 from engine.scene.pairs import holder_of, rods_of
 from engine.scene.scene import Numbers, Scene
-from engine.warnings.rule import ABOVE_ZERO, Rule, limit_of
+from engine.warnings.rule import Rule, limit_of
 
 
 def transmission_rules(scene: Scene) -> Iterator[Rule]:
@@ -109,7 +110,7 @@ def massless_link_rules(scene: Scene) -> Iterator[Rule]:
         bodies = [name for name, body in scene.bodies.items() if body.link == link]
 
         def judge(n: Numbers, bodies: list[str] = bodies) -> tuple[object, object]:
-            return sum((body_mass(scene, name, n) for name in bodies), 0.0), ABOVE_ZERO
+            return sum((body_mass(scene, name, n) for name in bodies), 0.0), LEAST_NORMAL
 
         sentence = f"acts on link {link}, whose mass is {{value}}: its inertia forces are missing; add it to [bodies]"
         yield Rule(paths[0], "below", "kg", sentence, judge)
@@ -123,7 +124,7 @@ def no_masses_rules(scene: Scene) -> Iterator[Rule]:
         "{value} masses in a machine with loads: inertia forces, reduced inertia and flywheel are those of massless "
         "links; add [bodies], or set inertia_in_reactions = false if it runs slowly"
     )
-    yield Rule("bodies", "below", "1", sentence, lambda n: (0.0, ABOVE_ZERO))
+    yield Rule("bodies", "below", "1", sentence, lambda n: (0.0, LEAST_NORMAL))
 
 
 def undercut_rules(scene: Scene) -> Iterator[Rule]:

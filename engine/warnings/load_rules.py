@@ -6,12 +6,14 @@ import numpy as np
 
 from engine import laws, mechanism
 from engine.cycle.measured import Measured
-from engine.parts.actions import Motor, Tabled
+from engine.laws.rounding import LEAST_NORMAL
+from engine.parts.actions import Tabled
 from engine.parts.formulas.by_formula import ByFormula
+from engine.parts.motors import Motor
 from engine.parts.skeleton import CrankInput
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.units.display import quantity_text
-from engine.warnings.rule import ABOVE_ZERO, Rule, limit_of
+from engine.warnings.rule import Rule, limit_of
 
 # Tables with friction coefficients, and their key.
 _RUBBING = (("friction", "coefficient"), ("moments", "friction"), ("elements", "friction"))
@@ -82,7 +84,7 @@ def unused_load_rules(scene: Scene) -> Iterator[Rule]:
 
 def _vanishing(n: Numbers, peak: Measured) -> tuple[object, object]:
     """A peak less its error estimate, which is all there is of a load that vanishes."""
-    return np.maximum(peak.value - peak.error, 0.0), ABOVE_ZERO
+    return np.maximum(peak.value - peak.error, 0.0), LEAST_NORMAL
 
 
 def _of_window(scene: Scene, at: str, action: Tabled) -> Rule:
@@ -90,7 +92,7 @@ def _of_window(scene: Scene, at: str, action: Tabled) -> Rule:
     rows, values = np.array(action.abscissae), np.array(action.ordinates)
     acting = np.flatnonzero(values)
     if not acting.size:
-        return Rule(at, "below", "1", "all of its rows are {value}: the load never acts", lambda n: (0.0, ABOVE_ZERO))
+        return Rule(at, "below", "1", "all of its rows are {value}: the load never acts", lambda n: (0.0, LEAST_NORMAL))
     # Between a row of 0 and one of another value the load acts.
     shown = rows[max(acting[0] - 1, 0)], rows[min(acting[-1] + 1, rows.size - 1)]
     held = action.outside == "hold"

@@ -10,8 +10,6 @@ from engine.parts.requirements import WarningLimits
 from engine.scene.scene import Numbers, Scene
 from engine.units.display import quantity_text
 
-# Limit of a number that must be above 0.
-ABOVE_ZERO = float(np.finfo(float).tiny)
 Judge = Callable[..., tuple[object, object]]
 
 

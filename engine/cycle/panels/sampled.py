@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.cycle.panels.chebyshev import DEGREE, PLACES, POSITIONS, SHARES
+from engine.cycle.regula_falsi import regula_falsi
 from engine.laws.rounding import EPS
 
 # Number of last coefficients by which convergence is judged.
@@ -65,11 +66,8 @@ def root_inside(values: np.ndarray) -> np.ndarray:
     inner = values[:, 1:-1]
     k = 1 + np.argmax(inner[:, :-1] * inner[:, 1:] < 0.0, axis=1)
     here, after = (np.take_along_axis(values, i[:, None], axis=1)[:, 0] for i in (k, k + 1))
-    low, high = PLACES[k], PLACES[k + 1]
-    x, series = low + (high - low) * here / (here - after), _weighted(SHARES, values)
-    slope = np.polynomial.chebyshev.chebder(series)
-    for _ in range(_NEWTON_STEPS):
-        x = np.clip(x - _at(x, series) / _at(x, slope), low, high)
+    series = _weighted(SHARES, values)
+    x = regula_falsi(lambda x: _at(x, series), PLACES[k], PLACES[k + 1])
     follows = tails(values) <= _ROUNDING * np.abs(values).max(axis=1)
     return np.where(follows & (here * after < 0.0), x, 0.0)
 

@@ -5,9 +5,9 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from engine.parts.actions import Force, Moment
+from engine.parts.actions import Force
 from engine.parts.motion_programs import TouchesCam
-from engine.parts.skeleton import Angle, Faults, Inertia, Length, Mass, Number, Part, Positive, quantity
+from engine.parts.skeleton import Angle, Faults, Inertia, Length, Mass, Moment, Number, Part, Positive, quantity
 
 NotNegative = Annotated[Length, Field(ge=0)]
 Stiffness = Annotated[quantity("stiffness"), Field(ge=0)]

@@ -11,8 +11,7 @@ from engine.elements.compliances.elastic_parts import ElasticPart
 from engine.elements.compliances.reduction import damping_and_absorption, in_series, reduced_part
 from engine.elements.element import ElementResult, NamingElement, Numbers
 from engine.elements.panels import Curve, Panel, PanelAxis
-from engine.parts.actions import Moment
-from engine.parts.skeleton import Name, quantity
+from engine.parts.skeleton import Moment, Name, quantity
 from engine.units.display import quantity_text
 
 

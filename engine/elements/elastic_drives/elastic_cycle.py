@@ -17,8 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 
-from engine.compiling.decorators import routine
-from engine.compiling.running import over_variants, sum_of_rows
+from engine.compiling.running import sum_of_rows
 from engine.stepping.system import PrintedSystem
 from engine.stepping.tableaux import collocation
 from engine.words.verdicts import Verdict
@@ -37,100 +36,56 @@ _ROUNDED = 1e-13
 _LEAST, _MOST = 0.2, 5.0
 
 
-@routine
-def _solve(matrix: np.ndarray, right: np.ndarray, size: int, columns: int) -> None:
-    """Solve a small system of linear equations in place, by Gaussian elimination with pivoting."""
-    for i in range(size):
-        pivot = i
-        for r in range(i + 1, size):
-            if abs(matrix[r, i]) > abs(matrix[pivot, i]):
-                pivot = r
-        if pivot != i:
-            for c in range(size):
-                matrix[i, c], matrix[pivot, c] = matrix[pivot, c], matrix[i, c]
-            for c in range(columns):
-                right[i, c], right[pivot, c] = right[pivot, c], right[i, c]
-        inverse = 1.0 / matrix[i, i]
-        for r in range(i + 1, size):
-            factor = matrix[r, i] * inverse
-            if factor != 0.0:
-                for c in range(i + 1, size):
-                    matrix[r, c] -= factor * matrix[i, c]
-                for c in range(columns):
-                    right[r, c] -= factor * right[i, c]
-    for i in range(size - 1, -1, -1):
-        for c in range(columns):
-            total = right[i, c]
-            for r in range(i + 1, size):
-                total -= matrix[i, r] * right[r, c]
-            right[i, c] = total / matrix[i, i]
-
-
-@over_variants
-def _close(
-    begin: int,
-    end: int,
-    steps: np.ndarray,
-    jacobian: np.ndarray,
-    slopes: np.ndarray,
-    nodes: np.ndarray,
-    monodromy: np.ndarray,
-) -> None:
+def _closed(
+    steps: np.ndarray, jacobian: np.ndarray, right: np.ndarray, lacking: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Solve the linear equations of cycles, k = J (x + h A k) + r, for the slopes k and the nodes x of all steps.
 
     Parameters
     ----------
-    begin, end : int
     steps : ndarray (drives, steps)
         h [rad].
     jacobian : ndarray (drives, STATE, STATE, steps, STAGES)
+    right : ndarray (drives, STATE, steps, STAGES)
+        r.
+    lacking : ndarray (drives, STATE)
+        By how much x grows over a cycle less than needed.
+
+    Returns
+    -------
     slopes : ndarray (drives, STATE, steps, STAGES)
-        r; becomes k.
+        k.
     nodes : ndarray (drives, STATE, steps + 1)
-        The first ones hold by how much x grows over a cycle less than needed; becomes x.
+        x.
     monodromy : ndarray (drives, STATE, STATE)
-        Receives P.
+        P.
     """
-    # The slopes of a step, and the state at its end, as affine maps of the states at its start and at the cycle's.
-    maps, whole, after = np.empty((steps.shape[1], UNKNOWNS, COLUMNS)), np.empty((STATE, COLUMNS)), np.empty(STATE)
-    stages, cycle, start = np.empty((UNKNOWNS, UNKNOWNS)), np.empty((STATE, STATE)), np.empty((STATE, 1))
-    for d in range(begin, end):
-        whole[:] = np.eye(STATE, COLUMNS)
-        for n in range(steps.shape[1]):
-            h, own = steps[d, n], maps[n]
-            for s in range(STAGES):
-                for r in range(STATE):
-                    at = STATE * s + r
-                    own[at, STATE] = slopes[d, r, n, s]
-                    for c in range(STATE):
-                        own[at, c] = jacobian[d, r, c, n, s]
-                        for z in range(STAGES):
-                            stages[at, STATE * z + c] = -h * _MATRIX[s, z] * own[at, c]
-                    stages[at, at] += 1.0
-            _solve(stages, own, UNKNOWNS, COLUMNS)
-            for c in range(COLUMNS):
-                for r in range(STATE):
-                    after[r] = whole[r, c]
-                    for s in range(STAGES):
-                        slope = own[STATE * s + r, STATE] if c == STATE else 0.0
-                        for z in range(STATE):
-                            slope += own[STATE * s + r, z] * whole[z, c]
-                        after[r] += h * _WEIGHTS[s] * slope
-                whole[:, c] = after
-        monodromy[d] = whole[:, :STATE]
-        cycle[:] = np.eye(STATE) - monodromy[d]
-        start[:, 0] = whole[:, STATE] + nodes[d, :, 0]
-        _solve(cycle, start, STATE, 1)
-        nodes[d, :, 0] = start[:, 0]
-        for n in range(steps.shape[1]):
-            nodes[d, :, n + 1] = nodes[d, :, n]
-            for s in range(STAGES):
-                for r in range(STATE):
-                    slope = maps[n, STATE * s + r, STATE]
-                    for z in range(STATE):
-                        slope += maps[n, STATE * s + r, z] * nodes[d, z, n]
-                    slopes[d, r, n, s] = slope
-                    nodes[d, r, n + 1] += steps[d, n] * _WEIGHTS[s] * slope
+    drives, count = steps.shape
+    own = np.concatenate([jacobian, right[:, :, None]], axis=2).transpose(0, 3, 4, 1, 2)
+    shares = (steps[:, :, None, None] * -_MATRIX)[:, :, :, None, :, None]
+    stages = (shares * own[:, :, :, :, None, :STATE]).reshape(drives, count, UNKNOWNS, UNKNOWNS)
+    stages[..., np.arange(UNKNOWNS), np.arange(UNKNOWNS)] += 1.0
+    # The slopes of a step, and the state at its end, as affine maps of the state at its start.
+    maps = np.linalg.solve(stages, own.reshape(drives, count, UNKNOWNS, COLUMNS))
+    # Filled up to a power of 2 by steps that change nothing.
+    after = np.tile(np.eye(COLUMNS), (drives, 1 << count.bit_length(), 1, 1))
+    after[:, :count, :STATE] += (steps[:, :, None] * (_WEIGHTS @ maps.reshape(drives, count, STAGES, -1))).reshape(
+        drives, count, STATE, COLUMNS
+    )
+    # Maps of two steps together, of four, … of all.
+    joined = [after]
+    while joined[-1].shape[1] > 1:
+        joined.append(joined[-1][:, 1::2] @ joined[-1][:, ::2])
+    whole = joined.pop()[:, 0, :STATE]
+    matrix = np.eye(STATE) - whole[:, :, :STATE]
+    matrix[np.linalg.det(matrix) == 0.0] = np.nan
+    start = np.linalg.solve(matrix, (whole[:, :, STATE] + lacking)[:, :, None])
+    nodes = np.concatenate([start, np.ones((drives, 1, 1))], axis=1)[:, None]
+    for maps_of_steps in reversed(joined):
+        nodes = np.stack([nodes, maps_of_steps[:, ::2] @ nodes], axis=2).reshape(drives, -1, COLUMNS, 1)
+    nodes = nodes[:, : count + 1, :, 0]
+    slopes = (maps @ nodes[:, :-1, :, None]).reshape(drives, count, STAGES, STATE).transpose(0, 3, 1, 2)
+    return slopes, np.moveaxis(nodes[..., :STATE], 1, 2), whole[:, :, :STATE]
 
 
 class CycleSums(NamedTuple):
@@ -225,10 +180,8 @@ def elastic_cycle(machine: DrivenMachine, given: np.ndarray, guess: np.ndarray) 
         jacobian = found[:, STATE:].reshape(pending.size, STATE, STATE, count, STAGES)
         off = before - _within(h, x, k)
         change = found[:, :STATE] - k - np.einsum("drcns,dcns->drns", jacobian, off)
-        moved, own = np.empty_like(x), np.empty((pending.size, STATE, STATE))
-        moved[..., 0] = x[..., -1] - x[..., 0]
-        _close(pending.size, h, jacobian, change, moved, own)
-        k += change
+        raised, moved, own = _closed(h, jacobian, change, x[..., -1] - x[..., 0])
+        k += raised
         x += moved
         x[..., -1] = x[..., -2] + h[:, -1:] * (k[:, :, -1] @ _WEIGHTS)
         after = _within(h, x, k)

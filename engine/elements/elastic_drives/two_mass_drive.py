@@ -15,16 +15,16 @@ from engine.elements.elastic_drives.two_masses import (
 )
 from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, named_in_order, nudged
 from engine.elements.panels import SPEED, TIME, Curve, Mark, Panel, PanelAxis
-from engine.laws.rounding import EPS
-from engine.parts.actions import DCCharacteristic, InductionCharacteristic, Moment, TableCharacteristic, Time
-from engine.parts.motor_constants import MotorCurve, motor_curve
-from engine.parts.skeleton import Angle, AngularSpeed, Inertia
+from engine.laws.motor_characteristics import straight_motor
+from engine.laws.rounding import EPS, LEAST_NORMAL
+from engine.parts.motors import DCCharacteristic, InductionCharacteristic, MotorCurve, TableCharacteristic
+from engine.parts.skeleton import Angle, AngularSpeed, Inertia, Moment, Time
 from engine.stepping.recorded import made_steps, weights_at
 from engine.stepping.walk_task import WALKS
 from engine.words.verdicts import Verdict
 
 # The smallest backlash [rad] whose products keep full precision.
-SMALLEST = np.finfo(float).tiny / EPS
+SMALLEST = LEAST_NORMAL / EPS
 # Number of steps over which rounding accumulates.
 STEPS = 1e4
 # Instants of curves, and maximum number of steps recorded for a plot.
@@ -116,8 +116,8 @@ class TwoMassDrive(ElasticShaft, Element):
     def curve(self, n: Numbers) -> MotorCurve:
         """Characteristic of the motor."""
         if self.motor is None:
-            return MotorCurve(n["motor_moment"], 0.0, (), None, np.inf)
-        return motor_curve(self.motor, "motor", n)
+            return MotorCurve((straight_motor,), ((n["motor_moment"], 0.0),), np.inf)
+        return self.motor.curve("motor", n)
 
     def follow(self, n: Numbers, longer: float, recorded: int = 0) -> FollowedDrives:
         """Compute drives for their duration by one of the `WALKS`, and record up to `recorded` steps."""

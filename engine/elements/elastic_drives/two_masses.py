@@ -19,14 +19,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.decorators import scalar
+from engine.compiling.decorators import Law, scalar
 from engine.compiling.instructions import chosen
 from engine.elements.elastic_drives.shaft_touch import touch_left, touch_turns, touching_moment
-from engine.graph.nodes import Given, Graph, Node, Stage
-from engine.laws.motor_characteristics import bend_of, induction_motor
+from engine.graph.nodes import Given, Graph, Stage
 from engine.laws.rounding import EPS
 from engine.laws.senses import past, sense
-from engine.parts.motor_constants import MotorCurve
+from engine.parts.motors import MotorCurve
 from engine.stepping.records import put
 from engine.stepping.system import Guard, PrintedSystem, System, Walks
 from engine.stepping.walk_task import Why, tolerance_of_walk
@@ -164,34 +163,18 @@ def behind_guard(drive: Drive, phase: Phase, motion: Motion, seen: Seen) -> Behi
     return touch, moves, sense(change), sense(gain), *seen_so_far, load_speed
 
 
-class MotorNodes(NamedTuple):
-    """A motor's characteristic as nodes: level, slope, bends with their current sides, constants of Kloss' formula."""
-
-    level: Given
-    slope: Given
-    bends: tuple[tuple[Given, Given, Given], ...]
-    kloss: tuple[Given, ...]
-
-    def moment(self, speed: Node) -> Node:
-        """Torque at a speed [N·m]."""
-        graph = speed.graph
-        bent = (bend * graph.apply(bend_of, speed - knot) for bend, knot, _ in self.bends)
-        moment = sum(bent, self.level + self.slope * speed)
-        return moment + graph.apply(induction_motor, *self.kloss, speed) if self.kloss else moment
-
-
 class TwoMasses(PrintedSystem):
     """System of a drive with its printed functions.
 
     Parameters
     ----------
+    laws : tuple of Law
+        Laws of the motor.
     bends : int
         Number of bends of the motor's characteristic.
-    kloss : bool
-        Whether the characteristic includes Kloss' formula.
     """
 
-    def __init__(self, bends: int, kloss: bool) -> None:
+    def __init__(self, laws: tuple[Law, ...], bends: int) -> None:
         graph = Graph()
 
         def given(label: str) -> Given:
@@ -205,9 +188,9 @@ class TwoMasses(PrintedSystem):
         clock = given("time of a state")
         self.drive = DriveNumbers(*map(given, DriveNumbers._fields))
         self.held = HeldOfDrive(*map(given, HeldOfDrive._fields))
-        each = (tuple(given(f"{part} of bend {i}") for part in ("change", "speed", "side")) for i in range(bends))
-        constants = tuple(given(f"constant {i} of Kloss") for i in range(4 if kloss else 0))
-        self.motor = MotorNodes(given("level"), given("slope"), tuple(each), constants)
+        self.motor = MotorCurve.of_nodes(laws, lambda label, law, index: given(label))
+        # The speed of each bend, and the side on which the motor is.
+        self.bends = tuple((given(f"bend {i}"), given(f"side of bend {i}")) for i in range(bends))
         motion = twist, speed, load_speed, self.motor.moment(speed), clock
         drive, phase, seen = tuple(self.drive), self.held[:4], self.held[4:]
         _, *rises = graph.apply(drive_rates, drive, *phase[:2], motion)
@@ -218,7 +201,7 @@ class TwoMasses(PrintedSystem):
         ]
         behind = graph.apply(behind_guard, drive, phase, motion, seen)
         held = dict(zip((*self.held, load_speed), behind, strict=True))
-        for i, (_, knot, side) in enumerate(self.motor.bends):
+        for i, (knot, side) in enumerate(self.bends):
             guards.append(Guard(f"bend {i}", side * (speed - knot), False))
             held[side] = graph.apply(past, guards[-1].value, side, -side)
         system = System(
@@ -294,7 +277,7 @@ def follow_drives(
     recorded : int
         Maximum number of steps to record.
     """
-    made, zero, time = two_masses(len(motor.bends), motor.kloss is not None), np.zeros_like(begin.time), begin.time
+    made, zero, time = two_masses(motor.laws, len(motor.bends)), np.zeros_like(begin.time), begin.time
     speed, driving = zero + begin.speed, motor.moment(begin.speed) + zero
     # A load below the rounding of the motor torque counts as zero.
     drive = drive._replace(load=np.where(driving + drive.load > driving, drive.load, 0.0))
@@ -319,11 +302,11 @@ def follow_drives(
     size = np.abs(np.array([*drive, twist, driving, speed, time, frequency])).max(axis=0)
     follows = ~too_stiff & (size < MOST_SIZE) & (frequency > 1.0 / MOST_SIZE) & (mobility > 0.0) & (load_mobility > 0.0)
     numbers = dict(zip((*made.drive, *made.held), (*drive, *held), strict=True))
-    numbers |= {made.motor.level: motor.level, made.motor.slope: motor.slope}
     numbers |= {made.frequency: frequency, made.radian: 1.0 / frequency}
-    numbers |= dict(zip(made.motor.kloss, motor.kloss or (), strict=True))
-    for (bend, knot, side), (change, at) in zip(made.motor.bends, motor.bends, strict=True):
-        numbers |= {bend: change, knot: at, side: np.where(speed >= at, 1.0, -1.0)}
+    for nodes, constants in zip(made.motor.constants, motor.constants, strict=True):
+        numbers |= dict(zip(nodes, constants, strict=True))
+    for (knot, side), at in zip(made.bends, motor.bends, strict=True):
+        numbers |= {knot: at, side: np.where(speed >= at, 1.0, -1.0)}
     lanes = {"tolerance": tolerance_of_walk(TOLERANCE, longer), "clock": zero, "goal": np.where(follows, time, 0.0)}
     lanes |= {"pace": np.minimum(FIRST / frequency, time), "floor": (np.abs(driving) + load) / stiffness * frequency}
     walks = _walk(made, numbers, np.array([frequency * twist, speed, speed]), lanes, longer, recorded)

@@ -9,8 +9,7 @@ from engine.elements.element import Columns, ElementResult, Numbers
 from engine.elements.friction.friction_element import FORCE, RATIO, FrictionElement, Load, Positive
 from engine.graph.over_arrays import over_arrays
 from engine.laws.friction.belts import belt
-from engine.parts.actions import Moment
-from engine.parts.skeleton import Angle, Number, Speed, quantity
+from engine.parts.skeleton import Angle, Moment, Number, Speed, quantity
 
 
 class BeltElement(FrictionElement):

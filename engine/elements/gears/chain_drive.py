@@ -9,8 +9,7 @@ from pydantic import Field
 
 from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers, nudged
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, path, plan
-from engine.parts.actions import Moment
-from engine.parts.skeleton import AngularSpeed, Length, Number, quantity
+from engine.parts.skeleton import AngularSpeed, Length, Moment, Number, quantity
 from engine.words.verdicts import Verdict
 
 # Links that engage over the range drawn.

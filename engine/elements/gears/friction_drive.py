@@ -8,8 +8,8 @@ from pydantic import Field
 
 from engine.elements.element import Answers, Columns, ElementResult, Numbers
 from engine.elements.friction.friction_element import EFFICIENCY, FORCE, FrictionElement
-from engine.parts.actions import Force, Moment
-from engine.parts.skeleton import Angle, AngularSpeed, Length, Number
+from engine.parts.actions import Force
+from engine.parts.skeleton import Angle, AngularSpeed, Length, Moment, Number
 from engine.words.verdicts import Verdict
 
 # Results that remain valid for sliding wheels.

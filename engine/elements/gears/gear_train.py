@@ -11,8 +11,20 @@ from engine.cycle.measured import Measured
 from engine.elements.element import Answers, ElementResult, NamingElement, Numbers
 from engine.elements.gears.gear_structure import GearStructure, gear_structure
 from engine.elements.gears.train_results import named_results, train_answers
-from engine.parts.actions import Moment
-from engine.parts.skeleton import FRAME, Angle, AngularSpeed, Density, Faults, Inertia, Length, Mass, Name, Number, Part
+from engine.parts.skeleton import (
+    FRAME,
+    Angle,
+    AngularSpeed,
+    Density,
+    Faults,
+    Inertia,
+    Length,
+    Mass,
+    Moment,
+    Name,
+    Number,
+    Part,
+)
 
 MOST_TEETH = 100_000
 # With more meshes, the possible patterns of power flow are too many to try.

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.cycle.regula_falsi import regula_falsi
+from engine.cycle.regula_falsi import bisected, regula_falsi
 from engine.elements.element import Columns, Element, ElementResult, Numbers, further, named_in_order
 from engine.elements.governors.governor_nodes import DATUM, States, equilibrium_nodes
 from engine.elements.sampled_peak import sampled_peak
@@ -22,8 +22,6 @@ from engine.words.verdicts import Verdict
 # Number of samples of a characteristic, and per piece of a table; distance of the outer samples from the ends of a
 # piece, and of the points of a difference quotient, as fractions of the range.
 SAMPLES, _PIECE_SAMPLES, _INSIDE, _APART = 33, 9, 1e-12, 1e-6
-# Bisections of a bracket down to rounding.
-_HALVINGS = 64
 _TINY = 1e-300
 OF_ENGINE = (
     ElementResult("working_lift", "lift of the sleeve at the engine's load, after its change", "m"),
@@ -237,10 +235,7 @@ def _edge(g: GovernorVariants, places: np.ndarray, k: np.ndarray, side: int) -> 
     unstable = _at(places, other)
     if (other == k).all():
         return inside, np.zeros(inside.size)
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (stable + unstable)
-        holds = g.at(middle).stable
-        stable, unstable = np.where(holds, middle, stable), np.where(holds, unstable, middle)
+    stable, _ = bisected(lambda x: g.at(x).stable, stable, unstable)
     there, beside = g.at(stable), g.at(inside)
     share = np.minimum(4.0 * beside.rounding / np.maximum(np.abs(beside.margin - there.margin), _TINY), 1.0)
     is_stop = other == k

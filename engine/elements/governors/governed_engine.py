@@ -5,8 +5,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from engine.laws.tables import Table, make_table
-from engine.parts.actions import Moment
-from engine.parts.skeleton import ActionRef, Faults, Inertia, Length, Number, Part, Positive, quantity
+from engine.parts.skeleton import ActionRef, Faults, Inertia, Length, Moment, Number, Part, Positive, quantity
 from engine.units.display import quantity_text
 
 

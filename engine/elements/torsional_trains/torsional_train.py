@@ -20,8 +20,8 @@ from engine.elements.torsional_trains.order_sums import extremes_of_orders
 from engine.elements.torsional_trains.reduced_train import ReducedTrain, reduced_train
 from engine.elements.torsional_trains.train_layout import FRAME_END, Joint, TrainLayout, train_layout
 from engine.laws.rounding import EPS
-from engine.parts.actions import Moment, TorsionalDamping, TorsionalStiffness
-from engine.parts.skeleton import Angle, AngularSpeed, Faults, Inertia, Name, NonZero, Number, Part
+from engine.parts.actions import TorsionalDamping, TorsionalStiffness
+from engine.parts.skeleton import Angle, AngularSpeed, Faults, Inertia, Moment, Name, NonZero, Number, Part
 from engine.words.verdicts import Verdict
 
 MOST_MASSES = 1000

@@ -1,16 +1,14 @@
 """The motors of a scene: their torque reduced to the input link."""
 
-from collections.abc import Callable
+from collections import defaultdict
 
 import numpy as np
 
 from engine.graph.nodes import Node
 from engine.laws.loads import sized
-from engine.laws.motor_characteristics import bend_of, induction_motor
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.link_loads import Grip, Load
-from engine.parts.actions import InductionCharacteristic, Motor
-from engine.parts.motor_constants import MotorCurve, bends_of, motor_curve
+from engine.parts.motors import Motor, MotorCurve
 from engine.parts.skeleton import FRAME
 from engine.scene.scene import Numbers, Scene
 
@@ -22,7 +20,7 @@ def motor_moment(scene: Scene, motors: tuple[str, ...], numbers: Numbers) -> flo
         motor = scene.moments[name]
         ratio = motor_ratio(scene, motor, numbers)
         # A motor drives its shaft in the direction in which the shaft is meant to turn.
-        moment = motor_curve(motor, f"moments.{name}", numbers).moment(np.abs(numbers["input.speed"] * ratio))
+        moment = motor.curve(f"moments.{name}", numbers).moment(np.abs(numbers["input.speed"] * ratio))
         total = total + moment * np.abs(ratio) * np.sign(numbers["input.speed"])
     return total
 
@@ -45,20 +43,13 @@ def motor_at_speed(kinematics: Kinematics, name: str, on: Node, facing: Node, sp
     graph, scene, path = kinematics.graph, kinematics.scene, f"moments.{name}"
     motor = scene.moments[name]
 
-    def number(label: str, pick: Callable[[MotorCurve], float | np.ndarray]) -> Node:
-        return graph.derived(f"{label} of {path}", lambda n: pick(motor_curve(motor, path, n)))
+    def constant(label: str, law: int, index: int) -> Node:
+        return graph.derived(f"{label} of {path}", lambda n: motor.curve(path, n).constants[law][index])
 
     ratio = facing * graph.derived(f"ratio of {path}", lambda n: np.abs(motor_ratio(scene, motor, n)))
-    turns = ratio * speed
-    if isinstance(motor, InductionCharacteristic):
-        constants = (number(f"constant {i}", lambda curve, i=i: curve.kloss[i]) for i in range(4))
-        moment = graph.apply(induction_motor, *constants, turns)
-    else:
-        moment = number("stall moment", lambda curve: curve.level) + number("slope", lambda curve: curve.slope) * turns
-    for i in range(bends_of(motor)):
-        bend = number(f"bend {i}", lambda curve, i=i: curve.bends[i][0])
-        knot = number(f"speed of bend {i}", lambda curve, i=i: curve.bends[i][1])
-        moment = moment + bend * graph.apply(bend_of, turns - knot)
+    # A motor's laws do not depend on its numbers.
+    laws = motor.curve(path, defaultdict(lambda: np.nan)).laws
+    moment = MotorCurve.of_nodes(laws, constant).moment(ratio * speed)
     return ratio * graph.apply(sized, on, moment)
 
 

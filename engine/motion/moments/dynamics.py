@@ -21,7 +21,7 @@ from engine.motion.moments.own_drives import loads_of
 from engine.motion.moments.tabulation import Ends, Tabulation
 from engine.motion.one_speed import CHANNELS, MachineSystem, Sizes, along_angle, along_time
 from engine.parts.actions import Brake
-from engine.parts.motor_constants import MotorCurve, motor_curve
+from engine.parts.motors import MotorCurve
 from engine.scene.load_formulas import load_formulas
 from engine.scene.pairs import contact_pairs, lossy_meshes, own_drives, pairs
 from engine.scene.scene import Numbers, Scene
@@ -330,7 +330,7 @@ class Dynamics:
         scene = self.reduction.mechanics.scene
         motors = [(name, scene.moments[name]) for name in self.motors]
         return [
-            (motor_curve(motor, f"moments.{name}", numbers), np.abs(motor_ratio(scene, motor, numbers)))
+            (motor.curve(f"moments.{name}", numbers), np.abs(motor_ratio(scene, motor, numbers)))
             for name, motor in motors
         ]
 
@@ -344,15 +344,11 @@ class Dynamics:
     def greatest_moment(self, numbers: Numbers, low: np.ndarray, high: np.ndarray) -> np.ndarray:
         """Peak torque of the motors, by magnitude, between two speeds of each variant [rad/s]."""
         drives, speeds = self.drives(numbers), [low, high]
-        # A linear characteristic alone has its peak at one of the ends, one with bends there or at a bend; motor and
-        # generator torque of an induction motor peak at the breakdown slip.
+        # The torque of one motor has its peak at one of the ends or at a peak of its own.
         if len(drives) > 1:
             speeds += [low + share * (high - low) for share in np.linspace(0.0, 1.0, SPEEDS_BETWEEN)[1:-1]]
         for curve, ratio in drives:
-            speeds += [at / ratio for _, at in curve.bends]
-            if curve.kloss is not None:
-                _, slip, _, synchronous = curve.kloss
-                speeds += [synchronous / ratio * (1.0 + way * slip) for way in (-1.0, 1.0)]
+            speeds += [at / ratio for at in curve.peaks]
         at = np.array([np.clip(speed, low, high) for speed in speeds])
         return np.abs(sum((ratio * curve.moment(ratio * at) for curve, ratio in drives), np.zeros(at.shape))).max(
             axis=0

@@ -175,8 +175,7 @@ class EquationOfMotion:
             pace = np.fmax(speed + np.sqrt(change), np.sqrt(np.abs(ahead - epsilon) / spacing))
             h = np.fmin(spacing / pace, np.fmin(share, STIFFEST) / rate)
             for curve, ratio in self.dynamics.drives(self.variants.numbers.of_variants(self.who)):
-                if curve.kloss is not None:
-                    _, slip, _, synchronous = curve.kloss
-                    near = np.abs(synchronous / ratio - omega) + slip * synchronous / ratio
+                for apart in curve.breakdowns:
+                    near = np.abs(curve.no_load_speed / ratio - omega) + apart / ratio
                     h = np.fmin(h, FINER * spacing * near / change)
         return h

@@ -8,7 +8,8 @@ import numpy as np
 from engine.cycle.measured import Measured, atan2
 from engine.elements.element import Rank
 from engine.mechanism.mechanics import Mechanics
-from engine.parts.actions import Brake, Motor
+from engine.parts.actions import Brake
+from engine.parts.motors import Motor
 from engine.parts.skeleton import FRAME, CrankInput
 from engine.quantities.chapters.dynamics import is_loaded
 from engine.quantities.expressions import (

@@ -11,11 +11,10 @@ from sweeps.report.answers.unmet_conditions import no_answer_text
 from sweeps.report.result_report import value_text
 from sweeps.report.sweep_result import SweepResult
 from sweeps.store import VariantIndex
+from sweeps.text.conditions import ROUNDING
 from sweeps.text.input_files import InputError
 from sweeps.text.tables import table
 
-# Relative differences below this are rounding, whatever the estimates.
-ROUNDING = 4 * np.finfo(float).eps
 # Variants of the other result that are matched together, to bound memory.
 INDEXED = 1 << 23
 # Maximum number of listed differences.

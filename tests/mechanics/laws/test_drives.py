@@ -1,6 +1,7 @@
 """Motors against the equivalent circuit, mpmath's solution of the nameplate equations and energy."""
 
 import math
+from itertools import pairwise
 
 import mpmath
 import numpy as np
@@ -11,7 +12,10 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from pydantic import TypeAdapter
 
+from engine.graph.nodes import Graph, Stage
+from engine.graph.over_arrays import NodesOverArrays
 from engine.laws.motor_characteristics import (
+    BY_SPEED,
     dc_motor_from_nameplate,
     induction_motor,
     induction_motor_curvature,
@@ -20,7 +24,7 @@ from engine.laws.motor_characteristics import (
     nameplate_trouble,
 )
 from engine.parts.actions import MomentAction
-from engine.parts.motor_constants import motor_curve
+from engine.parts.motors import MotorCurve
 
 EPS = np.finfo(float).eps
 SYNCHRONOUS = 157.07963267948966
@@ -88,10 +92,13 @@ def test_kloss_between_its_poles__is_nan_not_a_driving_generator():
     assert induction_motor(300.0, 0.1, 0.5, SYNCHRONOUS, SYNCHRONOUS) == 0.0
 
 
-def torque_of(motor: dict, speed: float) -> float:
+def curve_of(motor: dict) -> MotorCurve:
     made = TypeAdapter(MomentAction).validate_python({"on": "crank"} | motor)
-    numbers = {f"m.{key}": value for key, value in made.model_dump().items()}
-    return motor_curve(made, "m", numbers).moment(speed)
+    return made.curve("m", {f"m.{key}": value for key, value in made.model_dump().items()})
+
+
+def torque_of(motor: dict, speed: float) -> float:
+    return curve_of(motor).moment(speed)
 
 
 def test_dc_motor__does_the_power_of_its_line():
@@ -116,6 +123,38 @@ def test_motor_by_a_table__goes_through_its_rows_and_on():
 def test_motor_by_a_table__does_not_drive_above_its_no_load_speed(moment, no_load):
     motor = {"type": "table_motor", "on": "crank", "speed": [0, 2, 4], "moment": moment}
     assert TypeAdapter(MomentAction).validate_python(motor).no_load_speed == no_load
+
+
+@pytest.mark.parametrize("law", BY_SPEED, ids=lambda law: law.__name__)
+def test_slope_of_a_motor__is_the_difference_quotient_by_the_speed(law):
+    constants = {4: (300.0, 0.1, 0.5, SYNCHRONOUS), 2: (8.0, -0.5)}[law.py_func.__code__.co_argcount - 1]
+    speed, h = np.array([-40.0, 30.0, 90.0, 200.0]), 1e-3
+    rise = (law(*constants, speed + h) - law(*constants, speed - h)) / (2 * h)
+    slope = np.zeros(4) if BY_SPEED[law] is None else BY_SPEED[law](*constants, speed)
+    assert_allclose(slope, rise, rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "motor",
+    [
+        {"type": "dc_motor", "stall_moment": 8.0, "no_load_speed": 64.0},
+        {"type": "induction_motor", "synchronous_speed": 64.0, "breakdown_moment": 9.0, "breakdown_slip": 0.2},
+        {"type": "table_motor", "speed": [0, 8, 16, 24], "moment": [10, 6, 12, 0], "scale": 2.0},
+    ],
+    ids=lambda motor: motor["type"],
+)
+def test_curve_of_nodes__is_that_of_numbers(motor):
+    curve, graph, speeds = curve_of(motor), Graph(), np.linspace(-10.0, 80.0, 91)
+    nodes = MotorCurve.of_nodes(curve.laws, lambda label, law, index: graph.given(label, Stage.VARIANT))
+    speed = graph.given("speed", Stage.VARIANT)
+    rows = [*(value for own in curve.constants for value in own), speeds]
+    given = [*(node for own in nodes.constants for node in own), speed]
+    found = NodesOverArrays("A motor.", given, [nodes.moment(speed)])(np.array(np.broadcast_arrays(*rows), float))[0]
+    assert_allclose(found, curve.moment(speeds), rtol=10 * EPS, atol=10 * EPS * np.abs(found).max())
+    # Between its peaks a torque rises or falls throughout.
+    for low, high in pairwise([-10.0, *sorted(peak for peak in curve.peaks if -10.0 < peak < 80.0), 80.0]):
+        change = np.diff(curve.moment(np.linspace(low, high, 50)))
+        assert (change >= 0.0).all() or (change <= 0.0).all()
 
 
 TABLE_MOTOR = {"type": "table_motor", "on": "crank", "speed": [0, 2, 4], "moment": [3, 4, 0]}

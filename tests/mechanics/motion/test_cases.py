@@ -14,7 +14,6 @@ from engine import Machine, Scene, Verdict
 from engine.laws.tables import make_table
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import regime_text
-from engine.parts.motor_constants import kloss_constants
 from engine.scene.scene import Numbers, scene_numbers
 
 INERTIA = 0.4
@@ -269,7 +268,7 @@ def test_run_of_an_induction_motor__is_the_quadrature(begin, end):
     outcome, scene = asked(data), Scene.model_validate(data)
     assert outcome.status == [Verdict.OK]
     numbers = Numbers(scene_numbers(scene), {})
-    constants = [mpf(float(c)) for c in kloss_constants(scene.moments["induction"], "moments.induction", numbers)]
+    constants = [mpf(float(c)) for c in scene.moments["induction"].curve("moments.induction", numbers).constants[0]]
     found = references(begin, end, lambda w: kloss(w, (*constants, mpf(3))), {"useful": constant(-1)})
     for name, value in found.items():
         got, figure = (part[f"go.{name}"][0] for part in (outcome.summaries, outcome.errors))

@@ -1,11 +1,12 @@
-"""Pressing forces settled by a fixed number of passes, against closed forms and against the equations themselves.
+"""Pressing forces settled by a fixed number of iterations, against closed forms and against the equations themselves.
 
-ROUNDINGS: a pass is some thirty operations; what it solves amplifies rounding by the reciprocal of the margin.
+ROUNDINGS: an iteration is some thirty operations; what it solves amplifies rounding by the reciprocal of the margin.
 """
 
 import math
 import platform
 import re
+from functools import cache
 
 import numpy as np
 import pytest
@@ -15,11 +16,13 @@ from numba import njit
 
 from engine.compiling.blocks import LANES
 from engine.compiling.tiles import TILE_OPTIONS
-from engine.laws.friction.settled import GUIDE, JOURNAL, settled_one, settled_three, settled_two
+from engine.graph.nodes import Graph, Stage
+from engine.graph.over_arrays import NodesOverArrays
+from engine.laws.friction.feedback import GUIDE, JOURNAL, bearing
+from engine.mechanism.friction import Rub, pressing_in_group
 
 EPS = np.finfo(float).eps
 ROUNDINGS = 100
-SETTLED = {1: settled_one, 2: settled_two, 3: settled_three}
 
 quick = settings(deadline=None, max_examples=200)
 forces = st.floats(-1e3, 1e3).filter(lambda f: f == 0.0 or abs(f) > 1e-100)
@@ -30,6 +33,25 @@ def close(found: float, expected: float, margin: float, residual: float) -> bool
     return abs(found - expected) <= (ROUNDINGS * EPS / margin + residual) * abs(expected)
 
 
+@cache
+def of_pairs(count: int) -> NodesOverArrays:
+    """Pressing forces, margin and residual over the numbers of the pairs, in the order of `known`."""
+    graph = Graph()
+    given = [graph.given(f"number {i}", Stage.VARIANT) for i in range(count * (4 + 2 * count))]
+    each = [given[i : i + 4 + 2 * count] for i in range(0, len(given), 4 + 2 * count)]
+    rubs = [Rub(kind, edge, edge, edge) for kind, edge, *_ in each]
+    backs = [list(zip(own[4::2], own[5::2], strict=True)) for own in each]
+    found = pressing_in_group(rubs, [tuple(own[2:4]) for own in each], backs)
+    return NodesOverArrays("Pressing forces.", given, [*found.pressing, found.margin, found.residual])
+
+
+def settled(*numbers: float | np.ndarray) -> np.ndarray:
+    count = next(count for count in range(1, 9) if count * (4 + 2 * count) == len(numbers))
+    rows = np.array(np.broadcast_arrays(*numbers), float)
+    found = of_pairs(count)(rows.reshape(len(rows), -1))
+    return found.reshape(len(found), *rows.shape[1:])
+
+
 # One pair: closed forms
 
 
@@ -38,7 +60,7 @@ def close(found: float, expected: float, margin: float, residual: float) -> bool
 def test_journal_alone__root_of_its_quadratic(x, y, back, turned):
     # n = |R + B n|: (1 − B²) n² − 2 R·B n − R² = 0.
     bx, by = back * math.cos(turned), back * math.sin(turned)
-    n, margin, residual = settled_one(JOURNAL, 0.0, x, y, bx, by)
+    n, margin, residual = settled(JOURNAL, 0.0, x, y, bx, by)
     square, along = x * x + y * y, x * bx + y * by
     root = math.sqrt(along * along + (1 - back * back) * square)
     # The form of the root without cancellation.
@@ -57,7 +79,7 @@ def test_guide_alone__greater_of_face_and_edges(n0, m0, edge, b, c):
     # |N + b n| and |M + c n|/a pass n one after the other as n rises from 0: the later one presses.
     on_face = abs(n0) / (1 - math.copysign(b, b * n0))
     on_edges = abs(m0) * edge / (1 - math.copysign(c, c * m0))
-    n, margin, residual = settled_one(GUIDE, edge, n0, m0, b, c / edge)
+    n, margin, residual = settled(GUIDE, edge, n0, m0, b, c / edge)
     assert residual == 0.0 or residual < 1e-15
     assert close(n, max(on_face, on_edges), 0.05, 0.0)
     # One minus what comes back, whose last digits are those of one.
@@ -69,7 +91,7 @@ def test_slider_pushed_ahead_of_its_guide__jams_where_friction_returns_all_of_th
     overhang, half = 0.2, 0.06
     limit = half / overhang
     for f, jams in ((limit - 1e-6, False), (limit, True), (limit + 1e-6, True), (2 * limit, True)):
-        n, margin, _ = settled_one(GUIDE, 1 / half, 0.0, overhang * 100.0, 0.0, overhang * f)
+        n, margin, _ = settled(GUIDE, 1 / half, 0.0, overhang * 100.0, 0.0, overhang * f)
         assert math.isnan(n) == jams
         assert margin == (0.0 if f >= limit + 1e-7 else pytest.approx(1 - f / limit, abs=4 * EPS))
         if not jams:
@@ -80,7 +102,7 @@ def test_slider_pushed_ahead_of_its_guide__jams_where_friction_returns_all_of_th
 
 
 def known(kinds: list[float], edges: list[float], free: np.ndarray, backs: np.ndarray) -> list[float]:
-    """Arguments of the laws: of each pair its kind, edge, reaction and what each pair gives it."""
+    """Numbers of each pair: its kind, edge, reaction and what each pair gives it."""
     parts = zip(kinds, edges, free, backs, strict=True)
     return [float(x) for kind, edge, r, row in parts for x in (kind, edge, *r, *row.T.ravel())]
 
@@ -93,13 +115,13 @@ def pressing(kinds: list[float], edges: list[float], free: np.ndarray, backs: np
 
 @st.composite
 def groups(draw: st.DrawFn) -> tuple:
-    """Two or three pairs, each of which gives back up to a quarter of its force to each."""
-    count = draw(st.integers(2, 3))
+    """Two to five pairs, each of which gives back up to half of its force to all."""
+    count = draw(st.integers(2, 5))
     kinds = draw(st.lists(st.sampled_from([JOURNAL, GUIDE]), min_size=count, max_size=count))
     edges = [0.0 if k == JOURNAL else draw(st.one_of(st.just(0.0), st.floats(0.5, 20.0))) for k in kinds]
     rng = np.random.default_rng(draw(st.integers(0, 2**32)))
     free = rng.normal(size=(count, 2)) * 10.0 ** rng.uniform(-2, 3, (count, 1))
-    backs = rng.uniform(-0.17, 0.17, (count, 2, count))
+    backs = rng.uniform(-0.5, 0.5, (count, 2, count)) / count
     for i, edge in enumerate(edges):
         if kinds[i] == GUIDE:
             backs[i, 1] /= max(edge, 1.0)
@@ -109,25 +131,25 @@ def groups(draw: st.DrawFn) -> tuple:
 @quick
 @given(group=groups())
 def test_pairs_of_a_group__press_with_the_magnitudes_of_their_reactions(group):
-    kinds, _, free, _ = group
-    *n, margin, residual = SETTLED[len(kinds)](*known(*group))
+    _, _, free, _ = group
+    *n, margin, residual = settled(*known(*group))
     assume(residual < 1e-2)
     n = np.array(n)
-    # The equations are in error by no more than their greatest force and what the last pass still changed of it.
+    # The equations are in error by no more than their greatest force and what the last iteration still changed of it.
     error = np.abs(pressing(*group, n) - n).max()
     assert error <= (ROUNDINGS * EPS + residual) * (n.sum() + np.abs(free).max())
     assert (n >= -error).all()
     assert margin > 0
 
 
-def test_passes__settle_nearly_always():
+def test_iterations__settle_nearly_always():
     # Friction that gives back a sixth of a force per pair and component settles to rounding.
     rng = np.random.default_rng(1)
     left = []
     for _ in range(2000):
         free = rng.normal(size=(3, 2)) * 10.0 ** rng.uniform(-2, 2, (3, 1))
         kinds = list(rng.choice([JOURNAL, GUIDE], 3))
-        left.append(settled_three(*known(kinds, [0.0] * 3, free, rng.uniform(-0.17, 0.17, (3, 2, 3))))[-1])
+        left.append(settled(*known(kinds, [0.0] * 3, free, rng.uniform(-0.17, 0.17, (3, 2, 3))))[-1])
     assert np.mean(np.array(left) < 1e-10) > 0.998
 
 
@@ -135,7 +157,7 @@ def test_margin__determinant_of_the_equations_that_remain():
     rng = np.random.default_rng(2)
     free, backs = rng.normal(size=(3, 2)), rng.uniform(-0.2, 0.2, (3, 2, 3))
     kinds, edges = [JOURNAL, GUIDE, JOURNAL], [0.0, 0.5, 0.0]
-    *n, margin, _ = settled_three(*known(kinds, edges, free, backs))
+    *n, margin, _ = settled(*known(kinds, edges, free, backs))
     step, n = 1e-6, np.array(n)
     slopes = [
         (pressing(kinds, edges, free, backs, n + d) - pressing(kinds, edges, free, backs, n - d)) / (2 * step)
@@ -146,7 +168,7 @@ def test_margin__determinant_of_the_equations_that_remain():
 
 
 def test_unknown_reaction__unknown_forces_and_margin():
-    *n, margin, _ = settled_two(*known([JOURNAL, GUIDE], [0.0, 2.0], np.full((2, 2), math.nan), np.zeros((2, 2, 2))))
+    *n, margin, _ = settled(*known([JOURNAL, GUIDE], [0.0, 2.0], np.full((2, 2), math.nan), np.zeros((2, 2, 2))))
     assert np.isnan([*n, margin]).all()
 
 
@@ -157,23 +179,19 @@ def test_unknown_reaction__unknown_forces_and_margin():
 def _in_lanes(rows: np.ndarray, found: np.ndarray) -> None:
     r, f = rows.ravel(), found.ravel()
     for i in range(LANES):
-        x, y, n, m = r[i], r[LANES + i], r[2 * LANES + i], r[3 * LANES + i]
-        b, c, edge = r[4 * LANES + i], r[5 * LANES + i], r[6 * LANES + i]
-        n1, n2, margin, residual = settled_two(1.0, 0.0, x, y, b, c, c, b, 0.0, edge, n, m, c, b, b, c)
-        f[i], f[LANES + i], f[2 * LANES + i], f[3 * LANES + i] = n1, n2, margin, residual
+        kind, edge, x, y = r[i], r[LANES + i], r[2 * LANES + i], r[3 * LANES + i]
+        f[i], f[LANES + i], f[2 * LANES + i] = bearing(kind, edge, x, y)
 
 
 def test_variants__are_settled_side_by_side():
-    rows = np.random.default_rng(4).uniform(0.1, 0.3, (7, LANES))
-    found = np.empty((4, LANES))
-    _in_lanes(rows, found)
-    for i in range(0, LANES, 9):
-        x, y, n, m, b, c, edge = rows[:, i]
-        expected = settled_two(JOURNAL, 0.0, x, y, b, c, c, b, GUIDE, edge, n, m, c, b, b, c)
-        np.testing.assert_allclose(found[:3, i], expected[:3], rtol=ROUNDINGS * EPS)
+    rng = np.random.default_rng(4)
+    rows = np.array(known([JOURNAL, GUIDE], [0.0, 2.0], np.ones((2, 2)), np.ones((2, 2, 2))))[:, None]
+    rows = rows * rng.uniform(0.1, 0.3, (len(rows), LANES))
+    rows[[0, 8]] = [[JOURNAL], [GUIDE]]
+    np.testing.assert_array_equal(settled(*rows), np.array([settled(*row) for row in rows.T]).T)
+    _in_lanes(rows[:4], np.empty((3, LANES)))
     assembly = "\n".join(_in_lanes.inspect_asm().values())
     if platform.machine() in ("x86_64", "AMD64"):
         assert re.search(r"\bv?sqrtpd\b", assembly)
-        assert re.search(r"\bv?divpd\b", assembly)
     # Nothing is called but what allocates and frees: those calls go through addresses.
     assert not re.search(r"\bcallq?\s+\W*(sqrt|hypot|copysign)\b", assembly)
