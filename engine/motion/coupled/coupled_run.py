@@ -5,6 +5,7 @@ breaks loose, where a side stops or starts, where a time-dependent quantity chan
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -48,6 +49,27 @@ NEARLY = 1e-9
 WAITS = 4
 # Reasons for the end of a walk, in addition to the common ones, in the order of the system's guards.
 CRANK_RESTS, SHAFT_RESTS, LOCKS_UP, ASTRAY, BREAKS_LOOSE, SETS_OFF, TOUCH, TURNS = (BELOW + 1 + i for i in range(8))
+
+
+class Seen(NamedTuple):
+    """Steps of a walk at some instants, (instants, steps).
+
+    Attributes
+    ----------
+    column : ndarray of int (steps,)
+        The variant of each step, among those that walk.
+    walked : ndarray
+        Time from the start of the walk [s].
+    moving : ndarray (rows, instants, steps)
+        Angles and speeds of both sides.
+    moment : ndarray
+        Torque of the coupling on the crank [N·m].
+    """
+
+    column: np.ndarray
+    walked: np.ndarray
+    moving: np.ndarray
+    moment: np.ndarray
 
 
 class CoupledRuns(MachineRuns):
@@ -320,8 +342,13 @@ class CoupledRuns(MachineRuns):
         faced, longest = faced_ways(joined), self._longest(who)
         goal = self._goal(who, faced[0])
         gone = self._walk(who, method, faced, goal, longest)
+        seen = self._seen(who, joined, gone)
+        passed = self._passed_over(who, joined, seen)
+        if np.isfinite(passed).any():
+            gone = self._walk(who, method, faced, goal, np.minimum(longest, passed))
+            seen = self._seen(who, joined, gone)
         why, before = gone.why, self.time[who]
-        self._see(who, joined, before, gone)
+        self._see(who, joined, seen, gone)
         self.state[:, who] = gone.states
         self.state[[[CRANK_SPEED], [SHAFT_SPEED]], who] *= np.array(faced)
         self.state[TURNED, who] = np.where(why == Why.OTHER_GOAL, goal, self.state[TURNED, who])
@@ -339,23 +366,43 @@ class CoupledRuns(MachineRuns):
         self.done[who[ended]] = True
         self._after(who, why)
 
-    def _see(self, who: np.ndarray, joined: Joined, before: np.ndarray, gone: Walks) -> None:
-        """Update minima, maxima and peaks from the recorded steps."""
+    def _seen(self, who: np.ndarray, joined: Joined, gone: Walks) -> Seen:
+        """The recorded steps of a walk, at some instants of each."""
         column, at, length, samples = made_steps(gone.recorded, gone.steps)
         looks, moving = LOOKS[self.looks, None], AT_LOOKS[self.looks] @ samples[: SHAFT_SPEED + 1]
-        seen, faced = some(joined, column), np.array(faced_ways(joined))[:, column]
-        moving[[CRANK_SPEED, SHAFT_SPEED]] *= faced[:, None]
-        time = before[column] + at + looks * length
-        mine = who[column]
-        for row, speeds in enumerate((moving[CRANK_SPEED], moving[SHAFT_SPEED])):
+        moving[[CRANK_SPEED, SHAFT_SPEED]] *= np.array(faced_ways(joined))[:, None, column]
+        walked = at + looks * length
+        moment = self._moments(who[column], some(joined, column), moving, self.time[who[column]] + walked)
+        return Seen(column, walked, moving, moment)
+
+    def _passed_over(self, who: np.ndarray, joined: Joined, seen: Seen) -> np.ndarray:
+        """Time of a walk at which a clutch slips that holds at both ends of the step, or slips the other way; or inf.
+
+        Another walk to this time finds the beginning of the slip.
+        """
+        first, phase = np.full(who.size, np.inf), some(joined, seen.column)
+        if self.sides.open or self.sides.is_fluid or self.sides.is_elastic:
+            return first
+        holds = (phase.mode == TOGETHER) & (phase.crank_way != 0.0)
+        sides = self.sides.some(who[seen.column])
+        torn = np.abs(seen.moment) > _grip(sides, phase.engaged + self.time[who[seen.column]] + seen.walked)
+        back = phase.mode * (seen.moving[SHAFT_SPEED] - seen.moving[CRANK_SPEED]) < 0.0
+        within = np.where(holds, torn, back)[1:-1]
+        times = np.where(within, seen.walked[1:-1], np.inf)
+        np.minimum.at(first, seen.column, times.min(axis=0, initial=np.inf))
+        return first
+
+    def _see(self, who: np.ndarray, joined: Joined, seen: Seen, gone: Walks) -> None:
+        """Update minima, maxima and peaks from the steps of a walk."""
+        mine, time = who[seen.column], self.time[who[seen.column]] + seen.walked
+        for row, speeds in enumerate((seen.moving[CRANK_SPEED], seen.moving[SHAFT_SPEED])):
             np.fmin.at(self.lows[row], mine, -highest(-speeds)[0])
             np.fmax.at(self.highs[row], mine, highest(speeds)[0])
-        moment = self._moments(mine, seen, moving, time)
-        self._see_peaks(mine, np.abs(moment), time)
-        if self.observers and column.size:
+        self._see_peaks(mine, np.abs(seen.moment), time)
+        if self.observers and mine.size:
             moved = np.flatnonzero(gone.steps)
-            along = np.concatenate((time[None], moving, moment[None]))
-            counts = len(looks) * gone.steps[moved].astype(int)
+            along = np.concatenate((time[None], seen.moving, seen.moment[None]))
+            counts = len(time) * gone.steps[moved].astype(int)
             whole = [side_by_side(row.T.ravel(), counts) for row in along]
             piece = CoupledPiece(whole[0], np.array(whole[1:-1]), whole[-1], some(joined, moved))
             self.see(who[moved], piece)
@@ -409,6 +456,7 @@ class CoupledRuns(MachineRuns):
             found = coupling_pull(sides, joined, moving, self.time[torn])
             self.joined.mode[torn] = np.where(found.moment > 0.0, FORWARDS, BACKWARDS)
             self.lock_time[torn] = self.lock_speed[torn] = np.nan
+            self.pace[torn] = np.inf
         self.stops[rest] += 1.0
         turns = np.isin(who, met(TURNS))
         self.growing[who] = np.where(turns, -self.growing[who], np.where(why == Why.FULL, self.growing[who], np.nan))
