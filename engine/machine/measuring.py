@@ -268,7 +268,10 @@ class Measuring:
                     found[a] = extreme(change, BOTH, "greatest_magnitude")
                 case UnloadedArc(force, square, which):
                     arc = tuple(curve[c] for c in (*force, square))
-                    found[a] = measure("arcs", arc, "arcs" if which == "arc" else "arc_middles")
+                    # Whether the middle exists depends on the arc.
+                    found[UnloadedArc(force, square, "arc")] = measure("arcs", arc, "arcs")
+                    if which == "middle":
+                        found[a] = measure("arcs", arc, "arc_middles")
         for steady in self._steady:
             work = Work(steady.of.moment)
             if steady.asks_works:

@@ -237,7 +237,7 @@ class MasterRod(NamedTuple):
     knuckle_mass : ndarray (...)
         Mass at each knuckle pin [kg]: the link rod's fraction there. The crankpin carries the rest.
 
-    Each knuckle pin is in line with its cylinder when the crank points to the master rod's cylinder.
+    Seen from the crankpin, the angle of a knuckle pin from the master rod is that of its cylinder from the master's.
     """
 
     cylinder: int

@@ -212,8 +212,8 @@ def minimum_teeth(teeth: TeethInMesh) -> np.ndarray:
 def mesh_efficiency(teeth: TeethInMesh, contact: tuple[np.ndarray, np.ndarray], friction: np.ndarray) -> np.ndarray:
     """Efficiency of a mesh with its axes at rest, η = 1 − μ H_v, at least 0.
 
-    H_v = 2π (1/z₁ ± 1/z₂)/cos β · ∫|s|/n ds, + external, where s is the distance of the contact from the pitch point in
-    base pitches, from −ε₂ to ε₁, and n the number of teeth that share the load equally. For 1 ≤ ε_α ≤ 2 and ε₁, ε₂
+    H_v = 2π (1/z₁ ± 1/z₂)/cos β_b · ∫|s|/n ds, + external, where s is the distance of the contact from the pitch point
+    in base pitches, from −ε₂ to ε₁, and n the number of teeth that share the load equally. For 1 ≤ ε_α ≤ 2 and ε₁, ε₂
     between 0 and 1 the integral is Niemann and Winter's (1 − ε_α + ε₁² + ε₂²)/2.
 
     Parameters
@@ -235,7 +235,7 @@ def mesh_efficiency(teeth: TeethInMesh, contact: tuple[np.ndarray, np.ndarray], 
         without = _sliding(start + extra, start + 1.0) / np.maximum(pairs, 1.0)
         lost = lost + np.where(j <= pairs, with_extra, 0.0) + np.where(j < pairs, without, 0.0)
     curvature = 1.0 / teeth.first + teeth.sense / teeth.second
-    loss = math.tau * curvature / np.cos(teeth.helix_angle) * lost
+    loss = math.tau * curvature / np.sqrt(1.0 - _base_sine(teeth) ** 2) * lost
     return np.maximum(1.0 - friction * loss, 0.0)
 
 
@@ -247,7 +247,7 @@ def _sliding(start: np.ndarray, end: np.ndarray) -> np.ndarray:
 def tooth_forces(tangential: np.ndarray, angle: np.ndarray, teeth: TeethInMesh) -> ToothForces:
     """Tooth forces for a tangential force at the operating pitch point.
 
-    F_n = F_t/(cos α_w cos β_b), F_a = F_n sin β_b, F_r = F_t tan α_w; sin β_b = sin β cos α_n on the base cylinder.
+    F_n = F_t/(cos α_w cos β_b), F_a = F_n sin β_b, F_r = F_t tan α_w.
 
     Parameters
     ----------
@@ -257,6 +257,11 @@ def tooth_forces(tangential: np.ndarray, angle: np.ndarray, teeth: TeethInMesh) 
         Operating pressure angle [rad].
     teeth : TeethInMesh
     """
-    base_sine = np.sin(teeth.helix_angle) * np.cos(teeth.pressure_angle)
+    base_sine = _base_sine(teeth)
     normal = tangential / (np.cos(angle) * np.sqrt(1.0 - base_sine**2))
     return ToothForces(tangential, tangential * np.tan(angle), normal * base_sine, normal)
+
+
+def _base_sine(teeth: TeethInMesh) -> np.ndarray:
+    """Sine of the helix angle on the base cylinder, sin β_b = sin β cos α_n."""
+    return np.sin(teeth.helix_angle) * np.cos(teeth.pressure_angle)

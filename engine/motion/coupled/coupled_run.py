@@ -5,6 +5,7 @@ breaks loose, where a side stops or starts, where a time-dependent quantity chan
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from engine.motion.coupled.two_sides import (
     FORWARDS,
     TOGETHER,
     CoupledSides,
+    CouplingNumbers,
     Joined,
     coupling_pull,
     faced_ways,
@@ -47,6 +49,28 @@ NEARLY = 1e-9
 WAITS = 4
 # Reasons for the end of a walk, in addition to the common ones, in the order of the system's guards.
 CRANK_RESTS, SHAFT_RESTS, LOCKS_UP, ASTRAY, BREAKS_LOOSE, SETS_OFF, TOUCH, TURNS = (BELOW + 1 + i for i in range(8))
+
+
+class Seen(NamedTuple):
+    """Recorded steps of a walk.
+
+    Attributes
+    ----------
+    column : ndarray of int (steps,)
+        The variant of each step, among those that walk.
+    begin, length : ndarray (steps,)
+        From the start of the walk [s].
+    moving : ndarray (rows, SHOWN, steps)
+        Angles and speeds of both sides at the fractions SHOWN.
+    moment : ndarray (1, SHOWN, steps)
+        Torque of the coupling on the crank [N·m]; no row where nothing depends on it.
+    """
+
+    column: np.ndarray
+    begin: np.ndarray
+    length: np.ndarray
+    moving: np.ndarray
+    moment: np.ndarray
 
 
 class CoupledRuns(MachineRuns):
@@ -151,7 +175,7 @@ class CoupledRuns(MachineRuns):
         moving[TURNED] += np.sign(moving[CRANK_SPEED]) * sides.crank.beside(moving[TURNED])
         ways = np.sign(moving[CRANK_SPEED]), np.sign(moving[SHAFT_SPEED])
         mode = np.full(who.size, APART if sides.open else FLUID)
-        if not (sides.open or sides.is_fluid or sides.is_elastic):
+        if sides.is_clutch:
             mode = self._holding(sides, joined, moving, self.time[who], ways)
         ways = self._ways(sides, joined, moving, self.time[who], mode, ways)
         self.joined.mode[who], self.joined.crank_way[who], self.joined.shaft_way[who] = mode, *ways
@@ -179,7 +203,7 @@ class CoupledRuns(MachineRuns):
         standing = (ways[0] == 0.0) & (ways[1] == 0.0)
         forth, back, _, shaft_forth, _, shaft_back = self._free(sides, joined, moving, time)
         off = np.where(standing, np.where(forth > 0.0, 1.0, np.where(back < 0.0, -1.0, 0.0)), ways[0])
-        capacity = _grip(sides, joined.engaged + time)
+        capacity = _grip(sides.coupling, joined.engaged + time)
         trial = joined._replace(mode=np.full(slip.size, TOGETHER), crank_way=off, shaft_way=off)
         needed = coupling_pull(sides, trial, moving, time).moment
         # Where both stand, either side may be held by its own resistance.
@@ -319,8 +343,13 @@ class CoupledRuns(MachineRuns):
         faced, longest = faced_ways(joined), self._longest(who)
         goal = self._goal(who, faced[0])
         gone = self._walk(who, method, faced, goal, longest)
+        seen = self._seen(who, joined, gone)
+        passed = self._passed_over(who, joined, seen)
+        if np.isfinite(passed).any():
+            gone = self._walk(who, method, faced, goal, np.minimum(longest, passed))
+            seen = self._seen(who, joined, gone)
         why, before = gone.why, self.time[who]
-        self._see(who, joined, before, gone)
+        self._see(who, joined, seen, gone)
         self.state[:, who] = gone.states
         self.state[[[CRANK_SPEED], [SHAFT_SPEED]], who] *= np.array(faced)
         self.state[TURNED, who] = np.where(why == Why.OTHER_GOAL, goal, self.state[TURNED, who])
@@ -338,27 +367,50 @@ class CoupledRuns(MachineRuns):
         self.done[who[ended]] = True
         self._after(who, why)
 
-    def _see(self, who: np.ndarray, joined: Joined, before: np.ndarray, gone: Walks) -> None:
-        """Update minima, maxima and peaks from the recorded steps."""
-        column, at, length, samples = made_steps(gone.recorded, gone.steps)
-        seen, begin, moving = some(joined, column), before[column] + at, samples[: SHAFT_SPEED + 1]
-        moving[[CRANK_SPEED, SHAFT_SPEED]] *= np.array(faced_ways(seen))[:, None]
-        speeds, moment = moving[[CRANK_SPEED, SHAFT_SPEED]], np.zeros((0, *moving.shape[1:]))
-        if self.stepping.peaks or self.observers:
-            time = begin + SHOWN[:, None] * length
-            moment = self._moments(who[column], seen, moving, time, column, gone.numbers)[None]
-        top = tops_in_steps(column, np.concatenate((-speeds, speeds, -moment, moment)), who.size)
+    def _seen(self, who: np.ndarray, joined: Joined, gone: Walks) -> Seen:
+        """The recorded steps of a walk."""
+        column, begin, length, samples = made_steps(gone.recorded, gone.steps)
+        phase, moving, moment = some(joined, column), samples[: SHAFT_SPEED + 1], np.zeros((0, *samples.shape[1:]))
+        moving[[CRANK_SPEED, SHAFT_SPEED]] *= np.array(faced_ways(phase))[:, None]
+        if self.stepping.peaks or self.observers or self.sides.is_clutch:
+            time = self.time[who[column]] + begin + SHOWN[:, None] * length
+            moment = self._moments(who[column], phase, moving, time, column, gone.numbers)[None]
+        return Seen(column, begin, length, moving, moment)
+
+    def _passed_over(self, who: np.ndarray, joined: Joined, seen: Seen) -> np.ndarray:
+        """Time of a walk at which a clutch slips that holds at both ends of the step, or slips the other way; or inf.
+
+        Another walk to this time finds the beginning of the slip.
+        """
+        first, phase = np.full(who.size, np.inf), some(joined, seen.column)
+        if not self.sides.is_clutch:
+            return first
+        holds = (phase.mode == TOGETHER) & (phase.crank_way != 0.0)
+        coupling = some(self.sides.coupling, who[seen.column])
+        crank, shaft, moment = AT_LOOKS[1:-1] @ [*seen.moving[[CRANK_SPEED, SHAFT_SPEED]], *seen.moment]
+        walked = seen.begin + LOOKS[1:-1, None] * seen.length
+        torn = np.abs(moment) > _grip(coupling, phase.engaged + self.time[who[seen.column]] + walked)
+        within = np.where(holds, torn, phase.mode * (shaft - crank) < 0.0)
+        np.minimum.at(first, seen.column, np.where(within, walked, np.inf).min(axis=0, initial=np.inf))
+        return first
+
+    def _see(self, who: np.ndarray, joined: Joined, seen: Seen, gone: Walks) -> None:
+        """Update minima, maxima and peaks from the steps of a walk."""
+        begin, speeds = self.time[who[seen.column]] + seen.begin, seen.moving[[CRANK_SPEED, SHAFT_SPEED]]
+        curves = -speeds, speeds, -seen.moment, seen.moment
+        top = tops_in_steps(seen.column, np.concatenate(curves), who.size)
         self.lows[:, who] = np.fmin(self.lows[:, who], -top.value[:2])
         self.highs[:, who] = np.fmax(self.highs[:, who], top.value[2:4])
         for value, step, share in zip(*(row[4:] for row in top), strict=True):
             # Ties go to the earlier step.
             higher = np.flatnonzero(value > self.peak[who] * (1.0 + SAME_PEAK))
-            self.peak_at[who[higher]] = begin[step[higher]] + share[higher] * length[step[higher]]
+            own = step[higher]
+            self.peak_at[who[higher]] = begin[own] + share[higher] * seen.length[own]
             self.peak[who] = np.fmax(self.peak[who], value)
-        if self.observers and column.size:
+        if self.observers and begin.size:
             moved = np.flatnonzero(gone.steps)
             looks, counts = LOOKS[self.looks, None], LOOKS[self.looks].size * gone.steps[moved].astype(int)
-            along = begin + looks * length, *(AT_LOOKS[self.looks] @ [*moving, *moment])
+            along = begin + looks * seen.length, *(AT_LOOKS[self.looks] @ [*seen.moving, *seen.moment])
             whole = [side_by_side(row.T.ravel(), counts) for row in along]
             piece = CoupledPiece(whole[0], np.array(whole[1:-1]), whole[-1], some(joined, moved))
             self.see(who[moved], piece)
@@ -422,6 +474,7 @@ class CoupledRuns(MachineRuns):
             found = coupling_pull(sides, joined, moving, self.time[torn])
             self.joined.mode[torn] = np.where(found.moment > 0.0, FORWARDS, BACKWARDS)
             self.lock_time[torn] = self.lock_speed[torn] = np.nan
+            self.pace[torn] = np.inf
         self.stops[rest] += 1.0
         turns = np.isin(who, met(TURNS))
         self.growing[who] = np.where(turns, -self.growing[who], np.where(why == Why.FULL, self.growing[who], np.nan))
@@ -461,6 +514,6 @@ class CoupledRuns(MachineRuns):
             self.give_up(mine[alike & same.all(axis=0)])
 
 
-def _grip(sides: CoupledSides, engaged: np.ndarray) -> np.ndarray:
+def _grip(clutch: CouplingNumbers, engaged: np.ndarray) -> np.ndarray:
     """Torque capacity of locked clutches [N·m], a given time after their engagement [s]."""
-    return sides.coupling.capacity_at(engaged) * (1.0 + GRIP)
+    return clutch.capacity_at(engaged) * (1.0 + GRIP)

@@ -208,6 +208,11 @@ class CoupledSides(NamedTuple):
         """Whether the coupling is a fluid coupling that is not open."""
         return not (self.is_elastic or self.open) and self.coupling.coefficient is not None
 
+    @property
+    def is_clutch(self) -> bool:
+        """Whether the coupling is a clutch that is not open."""
+        return not (self.is_elastic or self.open or self.is_fluid)
+
     def some(self, who: np.ndarray) -> "CoupledSides":
         """A subset of the variants, by index."""
         shaft = ShaftSide(self.shaft.form.some(who), self.shaft.inertia[who])

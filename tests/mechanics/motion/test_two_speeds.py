@@ -589,3 +589,25 @@ test_engagement_given_wrongly__is_refused = refusals(
     ({"over_time": [0.0, 1.0], "share": [0.0, 1.0], "engagement": 1.0}, "engagement and over_time are given"),
     ({"over_time": [1.0, 0.5], "share": [0.0, 1.0]}, "must rise from 0 s"),
 )
+
+
+@pytest.mark.parametrize("accuracy", [1e-2, 1e-6])
+def test_clutch_that_slips_for_a_moment__is_seen_between_the_ends_of_a_step(accuracy):
+    """A locked clutch accelerates its shaft with the crank: it slips where that takes more than its capacity."""
+    own = RATIO**2 * SHAFT_INERTIA
+    go = run("", from_speed=5.0, from_shaft_speed=5.0 * RATIO, time=1.2)
+    scene = coupled(rotor({"go": go}))
+    jolt = {"type": "formula", "on": "crank", "moment": "m * exp(-((t - at) / width)^2)"}
+    scene["moments"]["jolt"] = jolt | {"numbers": {"m": "20 N m", "at": "0.61 s", "width": "0.11 s"}}
+    needed = 20.0 * own / (INERTIA + own)
+    capacity = needed / RATIO * np.linspace(0.9, 1.1, 40)
+    names = of("go", "clutch_slip_time clutch_moment_peak clutch_heat motor_shaft_final_speed")
+    found, exact = (
+        ask(scene, names, varied={"couplings.clutch.capacity": capacity}, accuracy=wanted)
+        for wanted in (accuracy, 1e-11)
+    )
+    assert ((found.values["go.clutch_slip_time"] > 0.0) == (capacity < needed / RATIO)).all()
+    assert (found.values["go.clutch_moment_peak"] <= capacity * (1 + 1e-9)).all()
+    for name in names.split():
+        off = np.abs(found.values[name] - exact.values[name])
+        assert (off <= 2 * found.errors[name] + exact.errors[name] + 1e-12 * exact.values[name]).all(), name

@@ -75,6 +75,13 @@ def test_wheel_heavier_than_its_unbalance_pulls__loads_its_shaft_all_around(shar
     assert math.isnan(middle[0])
 
 
+def test_each_direction_asked_alone__is_as_with_the_others():
+    names = summaries_of("input", "frame")
+    together = answers(wheel(0.3), names)
+    for name in names:
+        assert answers(wheel(0.3), [name]) == {name: together[name]}
+
+
 def test_wheel_lighter_than_its_unbalance_pulls__loads_its_shaft_on_one_side():
     share = 4.0
     _, _, arc, middle = answers(wheel(share), summaries_of("input", "crank")).values()
