@@ -1,4 +1,4 @@
-"""Parts of a search: margins of conditions, coordinates, texts that are refused, what the command says, the picture."""
+"""Parts of a search: margins of conditions, coordinates, refusals, fronts, what the command says, the picture."""
 
 import math
 import sys
@@ -17,6 +17,7 @@ from engine import Verdict
 from engine.parts.formulas.expressions import parse
 from sweeps import InputError, SweepResult, read_study, run_study
 from sweeps.optimising.optimum import choices, front
+from sweeps.optimising.pareto import pareto_front
 from sweeps.optimising.trials import Trials
 from sweeps.page.digest import Digest
 from sweeps.pictures.picture_error import PictureError
@@ -26,8 +27,6 @@ from sweeps.study.sampling import Columns, Design, Linear, Listed, Logarithmic, 
 from sweeps.study.search_task import task_of
 from sweeps.study.search_variables import Span, Variables
 from sweeps.text.conditions import Condition
-
-# Margins
 
 SIZES = st.floats(0, 1e3, allow_subnormal=False) | st.sampled_from([0.0, np.nan, np.inf])
 NUMBERS = st.floats(-1e6, 1e6, allow_subnormal=False) | st.sampled_from([0.0, 1.0, np.nan])
@@ -328,3 +327,34 @@ def test_machines_within_tolerances__on_a_limit_that_the_tolerance_leaves_alone_
     asked = "minimise = \"excess_work\"\nwhere = \"ram.stroke >= '100 mm' and ram.stroke <= '100 mm'\"\n"
     result = searched(tmp_path, f"{asked}population = 8\ngenerations = 2", vary=vary, rest=rest)
     assert result.columns["tolerance_misses"][result.best()] == 0
+
+
+def brute_force_front(values, minimise):
+    costs = values * np.where(minimise, 1, -1)
+    with np.errstate(invalid="ignore"):
+        better = (costs[:, None] <= costs[None]).all(axis=2) & (costs[:, None] < costs[None]).any(axis=2)
+    return ~better.any(axis=0) & ~np.isnan(costs).any(axis=1)
+
+
+@settings(deadline=None, max_examples=150)
+@given(st.data())
+def test_pareto_front__as_by_comparing_all_pairs(data):
+    objectives = data.draw(st.integers(1, 4))
+    # Few different numbers, so that there are ties, doubles and two kinds of zero.
+    number = st.sampled_from([-2.0, -1.0, -0.0, 0.0, 0.5, 1.0, 3.0, math.inf, -math.inf, math.nan])
+    rows = data.draw(st.lists(st.lists(number, min_size=objectives, max_size=objectives), max_size=40))
+    minimise = data.draw(st.lists(st.booleans(), min_size=objectives, max_size=objectives))
+    values = np.array(rows).reshape(-1, objectives)
+    assert pareto_front(values, minimise).tolist() == brute_force_front(values, minimise).tolist()
+
+
+def test_pareto_front_of_a_million_points__the_known_front():
+    rng = np.random.default_rng(7)
+    x = rng.random(1_000_000)
+    values = np.column_stack([x, 1 - x + rng.exponential(size=x.size)])
+    front = np.linspace(0, 1, 50)
+    values[:50] = np.column_stack([front, 1 - front - 1e-3])
+    found = np.flatnonzero(pareto_front(values, [True, True]))
+    # Any other point lies above the line x + y = 1, the fifty 0.001 below it, 1/49 apart.
+    assert set(range(50)) <= set(found)
+    assert (values[found].sum(axis=1) < 1 + 1 / 49).all()
