@@ -1,7 +1,7 @@
 """The five cases recognised from scenes, and runs with constant inertia against quadrature by mpmath."""
 
 import math
-from itertools import pairwise
+from itertools import pairwise, product
 
 import mpmath
 import numpy as np
@@ -237,19 +237,20 @@ LAWS = {
         lambda w: 20 * (1 - w / 100),
         {"useful": constant(-1), "harmful": lambda w: -mpf(0.02) * w},
     ),
-    "motor and fan": (("dc", "fan"), lambda w: 20 * (1 - w / 100), {"harmful": lambda w: -mpf(0.0005) * w * w}),
+    "motor_and_fan": (("dc", "fan"), lambda w: 20 * (1 - w / 100), {"harmful": lambda w: -mpf(0.0005) * w * w}),
     "fan": (("push", "rub", "fan"), none, {**PUSHED, "harmful": lambda w: -mpf(0.0005) * w * w}),
 }
 
 
-@pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize(("begin", "way"), [(20.0, 1.0), (20.0, -1.0), (0.0, 1.0)])
-def test_run_with_constant_inertia__is_the_quadrature(law, begin, way):
-    names, motor, loads = LAWS[law]
+def test_runs_with_constant_inertia__are_the_quadrature(begin, way):
     moments = {**ACTIONS, "push": {**PUSH, "moment": math.copysign(6.0, way)}}
-    outcome = asked(crank(moments, runs(begin, *names), speed=way * 100.0))
+    regimes = {f"{law}_{end}": regime for law, (n, *_) in LAWS.items() for end, regime in runs(begin, *n).items()}
+    outcome = asked(crank(moments, regimes, speed=way * 100.0))
     assert outcome.status == [Verdict.OK]
-    for regime, end in ENDS.items():
+    for law, end in product(LAWS, ENDS):
+        _, motor, loads = LAWS[law]
+        regime = f"{law}_{end}"
         last, unsure = (part[f"{regime}.final_speed"][0] for part in (outcome.summaries, outcome.errors))
         found, beside = (references(begin, speed, motor, loads) for speed in (last, last - unsure))
         for name, value in found.items():
@@ -257,7 +258,7 @@ def test_run_with_constant_inertia__is_the_quadrature(law, begin, way):
             # The reference is taken to the speed that was found, right to its own error estimate.
             figure += abs(value - beside[name]) + 40 * EPS * abs(value)
             assert abs(got - value) <= figure, (regime, name, got, value, figure)
-        key, goal = next(iter(end.items()))
+        key, goal = next(iter(ENDS[end].items()))
         name = {"speed": "final_speed", "time": "time", "cycles": "angle"}[key]
         expected = 2 * math.pi * goal if key == "cycles" else goal
         assert outcome.summaries[f"{regime}.{name}"][0] == pytest.approx(expected, rel=2 * EPS)

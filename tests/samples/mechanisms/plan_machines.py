@@ -143,3 +143,8 @@ def cycle_of(name):
 def poses(name):
     cycle = cycle_of(name)
     return [cycle.at(cycle.motion.q[k]) for k in (77, 301, 655)]
+
+
+def moment_about(place, loads):
+    """Moment of loads on a link about a place [N·m]."""
+    return sum(load.moment + ((load.at - place).conjugate() * load.force).imag for load in loads)
