@@ -27,7 +27,7 @@ def test_reduced_inertia_and_its_slope__kinetic_energy():
     }
     scene = press(bodies=bodies())
     for variant in variants_of(scene, varied):
-        machine = MovingMachine(Scene.model_validate(variant), positions=12)
+        machine = MovingMachine(Scene.model_validate(variant), positions=8)
         found, q = machine.fields(I_FIELDS), machine.q
 
         def rows(of: Scene, q: np.ndarray = q) -> dict:
@@ -43,7 +43,7 @@ def test_reduced_moments__power_of_real_forces_on_real_velocities():
     names = [n for table in actions().values() for n in table] + ["gravity"]
     fields = [*(f"{n}.moment" for n in names), "reduced_moment", "input_moment"]
     varied = {"input.speed": [7.0, -3.0], "groups.drive.mode": [1, -1]}
-    some = slice(5, None, 72)
+    some = slice(5, None, 120)
     # The ends of the stroke come from cubics between positions: (h⁴/384) max|d⁗|, times the table's slope.
     ends = (2 * math.pi / 360) ** 4 / 384 * 20 * 2000
     truncation = {
