@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from searches import CRANK, NEAREST, RANGES, ROD, SCENE, TWO, searched, study_of
 from slips import cases
 
-from engine import Verdict
 from engine.parts.formulas.expressions import parse
 from sweeps import InputError, SweepResult, read_study, run_study
 from sweeps.optimising.optimum import choices, front
@@ -25,7 +24,7 @@ from sweeps.pictures.sweep.front_picture import front_picture
 from sweeps.pictures.sweep.result_pictures import result_pictures, sweep_data
 from sweeps.study.sampling import Columns, Design, Linear, Listed, Logarithmic, Sampled
 from sweeps.study.search_task import task_of
-from sweeps.study.search_variables import Span, Variables
+from sweeps.study.search_variables import Variables
 from sweeps.text.conditions import Condition
 
 SIZES = st.floats(0, 1e3, allow_subnormal=False) | st.sampled_from([0.0, np.nan, np.inf])
@@ -55,16 +54,6 @@ def test_margin__with_error_estimates_is_below_zero_only_where_the_condition_is_
     assert (np.abs(worst) <= 1).all()
 
 
-@settings(deadline=None, max_examples=100)
-@given(conditions(), NUMBERS, NUMBERS)
-def test_parts__hold_together_where_the_condition_does(text, a, b):
-    values = {"a": a, "b": b}
-    whole = Condition(parse(text))
-    assert all(" or " in part.text or " and " not in part.text or "not" in part.text for part in whole.parts)
-    parts = [part.judged(values, {}, 1).met[0] for part in whole.parts]
-    assert all(parts) == whole.judged(values, {}, 1).met[0]
-
-
 def test_margin__is_the_share_by_which_a_limit_is_missed():
     values = {"a": np.array([1.0, 2.0, 3.0, np.nan, 0.0]), "b": 2.0}
     # (a − b) / (|a| + |b|), undefined at worst.
@@ -87,20 +76,6 @@ DESIGN = Design(
 )
 
 
-def test_coordinates__of_ranges_come_first_and_those_of_lists_last():
-    variables = Variables.of(DESIGN)
-    assert [span.name for span in variables.spans] == ["a", "c", "d", "g"]
-    assert variables.spans[0] == Span("a", -1.0, 3.0)
-    assert variables.names == ("a", "b", "c", "d", "e", "f", "g")
-    assert variables.free.tolist() == [True] * 4 + [False] * 2
-    low, high = (variables.values(np.full((1, 6), end)) for end in (0.0, 1.0))
-    assert {n: v[0] for n, v in low.items()} == dict(
-        zip("abcdefg", (-1.0, 5.0, 1.0, 0.0, 1.0, 10.0, 1e-3), strict=True)
-    )
-    ends = dict(zip("abcdefg", (3.0, 9.0, 100.0, 8.0, 2.0, 20.0, 1e3), strict=True))
-    assert {n: v[0] for n, v in high.items()} == pytest.approx(ends, rel=1e-15)
-
-
 @settings(deadline=None, max_examples=100)
 @given(st.lists(st.floats(0, 1), min_size=6, max_size=6))
 def test_coordinates__and_values_lead_to_each_other(place):
@@ -110,35 +85,6 @@ def test_coordinates__and_values_lead_to_each_other(place):
     for name, value in values.items():
         # A logarithm of up to 14, there and back: 14 roundings of 1e-16, and those of a difference of size 4.
         assert again[name][0] == pytest.approx(value, rel=1e-14, abs=1e-15), name
-
-
-def test_coordinates__of_lists_give_each_entry_its_share():
-    variables = Variables.of(Design((Listed("b", [5.0, 7.0, 9.0]),)))
-    found = variables.values(np.linspace(0, 1, 3001)[:, None])["b"]
-    assert np.unique(found, return_counts=True)[1].tolist() == [1000, 1000, 1001]
-
-
-def test_coordinates__of_what_is_not_known_or_outside_are_in_the_middle():
-    variables = Variables.of(DESIGN)
-    assert variables.coordinates({"d": 2.0, "a": 17.0, "b": 7.0}).tolist() == [0.5, 0.5, 0.25, 0.5, 0.5, 0.25]
-
-
-# Candidates
-
-
-def test_candidates__that_fail_or_miss_are_worse_than_all_that_meet(tmp_path):
-    asked = 'minimise = "excess_work"\nwhere = "ram.stroke >= \'100 mm\'"'
-    task = task_of(study_of(tmp_path, asked, vary=RANGES.replace("80 mm", "400 mm")))
-    crank = np.array([0.04, 0.05, 0.06, 0.3])
-    # The rod is 150 mm long.
-    batch = Trials(task).evaluate(np.column_stack([(crank - 0.03) / 0.37, np.zeros(4)]))
-    assert batch.columns["status"].tolist() == [Verdict.OK] * 3 + [Verdict.CANNOT_ASSEMBLE]
-    # The stroke of 80 mm misses 100 mm by 20 mm less its error estimate, over 180 mm; a machine that can't be assembled
-    # misses everything.
-    figure = batch.columns["ram.stroke_error"][0]
-    assert figure < 1e-7
-    np.testing.assert_allclose(batch.violation[[0, 2, 3]], [(0.02 - figure) / 0.18, 0, 2], rtol=1e-12)
-    assert batch.met.tolist()[2:] == [True, False]
 
 
 # Texts that are refused

@@ -127,7 +127,7 @@ def test_accumulator_press__answers_with_the_least_slip_that_does_not_overheat(t
 
 # Idling engine
 
-CRANK, ROD, AREA = 0.032, 0.110, math.pi / 4 * 0.088**2
+CRANK, AREA = 0.032, math.pi / 4 * 0.088**2
 SWEPT = AREA * 2 * CRANK
 INTAKE, EXHAUST, COMPRESSION, EXPANSION = 0.4e5, 1.05e5, 1.32, 1.28
 
