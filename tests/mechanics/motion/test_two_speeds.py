@@ -204,36 +204,6 @@ def test_start_of_a_slider_crank__goes_as_an_independent_simulation_does():
     assert (found.values["go.clutch_moment_peak"] <= capacities * (1 + 1e-9)).all()
 
 
-def test_errors_of_a_start_with_long_steps__cover_what_an_independent_simulation_finds(monkeypatch):
-    monkeypatch.setattr("engine.motion.asked_regimes.RUN_TOLERANCE", 1e-3)
-    capacities = np.linspace(1.0, 4.0, 16)
-    scene = coupled(slider_crank({"go": run("dc oil fan", from_speed=0.0, from_shaft_speed=90.0, time=0.6)}))
-    scene["couplings"]["clutch"]["engagement"] = 0.3
-    names = "angle clutch_heat clutch_slip_time"
-    found = ask(scene, of("go", NAMES), varied={"couplings.clutch.capacity": capacities})
-    assert found.status == [Verdict.OK] * 16
-    for i, capacity in enumerate(capacities):
-        known = reference(capacity, 0.3, 0.6, 90.0)
-        for name in names.split():
-            error = abs(found.values[f"go.{name}"][i] - known[name])
-            assert error <= found.errors[f"go.{name}"][i] + 1e-9 * abs(known[name]), (name, capacity)
-
-
-def test_steps_that_grow_from_an_event_on__are_others_in_the_run_for_comparison(monkeypatch):
-    # Friction holds the crank until the clutch overcomes it; from there on steps grow.
-    scene = coupled(slider_crank({"go": run("dc oil fan rub", from_speed=0.0, from_shaft_speed=90.0, time=0.6)}))
-    scene["couplings"]["clutch"]["engagement"] = 0.1
-    varied, names = {"couplings.clutch.capacity": np.linspace(1.0, 4.0, 40)}, "clutch_heat clutch_slip_time"
-    monkeypatch.setattr("engine.motion.asked_regimes.RUN_TOLERANCE", 1e-12)
-    exact = ask(scene, of("go", NAMES), varied=varied)
-    monkeypatch.setattr("engine.motion.asked_regimes.RUN_TOLERANCE", 1e-3)
-    found = ask(scene, of("go", NAMES), varied=varied)
-    for name in of("go", names).split():
-        # The change with other steps passes through zero here and there; with the same ones it is rounding.
-        error = np.abs(found.values[name] - exact.values[name])
-        assert (error <= 30.0 * found.errors[name]).all(), name
-
-
 def test_crank_without_loads__is_taken_along_from_the_begin_on():
     """At the begin nothing acts at all, then the clutch alone: I ε = r C t/τ."""
     scene = coupled(rotor({"go": run("", from_speed=0.0, from_shaft_speed=400.0, time=0.1)}), capacity=2.0)
