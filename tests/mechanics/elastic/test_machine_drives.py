@@ -249,10 +249,7 @@ WITH_ROTOR = {
 
 @pytest.mark.parametrize(
     "same",
-    [
-        yoke(speed=-20.0),
-        yoke(shafts=WITH_ROTOR, elements={"d": DRIVE | {"motor_inertia": None, "driver": "rotor"}}),
-    ],
+    [yoke(speed=-20.0), yoke(shafts=WITH_ROTOR, elements={"d": DRIVE | {"motor_inertia": None, "driver": "rotor"}})],
     ids=["turning backwards", "rotor of the scene, reduced to the crank"],
 )
 def test_mirror_image_and_driver_of_the_scene__move_alike(machine, same):

@@ -25,10 +25,7 @@ def test_whitworth_and_oscillating_cylinder__oracle():
             "T": on("tube", 0.1, 0.2),
         },
         "input": crank(),
-        "groups": {
-            "slot": rpr(("block", "A"), ("rocker", "D")),
-            "cylinder": rpr(("tube", "G"), ("piston", "A"), 0.05),
-        },
+        "groups": {"slot": rpr(("block", "A"), ("rocker", "D")), "cylinder": rpr(("tube", "G"), ("piston", "A"), 0.05)},
     }
     check(
         scene,

@@ -47,13 +47,7 @@ KICK = {
     "interpolation": "linear",
     "role": "driving",
 }
-TURN = {
-    "type": "table",
-    "on": "crank",
-    "over_angle": [0.0, 3.0],
-    "moment": [1.0, -1.0],
-    "interpolation": "spline",
-}
+TURN = {"type": "table", "on": "crank", "over_angle": [0.0, 3.0], "moment": [1.0, -1.0], "interpolation": "spline"}
 
 
 ACTIONS = {"dc": DC, "induction": INDUCTION, "brake": BRAKE, "push": PUSH, "rub": RUB, "oil": OIL, "fan": FAN}
@@ -103,30 +97,14 @@ def acting(*names, steady=False, **end):
 CASES = [
     (acting(), "1: I constant, no moment", 3),
     (acting("brake", rest=True), "1: I constant, M constant of brake (block brake)", 3),
-    (
-        acting("push", "rub", cycles=2.0),
-        "1: I constant, M constant of push (constant) and rub (against motion)",
-        3,
-    ),
-    (
-        acting("dc", "rub", "oil", time=2.0),
-        "2: I constant, M(ω) of dc (DC motor) and oil (viscous resistance)",
-        5,
-    ),
+    (acting("push", "rub", cycles=2.0), "1: I constant, M constant of push (constant) and rub (against motion)", 3),
+    (acting("dc", "rub", "oil", time=2.0), "2: I constant, M(ω) of dc (DC motor) and oil (viscous resistance)", 5),
     (acting("push", "fan"), "2: I constant, M(ω) of fan (resistance by ω²)", 5),
-    (
-        acting("oil", "fan"),
-        "2: I constant, M(ω) of oil (viscous resistance) and fan (resistance by ω²)",
-        5,
-    ),
+    (acting("oil", "fan"), "2: I constant, M(ω) of oil (viscous resistance) and fan (resistance by ω²)", 5),
     (acting("grain"), "2: I constant, M(ω) of grain (resistance by a power of ω)", 5),
     (acting("induction", "rub"), "2: I constant, M(ω) of induction (induction motor)", 5),
     (acting("induction", "rub", time=1.0), "2: I constant, M(ω) of induction (induction motor)", 5),
-    (
-        acting("induction", "oil"),
-        "2: I constant, M(ω) of induction (induction motor) and oil (viscous resistance)",
-        5,
-    ),
+    (acting("induction", "oil"), "2: I constant, M(ω) of induction (induction motor) and oil (viscous resistance)", 5),
     (acting("dc", steady=True), "2: I constant, M(ω) of dc (DC motor)", 5),
     (acting("turn"), "2: I constant, M(φ) of turn (table)", 3),
     (acting("kick", "rub", time=3.0), "2: I constant, M(t) of kick (table)", 5),
@@ -134,11 +112,7 @@ CASES = [
     (acting("kick", "again", time=3.0), "2: I constant, M(t) of kick (table) and again (table)", 5),
     (acting("dc", "turn"), "4: I constant, M(φ, ω) of dc (DC motor) and turn (table)", 5),
     (acting("kick", "dc", time=1.0), "4: I constant, M(ω, t) of dc (DC motor) and kick (table)", 5),
-    (
-        acting("kick", "dc", "turn"),
-        "4: I constant, M(φ, ω, t) of dc (DC motor), kick (table) and turn (table)",
-        5,
-    ),
+    (acting("kick", "dc", "turn"), "4: I constant, M(φ, ω, t) of dc (DC motor), kick (table) and turn (table)", 5),
 ]
 
 
@@ -178,11 +152,7 @@ def test_shaft_geared_to_a_shaft__leaves_inertia_constant():
 
 # Runs against quadrature
 
-ENDS = {
-    "until": {"speed": 60.0},
-    "lasting": {"time": 0.7},
-    "turning": {"cycles": 4.0},
-}
+ENDS = {"until": {"speed": 60.0}, "lasting": {"time": 0.7}, "turning": {"cycles": 4.0}}
 
 
 def runs(begin, *names, **ends):

@@ -6,17 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from each_case import refusals
-from motion_scenes import (
-    INERTIA,
-    MOMENTS,
-    RATIO,
-    ask,
-    inertia_at,
-    rotor,
-    run,
-    slider_crank,
-    steady,
-)
+from motion_scenes import INERTIA, MOMENTS, RATIO, ask, inertia_at, rotor, run, slider_crank, steady
 from scipy.integrate import quad, solve_ivp
 
 from engine import Scene, Verdict, history
@@ -305,11 +295,7 @@ def test_steady_motion__slips_where_the_clutch_holds_less_than_it_takes():
 
 def test_regimes_of_a_press__spin_up_couple_and_brake():
     """The motor alone, then with the machine, then the machine braked with the clutch open."""
-    regimes = {
-        "spin": run("dc", time=1.0),
-        "start": run("dc rub", lock_up=True),
-        "stop": run("brake", rest=True),
-    }
+    regimes = {"spin": run("dc", time=1.0), "start": run("dc rub", lock_up=True), "stop": run("brake", rest=True)}
     scene = coupled(rotor(regimes), open_in="spin stop")
     names = "spin.motor_shaft_final_speed spin.final_speed start.time start.final_speed start.motor_shaft_final_speed"
     found = ask(scene, f"{names} stop.time stop.brake_heat stop.motor_shaft_final_speed")
@@ -546,10 +532,7 @@ test_what_has_no_meaning__is_refused = refusals(
         {"moments": {"m": BY | {"on": "crank", "moment": "-1 N m s * motor_shaft.angular_velocity"}}},
         "'motor_shaft' turns at a speed of its own",
     ),
-    (
-        {"moments": {"m": DC | {"on": "motor_shaft"}, "n": DC | {"on": "crank"}}},
-        "motors are on both of its sides",
-    ),
+    ({"moments": {"m": DC | {"on": "motor_shaft"}, "n": DC | {"on": "crank"}}}, "motors are on both of its sides"),
 )
 
 

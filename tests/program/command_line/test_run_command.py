@@ -331,8 +331,7 @@ def test_run__keeps_how_many_positions_each_variant_took(study):
 
 
 @pytest.mark.parametrize(
-    ("accuracy", "words"),
-    [('"150 %"', "less than 1"), ("0", "greater than 0"), ('"0.1 mm"', "mm"), ('"fine"', "fine")],
+    ("accuracy", "words"), [('"150 %"', "less than 1"), ("0", "greater than 0"), ('"0.1 mm"', "mm"), ('"fine"', "fine")]
 )
 def test_nonsense__is_explained(study, accuracy, words):
     study(accuracy)

@@ -10,12 +10,7 @@ from hypothesis import strategies as st
 from mpmath import mpf
 from numpy.testing import assert_allclose
 
-from engine.laws.friction.inclines import (
-    incline_down,
-    incline_up,
-    wedge_drive,
-    wedge_withdraw,
-)
+from engine.laws.friction.inclines import incline_down, incline_up, wedge_drive, wedge_withdraw
 
 EPS = np.finfo(float).eps
 

@@ -70,11 +70,7 @@ def test_trees__are_as_many_as_counted():
 ROUNDED = 1e-13
 
 
-@pytest.mark.parametrize(
-    ("method", "order"),
-    [(DORMAND_PRINCE, 8), (RADAU, 9)],
-    ids=["DP8", "Radau"],
-)
+@pytest.mark.parametrize(("method", "order"), [(DORMAND_PRINCE, 8), (RADAU, 9)], ids=["DP8", "Radau"])
 def test_method__has_its_order_and_no_more(method: Tableau, order: int):
     assert np.abs(method.matrix.sum(axis=1) - method.nodes).max() < ROUNDED
     assert missed(method.matrix, method.weights, order) < ROUNDED

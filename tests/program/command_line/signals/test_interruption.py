@@ -39,10 +39,7 @@ def last_words(process: subprocess.Popen) -> str:
         process.kill()
 
 
-@pytest.mark.parametrize(
-    ("number", "busy"),
-    [*((signal.SIGINT, busy) for busy in BUSY), (signal.SIGTERM, "computing")],
-)
+@pytest.mark.parametrize(("number", "busy"), [*((signal.SIGINT, busy) for busy in BUSY), (signal.SIGTERM, "computing")])
 def test_signal__ends_the_program_with_one_sentence(number, busy, tmp_path):
     head = "import sys, time\nfrom sweeps.text.interruption import half_written, listen\nlisten()\n"
     head += "half_written.add('draft'); open('draft', 'w').close(); print('here', flush=True)\n"
