@@ -11,6 +11,8 @@ from scipy.optimize import brentq, minimize_scalar
 from engine.cycle.machine import CycleMachine
 from engine.cycle.measures.unloaded_arcs import LEAST_LOAD
 from engine.cycle.one_variant import OneVariant
+from engine.cycle.panels.chebyshev import PLACES
+from engine.cycle.panels.sampled import tops
 from engine.cycle.plan import Difference, Running, VectorAngle
 from engine.graph.nodes import Graph
 from engine.laws.elementary import direction_of
@@ -136,3 +138,8 @@ def test_fast_wave__is_resolved_over_the_whole_range():
     q = np.linspace(0.0, 2.0 * math.pi, 10_001)
     # A cosine rounds by half a unit in the last place of its angle, up to 1500 turns.
     assert np.abs(panels.at(q)[0] - np.cos(1500.0 * q)).max() <= 1e-10
+
+
+def test_top_of_a_constant__is_its_first_place():
+    values = np.full((3, PLACES.size), 0.3) + EPS * np.random.default_rng(1).uniform(-1, 1, (3, PLACES.size))
+    assert (tops(values, np.full(3, 64 * EPS)).places == -1.0).all()
