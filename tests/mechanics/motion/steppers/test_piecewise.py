@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numba
 import numpy as np
+import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
@@ -64,6 +65,48 @@ def test_cusps_and_a_jump__within_what_they_may_hide(level, phase, size, jump, c
         # A bound that says something: of the order of a step of the steepest slope.
         assert within - (sign * values).max() <= 30 * TURN / count
         assert abs(top - sign * values[int(node)]) <= 30 * TURN / count
+
+
+def dense_top(curve, count: int) -> float:
+    """Greatest value of a curve over a turn, by looking ever more closely about each place above its neighbours."""
+    x = np.linspace(0.0, TURN, 10 * count + 1)
+    y, tops = curve(x), []
+    step = x[1]
+    for place in x[1:-1][(y[1:-1] >= y[:-2]) & (y[1:-1] >= y[2:])]:
+        around, half = place, step
+        for _ in range(5):
+            u = around + half * np.linspace(-1.0, 1.0, 101)
+            around, half = u[int(np.argmax(curve(u)))], 0.02 * half
+        tops.append(curve(np.array([around]))[0])
+    return max(*tops, y[0], y[-1])
+
+
+@pytest.mark.parametrize("kind", ["smooth", "bent", "magnitude"])
+def test_peaks_between_nodes__are_known_within_their_estimate(kind):
+    """Series of twelve harmonics; with a cusp that may be the peak; magnitudes of vectors that almost vanish."""
+    rng, apart = np.random.default_rng(7), []
+    for _ in range(150):
+        sizes, phases = rng.normal(size=(2, 12)) * 0.6 ** np.arange(12), rng.uniform(0.0, TURN, (2, 12))
+        small, bend, where = 10.0 ** rng.uniform(-3.0, 0.0), abs(rng.normal()), rng.uniform(0.0, TURN)
+
+        def series(x, which, sizes=sizes, phases=phases):
+            return sizes[which] @ np.cos(np.arange(1, 13)[:, None] * x - phases[which][:, None])
+
+        curves = {
+            "smooth": lambda x, series=series: series(x, 0),
+            "bent": lambda x, series=series, bend=bend, where=where: (
+                series(x, 0) - bend * np.abs(np.sin(0.5 * (x - where)))
+            ),
+            "magnitude": lambda x, series=series, small=small: np.hypot(series(x, 0), small * series(x, 1)),
+        }
+        curve, x = curves[kind], np.linspace(0.0, TURN, 361)
+        scale = np.abs(curve(x)).max()
+        for sign in (1.0, -1.0):
+            top, _, most = peak_between(sign * curve(x), np.diff(x))
+            exact = dense_top(lambda u, curve=curve, sign=sign: sign * curve(u), 360)
+            assert abs(top - exact) <= most - top + 1e-13 * scale
+            apart.append(abs(top - exact) / scale)
+    assert np.median(apart) < 1e-10
 
 
 def test_a_magnitude_that_almost_vanishes__leaves_its_maximum_well_known():
