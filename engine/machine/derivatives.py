@@ -68,64 +68,6 @@ class Derivatives(NamedTuple):
     status: np.ndarray
 
 
-def derivatives(machine: Machine | ElementsAlone, varied: Mapping[str, np.ndarray], by: str) -> Derivatives:
-    """Derivatives of all requested summaries with respect to one number of the scene, with all others fixed.
-
-    Parameters
-    ----------
-    machine : Machine or ElementsAlone
-        Preferably without fields and in float64.
-    varied : mapping of path to ndarray (variants,)
-        As in `evaluate`.
-    by : str
-        One of the machine's varied paths.
-
-    Raises
-    ------
-    AskError
-        The number isn't varied, or the derivative with respect to it, or of a requested summary, does not exist.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from engine import Machine, Scene
-    >>> from engine.machine.derivatives import derivatives
-    >>> scene = Scene.model_validate({
-    ...     "points": {"O": {"x": 0, "y": 0}},
-    ...     "guides": {"way": {}},
-    ...     "input": {"type": "crank", "pivot": "O", "pin": "A", "length": "50 mm", "speed": "60 rpm"},
-    ...     "groups": {"g": {"type": "RRP", "inner": "B",
-    ...                      "first": {"link": "rod", "joint": "A", "length": "200 mm"},
-    ...                      "second": {"link": "ram", "guide": "way"}}},
-    ... })
-    >>> machine = Machine(scene, ["ram.stroke"], varied=["input.length"])
-    >>> found = derivatives(machine, {"input.length": np.array([0.05])}, "input.length")
-    >>> round(float(found.values["ram.stroke"][0]), 9)
-    2.0
-    """
-    if by not in machine.varied:
-        raise AskError(f"{by!r} is not among the numbers that this machine varies: {list(machine.varied)}")
-    return derivatives_along(machine, number_moved(machine.scene, varied, by))
-
-
-def number_moved(scene: Scene, varied: Mapping[str, np.ndarray], by: str) -> Move:
-    """Variation of one number of the scene alone.
-
-    Parameters
-    ----------
-    scene : Scene
-    varied : mapping of path to ndarray (variants,)
-        Values (SI) of all varied numbers.
-    by : str
-    """
-    arrays = {path: np.atleast_1d(np.asarray(values, float)) for path, values in varied.items()}
-
-    def moved(values: np.ndarray, variants: np.ndarray) -> dict[str, np.ndarray]:
-        return {path: array[variants] for path, array in arrays.items()} | {by: values}
-
-    return Move(arrays[by], scale_of(scene, arrays, by), moved)
-
-
 def derivatives_along(machine: Machine | ElementsAlone, move: Move) -> Derivatives:
     """Derivatives of all requested summaries along a move.
 

@@ -117,10 +117,7 @@ def _joint(name: str, link: str, other: str, place: tuple) -> list[Unknown]:
 
 def _guide(name: str, link: str, other: str, slider: Pose, way: Pose) -> list[Unknown]:
     on, normal = {link: 1.0, other: -1.0}, (-way.s.v, way.c.v)
-    return [
-        Unknown(f"{name}.reaction", on, (slider.x.v, slider.y.v), normal),
-        Unknown(f"{name}.reaction_moment", on),
-    ]
+    return [Unknown(f"{name}.reaction", on, (slider.x.v, slider.y.v), normal), Unknown(f"{name}.reaction_moment", on)]
 
 
 def unknowns(motion: Motion) -> list[Unknown]:

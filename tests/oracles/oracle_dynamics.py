@@ -1,7 +1,6 @@
-"""Energy and power of the oracle's motion: what a machine reduces to, from first principles.
+"""Energy of the oracle's motion and the forces of its actions, from first principles.
 
-I is twice the kinetic energy at unit input speed. Every force acts on the real velocity of its point and its power
-is divided by the input's speed: M. Radii of gyration come from quadrature over the shapes.
+I is twice the kinetic energy at unit input speed. Radii of gyration come from quadrature over the shapes.
 """
 
 import math
@@ -168,29 +167,3 @@ def pull_of(spring: object, motion: Motion, speed: float | np.ndarray) -> tuple[
     rate = speed * (ex.v * ex.d + ey.v * ey.d) / length
     pull = spring.stiffness * (length - spring.free_length) + spring.damping * rate
     return pull * ex.v / length, pull * ey.v / length
-
-
-def moments(motion: Motion) -> dict[str, np.ndarray]:
-    """Reduced moment of every action (no motors) and of gravity, by its name: power over input speed."""
-    scene, found = motion.scene, {}
-    speed = scene.input.speed
-
-    def power(point: str, fx: np.ndarray, fy: np.ndarray) -> np.ndarray:
-        x, y = motion.points[point]
-        return fx * x.d + fy * y.d
-
-    for name, force in scene.forces.items():
-        found[name] = power(force.on, *force_at(force, motion, speed))
-    for name, moment in scene.moments.items():
-        found[name] = moment_on(moment, motion, speed) * motion.links[moment.on].theta.d
-    for name, spring in scene.springs.items():
-        first, second = (power(end, *pull_of(spring, motion, speed)) for end in spring.between)
-        found[name] = first - second
-    for name, cylinder in scene.cylinders.items():
-        v = motion.slides[cylinder.piston].d
-        found[name] = _pump_force(cylinder, speed * v) * v
-    found["gravity"] = 0 * motion.q
-    for body in scene.bodies.values():
-        mass, x, y, _ = body_of(body)
-        found["gravity"] = found["gravity"] - mass * scene.gravity * motion.links[body.link].point(x, y)[1].d
-    return found

@@ -303,10 +303,7 @@ def test_linkage_of_two_loops__is_balanced_by_masses_in_three_places():
                 "bars": rrr("B", ("coupler", "A", 1.0), ("rocker", "D", 0.8)),
                 "g": rrp("S", ("rod", "E", 1.4), "ram", "way"),
             },
-            "bodies": {
-                "c": {"link": "coupler", "mass": 1.0, "x": 0.5},
-                "r": {"link": "ram", "mass": 0.6},
-            },
+            "bodies": {"c": {"link": "coupler", "mass": 1.0, "x": 0.5}, "r": {"link": "ram", "mass": 0.6}},
         }
     )
     found = balance(scene, ["crank", "rocker"], [CounterweightPlace("rod", -0.7)])

@@ -17,7 +17,6 @@ from numpy.testing import assert_allclose
 
 from engine.elements.engines.engine_layout import (
     Engine,
-    MasterRod,
     boxer_engine,
     in_line_engine,
     radial_engine,
@@ -117,35 +116,6 @@ def test_shaking__is_the_sum_of_all_orders_of_newtons_forces(engine, phi):
         # λ + ε up to 0.55 gives a > 1.38: beyond order 24, 25² exp(−25 a) of the first order's size and less; here
         # 1e-9 with the slowest. Rounding grows as n² (n ≤ 24, 24 of them).
         assert abs(vector.at(np.array([phi]))[0] - newton(engine, phi, arms)) <= 1e-9 * terms[0] + 1e-15
-
-
-@few
-@given(st.sampled_from([3, 5, 7, 9]), st.floats(0.1, 0.35), st.floats(0.1, 0.9), st.floats(0.0, 0.5), angles)
-def test_shaking_with_a_master_rod__is_newtons(cylinders, ratio, knuckle, mass, phi):
-    master = MasterRod(1, knuckle, 1 / ratio - knuckle, mass)
-    engine = Engine(radial_engine(cylinders).layout(), 1.0, 1 / ratio, 1.0, 0.2, master=master)
-    with mpmath.workdps(30):
-        banks = [2 * mpmath.pi * k / cylinders for k in range(cylinders)]
-        rod, c, link = 1 / mpf(ratio), mpf(knuckle), mpf(master.link_rod)
-
-        def pin(t, k):
-            lean = mpmath.asin(-mpmath.sin(t - banks[1]) / rod)
-            return mpmath.expj(t) + c * mpmath.expj(banks[k] + lean)
-
-        def place(t, k):
-            if k == 1:
-                return mpmath.cos(t - banks[1]) + mpmath.sqrt(rod**2 - mpmath.sin(t - banks[1]) ** 2)
-            seen = pin(t, k) * mpmath.expj(-banks[k])
-            return seen.real + mpmath.sqrt(link**2 - seen.imag**2)
-
-        total = mpf(mass) * 0 + mpf(0.2) * cylinders * mpmath.expj(mpf(phi))
-        for k in range(cylinders):
-            total -= mpmath.diff(lambda t, k=k: place(t, k), mpf(phi), 2) * mpmath.expj(banks[k])
-            if k != 1:
-                total -= mpf(mass) * mpmath.diff(lambda t, k=k: pin(t, k) - mpmath.expj(t), mpf(phi), 2)
-        expected = complex(total)
-    # a > 1.6 for λ < 0.35 (link rods lean a little more): 25² exp(−25·1.2) at the most.
-    assert abs(engine_shaking(engine, ALL).forces.at(np.array([phi]))[0] - expected) <= 1e-9 * cylinders
 
 
 # Well-known engines

@@ -14,11 +14,7 @@ from numpy.testing import assert_allclose
 from sampled_torque import gas_torque, harmonics, inertia_harmonics
 
 from engine import ElementsAlone, Scene, Verdict
-from engine.elements.engines.engine import (
-    TORQUE_ORDERS,
-    engine_torque,
-    torque_name,
-)
+from engine.elements.engines.engine import TORQUE_ORDERS, engine_torque, torque_name
 from engine.elements.engines.engine_layout import in_line_engine
 from engine.elements.engines.firing import firing_angles
 from engine.elements.engines.harmonics import crank_radius

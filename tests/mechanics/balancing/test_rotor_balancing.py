@@ -9,20 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from engine.elements.rotors.correction import correct
-from engine.elements.rotors.grades import (
-    GRADES,
-    grade_needed,
-    grade_reached,
-    permissible_unbalance,
-    tolerance_shares,
-)
+from engine.elements.rotors.grades import GRADES, grade_needed, grade_reached, permissible_unbalance, tolerance_shares
 from engine.elements.rotors.hole_pattern import PatternError, best_holes, split_on_neighbours
-from engine.elements.rotors.unbalance import (
-    Kind,
-    kind,
-    resultant_unbalance,
-    unbalance,
-)
+from engine.elements.rotors.unbalance import Kind, kind, resultant_unbalance, unbalance
 
 EPS = np.finfo(float).eps
 

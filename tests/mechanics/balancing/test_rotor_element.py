@@ -30,10 +30,7 @@ def rotor_of(**changes):
             "b": {"mass": 0.2, "radius": 0.2, "angle": 2.0, "position": 0.7},
             "c": {"mass": 0.05, "radius": 0.1, "angle": -1.0, "position": 1.2},
         },
-        "planes": {
-            "left": {"position": 0.25, "radius": 0.3},
-            "right": {"position": 0.75, "radius": 0.25},
-        },
+        "planes": {"left": {"position": 0.25, "radius": 0.3}, "right": {"position": 0.75, "radius": 0.25}},
     }
     return rotor | changes
 

@@ -7,8 +7,6 @@ import pytest
 from cam_samples import ARM, ROLLER, cam_answers
 from driving_cams import CIRCLE, SLIDING, SWINGING, asked, changed
 from each_case import refusals
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from engine import AskError, Machine, MovingMachine, Scene, Verdict
 from engine.scene.structure.ordering import order
@@ -179,29 +177,6 @@ def test_every_kind__balances(kind):
     energy, *others = machine.fields(names).values()
     for row in others:
         np.testing.assert_allclose(row, energy, rtol=0, atol=1e-13 * np.abs(energy).max())
-
-
-@settings(max_examples=25, deadline=None)
-@given(
-    st.floats(0.02, 0.2), st.floats(-0.9, 0.9), st.floats(1e-3, 0.02), st.floats(0.3, 2.5), st.floats(0.3, 2.5),
-    st.floats(-10.0, 10.0), st.floats(-400.0, 400.0).filter(lambda speed: abs(speed) > 1.0),
-)  # fmt: skip
-def test_sliding_follower_of_any_size__balances(base, beside, lift, up, down, begin, speed):
-    """Shares of the prime radius, angles, and either sense: also where the cam is undercut the sums are whole."""
-    varied = {
-        "cams.cam.base_radius": base,
-        "guides.way.x": beside * (base + 0.008),
-        "cams.cam.sections.out.lift": lift,
-        "cams.cam.sections.out.angle": up,
-        "cams.cam.sections.back.angle": down,
-        "cams.cam.begin": begin,
-        "input.speed": speed,
-    }
-    machine = MovingMachine(Scene.model_validate(SLIDING), varied, 48)
-    one, other = machine.fields(["input_moment_by_equilibrium", "input_moment_by_power"]).values()
-    # The contact force is P/cos α, and tan α no more than about 1/√(1 − 0.9²) + lift/(angle·base).
-    lean = 3.0 + lift / (min(up, down) * base)
-    np.testing.assert_allclose(one, other, atol=400 * EPS * lean**2 * np.abs(other).max() + 1e-18)
 
 
 def test_motion_on_a_half_speed_shaft__begins_where_it_is_told():

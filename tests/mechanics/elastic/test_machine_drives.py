@@ -206,15 +206,15 @@ def test_stiff_drive_of_three_times_the_size__rounds_within_the_estimates():
         "moments.motor.stall_moment": STALL,
     }
     rng = np.random.default_rng(5)
-    drawn = [10.0 ** rng.uniform(*ends, 24) for ends in ((5.5, 7.0), (-3.0, 0.5), (-2.0, 1.0))]
-    varied = {path: np.full(24, size) for path, size in sizes.items()}
+    drawn = [10.0 ** rng.uniform(*ends, 12) for ends in ((5.5, 7.0), (-3.0, 0.5), (-2.0, 1.0))]
+    varied = {path: np.full(12, size) for path, size in sizes.items()}
     varied |= {
         f"elements.d.{key}": row for key, row in zip(("stiffness", "damping", "motor_inertia"), drawn, strict=True)
     }
     machine = Machine(yoke(), [f"d.{name}" for name in STEADY], varied=list(varied))
     (status, one, off), (others, three, more) = (answers(machine, *(k * r for r in varied.values())) for k in (1, 3))
     found = (status == Verdict.OK) & (others == Verdict.OK)
-    assert found.sum() > 20
+    assert found.sum() > 9
     for name in STEADY:
         factor = 3.0 if name.endswith(("moment", "power")) else 1.0
         apart = np.abs(three[name] - factor * one[name])[found]
@@ -249,10 +249,7 @@ WITH_ROTOR = {
 
 @pytest.mark.parametrize(
     "same",
-    [
-        yoke(speed=-20.0),
-        yoke(shafts=WITH_ROTOR, elements={"d": DRIVE | {"motor_inertia": None, "driver": "rotor"}}),
-    ],
+    [yoke(speed=-20.0), yoke(shafts=WITH_ROTOR, elements={"d": DRIVE | {"motor_inertia": None, "driver": "rotor"}})],
     ids=["turning backwards", "rotor of the scene, reduced to the crank"],
 )
 def test_mirror_image_and_driver_of_the_scene__move_alike(machine, same):

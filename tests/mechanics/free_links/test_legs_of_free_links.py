@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from plan_machines import moment_about
 from reaction_graphs import ReactionValues
 
 from engine import Near, Scene, SceneError, assembly_modes
@@ -121,4 +122,4 @@ def test_leg_of_two_sliding_pairs__has_its_place_in_plans():
     scale = max(abs(load.force) for loads in on_links.values() for load in loads)
     for link, loads in on_links.items():
         assert abs(sum(load.force for load in loads)) < 100 * EPS * scale
-        assert abs(sum(load.moment_about(pose.origin(link).place) for load in loads)) < 100 * EPS * scale
+        assert abs(moment_about(pose.origin(link).place, loads)) < 100 * EPS * scale

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from free_link_scenes import free_link_scene
 from matplotlib.text import Text
+from plan_machines import moment_about
 
 from engine import Scene
 from sweeps.pictures.plans.forces.force_plan import force_polygon
@@ -70,7 +71,7 @@ def test_loads_with_friction__every_free_link_in_equilibrium(kind):
             origin = pose.origin(link).place
             # Links of some decimetres: moments are as exact as forces.
             assert abs(sum(load.force for load in loads)) <= EXACT * scale
-            assert abs(sum(load.moment_about(origin) for load in loads)) <= EXACT * scale, link
+            assert abs(moment_about(origin, loads)) <= EXACT * scale, link
         assert abs(sum(load.force for load in force_polygon(pose, group))) <= EXACT * scale
 
 

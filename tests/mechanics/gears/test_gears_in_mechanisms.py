@@ -7,9 +7,6 @@ import pytest
 from driving_cams import asked, changed
 from each_case import refusals
 from geared_links import CARDAN, FIVE_BAR, TRAIN
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from machines import moving
 from mpmath import mp
 
 from engine import Machine, Mechanics, Scene, SceneError, Verdict
@@ -98,30 +95,6 @@ def test_forces_between_teeth__turn_the_shaft_and_load_both_bearings():
     assert abs(found["second.tangential_force"]) == pytest.approx(pull, rel=8 * EPS)
     for name, value in expected.items():
         assert found[name] == pytest.approx(value, rel=16 * EPS), name
-
-
-@settings(max_examples=30, deadline=None)
-@given(
-    st.sampled_from([-4.0, -1.0, 2.0, 3.0, -7.0]), st.floats(0.01, 0.3), st.floats(0.0, 1.2), st.floats(-6.0, 6.0),
-    st.floats(1.0, 900.0),
-)  # fmt: skip
-def test_any_planet__balances(ratio, carrier, pressure, phase, speed):
-    varied = {
-        "shafts.planet.ratio": ratio,
-        "input.length": carrier,
-        "shafts.planet.pressure_angle": pressure,
-        "shafts.planet.phase": phase,
-        "input.speed": speed,
-    }
-    fields = ["input_moment_by_equilibrium", "input_moment_by_power", "input.reaction", "planet.reaction"]
-    one, other, *loads = moving(HYPOCYCLOID, fields, 24, varied)[1].values()
-    forces = sum(np.abs(load) for load in loads)
-    # The greatest moments that cancel are those of the forces about the crank's axis.
-    size = (np.abs(one) + forces * carrier * (1 + abs(ratio))).max()
-    np.testing.assert_allclose(one, other, atol=100 * EPS * size)
-
-
-HYPOCYCLOID = changed(CARDAN, groups={}, guides={}, bodies__ram_body=None, gravity="9.81 m/s2")
 
 
 test_wrong_planets__are_refused_in_words = refusals(

@@ -76,10 +76,7 @@ def all_directions(teeth_, eta, omega, moments, unknown):
             acts[rows["arm"], j] -= za * ka + zb * kb
         system = np.hstack([acts, np.array([[float(name == u) for u in unknown] for name in rows])])
         solved = np.linalg.solve(system, [-moments.get(name, 0.0) for name in rows])
-        rolling = [
-            -solved[0] * z1 * (omega["first"] - omega["arm"]),
-            -solved[1] * z3 * (omega["block"] - omega["arm"]),
-        ]
+        rolling = [-solved[0] * z1 * (omega["first"] - omega["arm"]), -solved[1] * z3 * (omega["block"] - omega["arm"])]
         if all(r * s >= 0 for r, s in zip(rolling, senses, strict=True)):
             found.append(moments | dict(zip(unknown, solved[2:], strict=True)))
     return found

@@ -11,14 +11,7 @@ from machines import slider_crank
 from numpy.testing import assert_allclose
 from study_samples import coarser
 
-from engine import (
-    Scene,
-    Verdict,
-    governed_scene,
-    made_ready,
-    scene_numbers,
-    warnings_from_numbers,
-)
+from engine import Scene, Verdict, governed_scene, made_ready, scene_numbers, warnings_from_numbers
 from sweeps import SweepResult, read_study, run_study
 from sweeps.pictures.elements.element_pictures import element_sheet, element_sheets
 from sweeps.pictures.picture_error import PictureError
@@ -51,10 +44,7 @@ def test_governor_of_the_machine__has_the_inertia_of_its_mechanism():
     """A slider-crank's mean reduced inertia, by the mean of its own curve, with its flywheel and what is given."""
     engine = {key: value for key, value in ENGINE.items() if key != "inertia"} | {"duration": 2.0}
     governor = PORTER | {"damping": 600.0, "engine": engine | {"machine": True, "inertia": 3.0}}
-    bodies = {
-        "crank_body": {"link": "crank", "mass": 3.0, "inertia": 4.0},
-        "ram_body": {"link": "ram", "mass": 800.0},
-    }
+    bodies = {"crank_body": {"link": "crank", "mass": 3.0, "inertia": 4.0}, "ram_body": {"link": "ram", "mass": 800.0}}
     wheels = np.array([10.0, 20.0, 30.0])
     both = Scene.model_validate(slider_crank(elements={"it": governor}, bodies=bodies, flywheel={"inertia": 20.0}))
     names = [f"it.{key}" for key in ("decay_rate", "hunting_frequency", "critical_inertia")]

@@ -261,7 +261,7 @@ def test_machines__are_each_what_they_are_alone_however_many_at_once(monkeypatch
 
 
 def test_dashpot_that_all_but_holds_the_sleeve__is_followed_or_given_up(monkeypatch):
-    monkeypatch.setattr("engine.elements.governors.transients.MOST_STEPS", 4000)
+    monkeypatch.setattr("engine.elements.governors.transients.MOST_STEPS", 1500)
     stiff = PORTER | {"engine": FOLLOWED | {"self_regulation": 50.0}}
     found, _, status = governor_results(stiff, damping=[1e5, 1e9])
     assert status[0] == Verdict.OK

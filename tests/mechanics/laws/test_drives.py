@@ -63,10 +63,7 @@ def test_induction_motor__slope_and_curvature_are_the_derivatives_of_kloss_formu
 
 @settings(deadline=None, max_examples=100)
 @given(
-    st.floats(0.0, 3.0),
-    st.floats(0.01, 3.0),
-    st.floats(0.1, 3.0),
-    st.floats(-3.0, 3.0).filter(lambda s: abs(s) > 1e-6),
+    st.floats(0.0, 3.0), st.floats(0.01, 3.0), st.floats(0.1, 3.0), st.floats(-3.0, 3.0).filter(lambda s: abs(s) > 1e-6)
 )
 def test_kloss__is_the_equivalent_circuit(stator, rotor, reactance, slip):
     omega = SYNCHRONOUS * (1.0 - slip)

@@ -21,13 +21,7 @@ def compiled(law):
 
 angle_of, direction_of, exponential, logarithm, power = map(
     compiled,
-    (
-        elementary.angle_of,
-        elementary.direction_of,
-        elementary.exponential,
-        elementary.logarithm,
-        elementary.power,
-    ),
+    (elementary.angle_of, elementary.direction_of, elementary.exponential, elementary.logarithm, elementary.power),
 )
 LEAST, GREATEST = 2.0**-1021, float(np.finfo(float).max)
 many = settings(deadline=None, max_examples=150)

@@ -7,9 +7,7 @@ import pytest
 from machines import changed, crank, frame, moving, on, rrp
 from oracle import EPS
 
-from engine.laws.masses.link_inertia import (
-    inertia_offset,
-)
+from engine.laws.masses.link_inertia import inertia_offset
 
 
 def test_resultant__where_nothing_accelerates():

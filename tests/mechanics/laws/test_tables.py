@@ -11,16 +11,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.interpolate import CubicSpline, PchipInterpolator, make_interp_spline
 
-from engine.laws.tables import (
-    HEAD,
-    Table,
-    entry,
-    entry_from,
-    in_memory,
-    make_table,
-    periods_before,
-    table_segment,
-)
+from engine.laws.tables import HEAD, Table, entry, entry_from, in_memory, make_table, periods_before, table_segment
 
 EPS = np.finfo(float).eps
 

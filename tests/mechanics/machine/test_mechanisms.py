@@ -6,8 +6,7 @@ Tolerances follow the sensitivity of each machine to its own numbers: see `machi
 import math
 
 import numpy as np
-import pytest
-from machines import chain, changed, check, crank, four_bar, frame, on, prp, rpp, rpr, rrp, rrr
+from machines import changed, check, crank, four_bar, frame, on, prp, rpp, rpr, rrp, rrr
 from oracle import Motion
 
 from engine import Machine, Scene, Verdict
@@ -26,10 +25,7 @@ def test_whitworth_and_oscillating_cylinder__oracle():
             "T": on("tube", 0.1, 0.2),
         },
         "input": crank(),
-        "groups": {
-            "slot": rpr(("block", "A"), ("rocker", "D")),
-            "cylinder": rpr(("tube", "G"), ("piston", "A"), 0.05),
-        },
+        "groups": {"slot": rpr(("block", "A"), ("rocker", "D")), "cylinder": rpr(("tube", "G"), ("piston", "A"), 0.05)},
     }
     check(
         scene,
@@ -76,19 +72,6 @@ def test_sliders_on_moving_guides__oracle():
     check(scene, groups__r__mode=[1, -1], groups__c__mode=[-1, 1], groups__g__mode=[1, -1])
 
 
-def test_geared_five_bar__oracle():
-    scene = {
-        "points": {"O": frame(0.0, 0.0), "S": frame(1.0, 0.1), "M": on("gear", 0.25, 0.03), "C": on("left", 0.5, 0.4)},
-        "input": crank(),
-        "shafts": {
-            "gear": {"geared_to": "crank", "ratio": -1.0, "pivot": "S", "phase": 0.8},
-            "fan": {"geared_to": "right", "ratio": 3.0},
-        },
-        "groups": {"bars": rrr("B", ("left", "A", 1.1), ("right", "M", 1.0))},
-    }
-    check(scene, shafts__gear__ratio=[-1.0, 2.0, 3.0], groups__bars__mode=[1, -1, 1])
-
-
 def test_sliding_input__oracle():
     # A slider drives an elliptic trammel's rod, a bell crank, and a wedge it carries.
     scene = {
@@ -125,12 +108,6 @@ def test_sliding_input__oracle():
         guides__way__angle=[0.3, -0.2],
         input__stop=[0.5, -0.4],
     )
-
-
-@pytest.mark.parametrize(("seed", "in_series"), [(1, True), (3, False)])
-def test_chain_of_ten_dyads__oracle(seed, in_series):
-    scene = chain(seed, 10, in_series)
-    check(scene)
 
 
 def test_position_out_of_reach__nan_there_and_verdict():

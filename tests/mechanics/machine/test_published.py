@@ -220,16 +220,6 @@ def test_slotted_lever__has_the_printed_time_ratio(distance, radius, ratio, tole
     assert solve(slotted_lever(distance, radius), "lever.swing_time_ratio") == [pytest.approx(ratio, abs=tolerance)]
 
 
-@pytest.mark.parametrize(
-    ("distance", "radius", "lever", "stroke"),
-    [(0.24, 0.12, 0.45, 0.45), (0.2, 0.1, 0.4, 0.4), (0.0757, 0.03, 0.15148, 0.12)],
-    ids=["Khurmi 5.2", "Sarkar 1.1", "Khurmi 5.3"],
-)
-def test_slotted_lever__has_the_printed_stroke(distance, radius, lever, stroke):
-    # 450, 400 and 120 mm; the last from lengths printed to 0.1 and 0.01 mm.
-    assert solve(slotted_lever(distance, radius, lever), "P.x.range") == [pytest.approx(stroke, abs=1e-4)]
-
-
 def test_whitworth_khurmi_5_4__has_the_printed_time_ratio():
     # Centres 50 mm, driving crank 75 mm, the slotted link's pivot on the line of stroke; printed 2.735.
     scene = slotted_lever(0.05, 0.075, 0.04)

@@ -38,8 +38,7 @@ def dynamic_choices(link):
 def test_dynamic_replacement_of_every_body__changes_nothing(choice):
     plain = with_points(press(bodies=bodies()))
     replaced = changed(
-        plain,
-        {f"bodies.{n}.replace": dynamic_choices(b["link"])[choice] for n, b in plain["bodies"].items()},
+        plain, {f"bodies.{n}.replace": dynamic_choices(b["link"])[choice] for n, b in plain["bodies"].items()}
     )
     varied = {
         "input.speed": [7.0, -3.0, 5.0],

@@ -1,4 +1,4 @@
-"""One machine by NumPy against compiled code: every field of machines of all kinds, and why others have none."""
+"""One machine by NumPy against compiled code: every field of machines of all kinds, whatever its parts are called."""
 
 import math
 
@@ -9,6 +9,7 @@ from machines import slider_crank
 from engine import Machine, MovingMachine, Scene, Verdict
 from sweeps.study.bundled import STUDIES
 from sweeps.text.scene_text import read_scene
+from sweeps.text.templates import template_text
 
 # Of them all: tables and formulas of loads, cylinders, friction that tilts sliders, cams, non-circular wheels, gears,
 # free links, sliding inputs.
@@ -85,3 +86,14 @@ def test_dead_centres__are_those_of_an_in_line_slider_crank():
     # Lengths of a quarter of a metre, and places known as well as the slide's derivative: to some roundings.
     np.testing.assert_allclose(ends[:2], [0.15, 0.25], rtol=1e-15)
     np.testing.assert_allclose([ends[2], math.remainder(ends[3], math.tau)], [math.pi, 0.0], rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("name", ["way", "O"])
+def test_group_named_as_a_guide_or_a_point__moves_as_under_any_name(name, tmp_path):
+    path, found = tmp_path / "scene.toml", []
+    text = template_text("scotch_yoke")
+    assert "[groups.drive" in text
+    for changed in (text, text.replace("[groups.drive", f"[groups.{name}")):
+        path.write_text(changed)
+        found.append(Machine(read_scene(path), ["yoke.stroke"]).evaluate({}).summaries["yoke.stroke"][0])
+    assert found[0] == found[1] == pytest.approx(0.1, rel=1e-12)

@@ -1,7 +1,7 @@
 """The five cases recognised from scenes, and runs with constant inertia against quadrature by mpmath."""
 
 import math
-from itertools import pairwise
+from itertools import pairwise, product
 
 import mpmath
 import numpy as np
@@ -46,13 +46,7 @@ KICK = {
     "interpolation": "linear",
     "role": "driving",
 }
-TURN = {
-    "type": "table",
-    "on": "crank",
-    "over_angle": [0.0, 3.0],
-    "moment": [1.0, -1.0],
-    "interpolation": "spline",
-}
+TURN = {"type": "table", "on": "crank", "over_angle": [0.0, 3.0], "moment": [1.0, -1.0], "interpolation": "spline"}
 
 
 ACTIONS = {"dc": DC, "induction": INDUCTION, "brake": BRAKE, "push": PUSH, "rub": RUB, "oil": OIL, "fan": FAN}
@@ -102,30 +96,14 @@ def acting(*names, steady=False, **end):
 CASES = [
     (acting(), "1: I constant, no moment", 3),
     (acting("brake", rest=True), "1: I constant, M constant of brake (block brake)", 3),
-    (
-        acting("push", "rub", cycles=2.0),
-        "1: I constant, M constant of push (constant) and rub (against motion)",
-        3,
-    ),
-    (
-        acting("dc", "rub", "oil", time=2.0),
-        "2: I constant, M(ω) of dc (DC motor) and oil (viscous resistance)",
-        5,
-    ),
+    (acting("push", "rub", cycles=2.0), "1: I constant, M constant of push (constant) and rub (against motion)", 3),
+    (acting("dc", "rub", "oil", time=2.0), "2: I constant, M(ω) of dc (DC motor) and oil (viscous resistance)", 5),
     (acting("push", "fan"), "2: I constant, M(ω) of fan (resistance by ω²)", 5),
-    (
-        acting("oil", "fan"),
-        "2: I constant, M(ω) of oil (viscous resistance) and fan (resistance by ω²)",
-        5,
-    ),
+    (acting("oil", "fan"), "2: I constant, M(ω) of oil (viscous resistance) and fan (resistance by ω²)", 5),
     (acting("grain"), "2: I constant, M(ω) of grain (resistance by a power of ω)", 5),
     (acting("induction", "rub"), "2: I constant, M(ω) of induction (induction motor)", 5),
     (acting("induction", "rub", time=1.0), "2: I constant, M(ω) of induction (induction motor)", 5),
-    (
-        acting("induction", "oil"),
-        "2: I constant, M(ω) of induction (induction motor) and oil (viscous resistance)",
-        5,
-    ),
+    (acting("induction", "oil"), "2: I constant, M(ω) of induction (induction motor) and oil (viscous resistance)", 5),
     (acting("dc", steady=True), "2: I constant, M(ω) of dc (DC motor)", 5),
     (acting("turn"), "2: I constant, M(φ) of turn (table)", 3),
     (acting("kick", "rub", time=3.0), "2: I constant, M(t) of kick (table)", 5),
@@ -133,11 +111,7 @@ CASES = [
     (acting("kick", "again", time=3.0), "2: I constant, M(t) of kick (table) and again (table)", 5),
     (acting("dc", "turn"), "4: I constant, M(φ, ω) of dc (DC motor) and turn (table)", 5),
     (acting("kick", "dc", time=1.0), "4: I constant, M(ω, t) of dc (DC motor) and kick (table)", 5),
-    (
-        acting("kick", "dc", "turn"),
-        "4: I constant, M(φ, ω, t) of dc (DC motor), kick (table) and turn (table)",
-        5,
-    ),
+    (acting("kick", "dc", "turn"), "4: I constant, M(φ, ω, t) of dc (DC motor), kick (table) and turn (table)", 5),
 ]
 
 
@@ -177,11 +151,7 @@ def test_shaft_geared_to_a_shaft__leaves_inertia_constant():
 
 # Runs against quadrature
 
-ENDS = {
-    "until": {"speed": 60.0},
-    "lasting": {"time": 0.7},
-    "turning": {"cycles": 4.0},
-}
+ENDS = {"until": {"speed": 60.0}, "lasting": {"time": 0.7}, "turning": {"cycles": 4.0}}
 
 
 def runs(begin, *names, **ends):
@@ -236,19 +206,20 @@ LAWS = {
         lambda w: 20 * (1 - w / 100),
         {"useful": constant(-1), "harmful": lambda w: -mpf(0.02) * w},
     ),
-    "motor and fan": (("dc", "fan"), lambda w: 20 * (1 - w / 100), {"harmful": lambda w: -mpf(0.0005) * w * w}),
+    "motor_and_fan": (("dc", "fan"), lambda w: 20 * (1 - w / 100), {"harmful": lambda w: -mpf(0.0005) * w * w}),
     "fan": (("push", "rub", "fan"), none, {**PUSHED, "harmful": lambda w: -mpf(0.0005) * w * w}),
 }
 
 
-@pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize(("begin", "way"), [(20.0, 1.0), (20.0, -1.0), (0.0, 1.0)])
-def test_run_with_constant_inertia__is_the_quadrature(law, begin, way):
-    names, motor, loads = LAWS[law]
+def test_runs_with_constant_inertia__are_the_quadrature(begin, way):
     moments = {**ACTIONS, "push": {**PUSH, "moment": math.copysign(6.0, way)}}
-    outcome = asked(crank(moments, runs(begin, *names), speed=way * 100.0))
+    regimes = {f"{law}_{end}": regime for law, (n, *_) in LAWS.items() for end, regime in runs(begin, *n).items()}
+    outcome = asked(crank(moments, regimes, speed=way * 100.0))
     assert outcome.status == [Verdict.OK]
-    for regime, end in ENDS.items():
+    for law, end in product(LAWS, ENDS):
+        _, motor, loads = LAWS[law]
+        regime = f"{law}_{end}"
         last, unsure = (part[f"{regime}.final_speed"][0] for part in (outcome.summaries, outcome.errors))
         found, beside = (references(begin, speed, motor, loads) for speed in (last, last - unsure))
         for name, value in found.items():
@@ -256,7 +227,7 @@ def test_run_with_constant_inertia__is_the_quadrature(law, begin, way):
             # The reference is taken to the speed that was found, right to its own error estimate.
             figure += abs(value - beside[name]) + 40 * EPS * abs(value)
             assert abs(got - value) <= figure, (regime, name, got, value, figure)
-        key, goal = next(iter(end.items()))
+        key, goal = next(iter(ENDS[end].items()))
         name = {"speed": "final_speed", "time": "time", "cycles": "angle"}[key]
         expected = 2 * math.pi * goal if key == "cycles" else goal
         assert outcome.summaries[f"{regime}.{name}"][0] == pytest.approx(expected, rel=2 * EPS)

@@ -55,10 +55,7 @@ def test_circle_point_and_centre_point__belong_to_each_other():
     assert dyad_of_circle(positions, dyad.circle).centre == pytest.approx(dyad.centre, abs=1e-14)
 
 
-@given(
-    positions=st.lists(POSITIONS, min_size=4, max_size=4),
-    turn=st.floats(0.1, 6.2),
-)
+@given(positions=st.lists(POSITIONS, min_size=4, max_size=4), turn=st.floats(0.1, 6.2))
 def test_dyads_through_four_positions__have_one_length_and_turn_as_asked(positions, turn):
     for dyad in dyads_of_turn(positions, turn):
         first, second = (dyad.joint(place) - dyad.centre for place in positions[:2])
@@ -150,13 +147,7 @@ def given_places(count):
     return [part for place in AT[:count] for part in ("--at", place)]
 
 
-@pytest.mark.parametrize(
-    ("count", "links"),
-    [
-        (3, ("--pivot", "-20 mm, -60 mm", "--pivot", "100 mm, -80 mm")),
-        (4, ()),
-    ],
-)
+@pytest.mark.parametrize(("count", "links"), [(3, ("--pivot", "-20 mm, -60 mm", "--pivot", "100 mm, -80 mm")), (4, ())])
 def test_command__writes_a_scene_that_passes_through_the_positions(tmp_path, monkeypatch, count, links):
     monkeypatch.chdir(tmp_path)
     answer = said("synthesise", "positions", *given_places(count), *links, "--out", "found.toml")

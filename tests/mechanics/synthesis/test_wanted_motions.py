@@ -174,10 +174,7 @@ TURN = 'type = "link"\nof = "rocker"\nangle = ["0 deg", "1 deg"]\n'
         ('type = "path"\npoint = "P"\nx = ["1 mm", "2 mm"]\ny = ["1 mm"]', "x has 2 rows, y has 1"),
         ('type = "path"\npoint = "P"\nx = []\ny = []', "give 1 to 100 places"),
         (f'type = "slider"\nof = "rocker"\n{ROWS}\nslide = ["0 mm", "1 mm"]', "'rocker' doesn't slide"),
-        (
-            f'type = "link"\nof = "frame"\n{ROWS}\nangle = ["0 deg", "1 deg"]',
-            "'frame' doesn't move",
-        ),
+        (f'type = "link"\nof = "frame"\n{ROWS}\nangle = ["0 deg", "1 deg"]', "'frame' doesn't move"),
         (f'type = "link"\nof = "rocker"\n{ROWS}\nangle = ["0 mm", "1 mm"]', "angle"),
         (f'{TURN}over_angle = ["1 deg", "0 deg"]', "sort the rows"),
         (f'{TURN}over_angle = ["0 deg", "401 deg"]', "401 deg isn't within the range of the crank, 0 deg to 360 deg"),

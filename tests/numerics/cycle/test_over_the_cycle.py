@@ -1,4 +1,4 @@
-"""What is followed over the whole cycle: angles and changes of curves, and means of magnitudes that dip sharply."""
+"""What is followed over the whole cycle: angles, changes of curves, means of magnitudes; curves of one variant."""
 
 import math
 
@@ -10,7 +10,12 @@ from scipy.optimize import brentq, minimize_scalar
 
 from engine.cycle.machine import CycleMachine
 from engine.cycle.measures.unloaded_arcs import LEAST_LOAD
+from engine.cycle.one_variant import OneVariant
+from engine.cycle.panels.chebyshev import PLACES
+from engine.cycle.panels.sampled import tops
 from engine.cycle.plan import Difference, Running, VectorAngle
+from engine.graph.nodes import Graph
+from engine.laws.elementary import direction_of
 
 TURN = 2.0 * math.pi
 EPS = np.finfo(float).eps
@@ -101,3 +106,40 @@ def test_unloaded_arc__is_as_uncertain_as_the_peak_by_which_its_force_ceases_to_
         ends = [brentq(over, side, 2.0 * side, args=(LEAST_LOAD * top,), xtol=1e-15) for side in (-1.5, 1.5)]
         exact[k] = TURN - 0.9 * (ends[1] - ends[0])
     assert within(found, exact), (np.abs(found.value - exact) / found.error).max()
+
+
+def of_a_turn():
+    graph = Graph()
+    return graph, OneVariant(graph, {}, (graph.zero, graph.constant(2.0 * math.pi)), 1)
+
+
+def test_curve_of_rounding__ends_in_a_few_hundred_panels():
+    graph, variant = of_a_turn()
+    panels = variant.panels([graph.cos_q * graph.cos_q + graph.sin_q * graph.sin_q - 1.0])
+    # Six panels of a turn, each halved six times.
+    assert panels.ends.size <= 6 * 2**7
+    assert np.abs(panels.series).max() < 1e-15
+
+
+def test_narrow_peak__is_resolved_where_it_lies():
+    graph, variant = of_a_turn()
+    # 1/(a − cos φ) is as wide as √(2(a − 1)), 1.4e-3 rad.
+    peak = 1.0 / (1.0 + 1e-6 - graph.cos_q)
+    panels = variant.panels([peak])
+    q = np.linspace(0.0, 2.0 * math.pi, 10_001)
+    exact = 1.0 / (1e-6 + 2.0 * np.sin(0.5 * q) ** 2)
+    assert np.abs(panels.at(q)[0] - exact).max() <= 1e-9 * 1e6
+    assert panels.ends.size < 200
+
+
+def test_fast_wave__is_resolved_over_the_whole_range():
+    graph, variant = of_a_turn()
+    panels = variant.panels([graph.apply(direction_of, 1500.0 * graph.q)[0]])
+    q = np.linspace(0.0, 2.0 * math.pi, 10_001)
+    # A cosine rounds by half a unit in the last place of its angle, up to 1500 turns.
+    assert np.abs(panels.at(q)[0] - np.cos(1500.0 * q)).max() <= 1e-10
+
+
+def test_top_of_a_constant__is_its_first_place():
+    values = np.full((3, PLACES.size), 0.3) + EPS * np.random.default_rng(1).uniform(-1, 1, (3, PLACES.size))
+    assert (tops(values, np.full(3, 64 * EPS)).places == -1.0).all()

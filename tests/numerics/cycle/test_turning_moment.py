@@ -84,17 +84,6 @@ def test_flywheel__gives_the_fluctuation_asked_for(moment, speed, delta, inertia
         assert found.speed_fluctuation <= delta * (1 + 1e-14)
 
 
-def test_extremes__lie_where_the_moment_crosses_its_mean():
-    # T = 10 + 5 sin φ loses speed until φ = 0 (mod 2π) and gains until π.
-    phi = np.arange(361) * (TURN / 360)
-    found = turning_moment_from_table(phi, 10 + 5 * np.sin(phi), 20.0, 0.01, interpolation="spline")
-    assert found.mean_moment == pytest.approx(10, rel=1e-12)
-    # The spline of a sine with 1° between rows is off by 5/384·h⁴ = 1e-9 of it.
-    assert found.excess_work == pytest.approx(10, rel=1e-8)
-    assert found.fastest_at == pytest.approx(math.pi, abs=1e-8)
-    assert math.sin(found.slowest_at) == pytest.approx(0, abs=1e-8)
-
-
 def test_steps__are_extremes_too():
     found = turning_moment_from_table([0, math.pi, math.pi, TURN, TURN], [3, 3, 1, 1, 3], 10.0, 0.01)
     assert found.mean_moment == pytest.approx(2)
@@ -106,27 +95,6 @@ def test_equal_peaks__are_told_by_the_first():
     phi = np.arange(13) * (TURN / 12)
     found = turning_moment_from_table(phi, np.tile([0.0, 1.0, 0.0, -1.0], 4)[:13], 10.0, 0.01)
     assert (found.slowest_at, found.fastest_at) == pytest.approx((0, phi[2]))
-
-
-@few
-@given(moments, st.integers(0, 11))
-def test_where_the_cycle_begins__does_not_matter(moment, shift):
-    phi = even(moment)
-    shift %= len(moment)
-    rolled = turning_moment_from_table(phi + phi[shift], np.roll(moment, -shift), 10.0, 0.02, cycle=TURN)
-    found = turning_moment_from_table(phi, moment, 10.0, 0.02, cycle=TURN)
-    assert rolled.excess_work == pytest.approx(found.excess_work, abs=1e-11)
-
-
-def test_areas__give_the_same_as_their_diagram():
-    # Half waves of sin 2φ: areas ±1 N·m·rad.
-    areas = turning_moment_from_areas([1, -1, 1, -1], 1.0, 10.0, 0.02)
-    phi = np.arange(721) * (TURN / 720)
-    table = turning_moment_from_table(phi, np.sin(2 * phi), 10.0, 0.02, interpolation="spline")
-    assert areas.excess_work == pytest.approx(table.excess_work, rel=1e-7)
-    assert areas.flywheel_inertia == pytest.approx(table.flywheel_inertia, rel=1e-7)
-    assert (areas.slowest_at, areas.fastest_at) == (0, 1)
-    assert math.isnan(areas.mean_moment)
 
 
 @pytest.mark.parametrize(("share", "delta"), [(0.5, 0.5), (1.999, 1.999), (2.0, math.nan), (3.0, math.nan)])

@@ -79,10 +79,7 @@ def worker_in(folder: Path, *options: str, **program: object):
 @contextmanager
 def cluster_of_two():
     """Workers, any death of which makes Dask give up what was under way there."""
-    with (
-        dask.config.set({"distributed.scheduler.allowed-failures": 0}),
-        connected("local:2") as client,
-    ):
+    with dask.config.set({"distributed.scheduler.allowed-failures": 0}), connected("local:2") as client:
         yield client
 
 

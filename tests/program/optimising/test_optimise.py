@@ -204,10 +204,7 @@ def test_nothing_that_meets_the_conditions__is_said(tmp_path):
 @pytest.mark.parametrize("goals", ['"ram.stroke"', '["ram.stroke", "excess_work"]'], ids=["evolution", "NSGA-II"])
 def test_narrow_conditions__are_found_by_missing_them_less_and_less(goals, tmp_path):
     # Two millionths of the ranges: no candidate of 2000 drawn at random would be likely to meet them.
-    conditions = [
-        "abs(ram.stroke - '71.3 mm') <= '0.05 mm'",
-        "abs(groups.slide.first.length - '222.2 mm') <= '0.2 mm'",
-    ]
+    conditions = ["abs(ram.stroke - '71.3 mm') <= '0.05 mm'", "abs(groups.slide.first.length - '222.2 mm') <= '0.2 mm'"]
     result = searched(tmp_path, f"minimise = {goals}\nwhere = {conditions}\npopulation = 20")
     meets = met(result)
     assert not meets[:20].any()

@@ -1,4 +1,4 @@
-"""Parts of a search: margins of conditions, coordinates, texts that are refused, what the command says, the picture."""
+"""Parts of a search: margins of conditions, coordinates, refusals, fronts, what the command says, the picture."""
 
 import math
 import sys
@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from searches import CRANK, NEAREST, RANGES, ROD, SCENE, TWO, searched, study_of
 from slips import cases
 
-from engine import Verdict
 from engine.parts.formulas.expressions import parse
 from sweeps import InputError, SweepResult, read_study, run_study
 from sweeps.optimising.optimum import choices, front
+from sweeps.optimising.pareto import pareto_front
 from sweeps.optimising.trials import Trials
 from sweeps.page.digest import Digest
 from sweeps.pictures.picture_error import PictureError
@@ -24,10 +24,8 @@ from sweeps.pictures.sweep.front_picture import front_picture
 from sweeps.pictures.sweep.result_pictures import result_pictures, sweep_data
 from sweeps.study.sampling import Columns, Design, Linear, Listed, Logarithmic, Sampled
 from sweeps.study.search_task import task_of
-from sweeps.study.search_variables import Span, Variables
+from sweeps.study.search_variables import Variables
 from sweeps.text.conditions import Condition
-
-# Margins
 
 SIZES = st.floats(0, 1e3, allow_subnormal=False) | st.sampled_from([0.0, np.nan, np.inf])
 NUMBERS = st.floats(-1e6, 1e6, allow_subnormal=False) | st.sampled_from([0.0, 1.0, np.nan])
@@ -56,16 +54,6 @@ def test_margin__with_error_estimates_is_below_zero_only_where_the_condition_is_
     assert (np.abs(worst) <= 1).all()
 
 
-@settings(deadline=None, max_examples=100)
-@given(conditions(), NUMBERS, NUMBERS)
-def test_parts__hold_together_where_the_condition_does(text, a, b):
-    values = {"a": a, "b": b}
-    whole = Condition(parse(text))
-    assert all(" or " in part.text or " and " not in part.text or "not" in part.text for part in whole.parts)
-    parts = [part.judged(values, {}, 1).met[0] for part in whole.parts]
-    assert all(parts) == whole.judged(values, {}, 1).met[0]
-
-
 def test_margin__is_the_share_by_which_a_limit_is_missed():
     values = {"a": np.array([1.0, 2.0, 3.0, np.nan, 0.0]), "b": 2.0}
     # (a − b) / (|a| + |b|), undefined at worst.
@@ -88,20 +76,6 @@ DESIGN = Design(
 )
 
 
-def test_coordinates__of_ranges_come_first_and_those_of_lists_last():
-    variables = Variables.of(DESIGN)
-    assert [span.name for span in variables.spans] == ["a", "c", "d", "g"]
-    assert variables.spans[0] == Span("a", -1.0, 3.0)
-    assert variables.names == ("a", "b", "c", "d", "e", "f", "g")
-    assert variables.free.tolist() == [True] * 4 + [False] * 2
-    low, high = (variables.values(np.full((1, 6), end)) for end in (0.0, 1.0))
-    assert {n: v[0] for n, v in low.items()} == dict(
-        zip("abcdefg", (-1.0, 5.0, 1.0, 0.0, 1.0, 10.0, 1e-3), strict=True)
-    )
-    ends = dict(zip("abcdefg", (3.0, 9.0, 100.0, 8.0, 2.0, 20.0, 1e3), strict=True))
-    assert {n: v[0] for n, v in high.items()} == pytest.approx(ends, rel=1e-15)
-
-
 @settings(deadline=None, max_examples=100)
 @given(st.lists(st.floats(0, 1), min_size=6, max_size=6))
 def test_coordinates__and_values_lead_to_each_other(place):
@@ -111,35 +85,6 @@ def test_coordinates__and_values_lead_to_each_other(place):
     for name, value in values.items():
         # A logarithm of up to 14, there and back: 14 roundings of 1e-16, and those of a difference of size 4.
         assert again[name][0] == pytest.approx(value, rel=1e-14, abs=1e-15), name
-
-
-def test_coordinates__of_lists_give_each_entry_its_share():
-    variables = Variables.of(Design((Listed("b", [5.0, 7.0, 9.0]),)))
-    found = variables.values(np.linspace(0, 1, 3001)[:, None])["b"]
-    assert np.unique(found, return_counts=True)[1].tolist() == [1000, 1000, 1001]
-
-
-def test_coordinates__of_what_is_not_known_or_outside_are_in_the_middle():
-    variables = Variables.of(DESIGN)
-    assert variables.coordinates({"d": 2.0, "a": 17.0, "b": 7.0}).tolist() == [0.5, 0.5, 0.25, 0.5, 0.5, 0.25]
-
-
-# Candidates
-
-
-def test_candidates__that_fail_or_miss_are_worse_than_all_that_meet(tmp_path):
-    asked = 'minimise = "excess_work"\nwhere = "ram.stroke >= \'100 mm\'"'
-    task = task_of(study_of(tmp_path, asked, vary=RANGES.replace("80 mm", "400 mm")))
-    crank = np.array([0.04, 0.05, 0.06, 0.3])
-    # The rod is 150 mm long.
-    batch = Trials(task).evaluate(np.column_stack([(crank - 0.03) / 0.37, np.zeros(4)]))
-    assert batch.columns["status"].tolist() == [Verdict.OK] * 3 + [Verdict.CANNOT_ASSEMBLE]
-    # The stroke of 80 mm misses 100 mm by 20 mm less its error estimate, over 180 mm; a machine that can't be assembled
-    # misses everything.
-    figure = batch.columns["ram.stroke_error"][0]
-    assert figure < 1e-7
-    np.testing.assert_allclose(batch.violation[[0, 2, 3]], [(0.02 - figure) / 0.18, 0, 2], rtol=1e-12)
-    assert batch.met.tolist()[2:] == [True, False]
 
 
 # Texts that are refused
@@ -328,3 +273,34 @@ def test_machines_within_tolerances__on_a_limit_that_the_tolerance_leaves_alone_
     asked = "minimise = \"excess_work\"\nwhere = \"ram.stroke >= '100 mm' and ram.stroke <= '100 mm'\"\n"
     result = searched(tmp_path, f"{asked}population = 8\ngenerations = 2", vary=vary, rest=rest)
     assert result.columns["tolerance_misses"][result.best()] == 0
+
+
+def brute_force_front(values, minimise):
+    costs = values * np.where(minimise, 1, -1)
+    with np.errstate(invalid="ignore"):
+        better = (costs[:, None] <= costs[None]).all(axis=2) & (costs[:, None] < costs[None]).any(axis=2)
+    return ~better.any(axis=0) & ~np.isnan(costs).any(axis=1)
+
+
+@settings(deadline=None, max_examples=150)
+@given(st.data())
+def test_pareto_front__as_by_comparing_all_pairs(data):
+    objectives = data.draw(st.integers(1, 4))
+    # Few different numbers, so that there are ties, doubles and two kinds of zero.
+    number = st.sampled_from([-2.0, -1.0, -0.0, 0.0, 0.5, 1.0, 3.0, math.inf, -math.inf, math.nan])
+    rows = data.draw(st.lists(st.lists(number, min_size=objectives, max_size=objectives), max_size=40))
+    minimise = data.draw(st.lists(st.booleans(), min_size=objectives, max_size=objectives))
+    values = np.array(rows).reshape(-1, objectives)
+    assert pareto_front(values, minimise).tolist() == brute_force_front(values, minimise).tolist()
+
+
+def test_pareto_front_of_a_million_points__the_known_front():
+    rng = np.random.default_rng(7)
+    x = rng.random(1_000_000)
+    values = np.column_stack([x, 1 - x + rng.exponential(size=x.size)])
+    front = np.linspace(0, 1, 50)
+    values[:50] = np.column_stack([front, 1 - front - 1e-3])
+    found = np.flatnonzero(pareto_front(values, [True, True]))
+    # Any other point lies above the line x + y = 1, the fifty 0.001 below it, 1/49 apart.
+    assert set(range(50)) <= set(found)
+    assert (values[found].sum(axis=1) < 1 + 1 / 49).all()

@@ -1,17 +1,22 @@
-"""Diagrams of one machine: the engine's rows, Wittenbauer's tangents, dead centres."""
+"""Diagrams of one machine: the engine's rows, Wittenbauer's tangents, dead centres, motion, shaking forces."""
 
 import math
 from pathlib import Path
 from xml.etree import ElementTree
 
+import machines
 import numpy as np
 import pytest
-from drawn_machines import four_bar, slider_crank, sliding_input
+from drawn_machines import four_bar, scotch_yoke, slider_crank, sliding_input
+from each_case import refusals
+from machines import crank, rrp
 
 import sweeps
-from engine import Machine, MovingMachine, quantity_text
+from engine import Machine, MovingMachine, Scene, balance, quantity_text
 from sweeps.pictures.machine.cycle_rows import main_slider
+from sweeps.pictures.machine.cycle_sheets import indicator_diagrams, motion_of_part
 from sweeps.pictures.machine.diagrams import diagrams
+from sweeps.pictures.machine.hodographs import hodographs, order_sizes, shaking_force
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import save
 from sweeps.text.scene_text import read_scene
@@ -130,3 +135,73 @@ def test_diagrams_of_what_is_not_finite__say_so_in_place_of_its_panels(changes, 
     save(figure, tmp_path / "a.png")
     told = {i for i, axes in enumerate(figure.axes) if any("undefined" in text.get_text() for text in axes.texts)}
     assert told >= panels
+
+
+def shaken_engine(**parts) -> Scene:
+    usual = {"title": "Engine", "input": crank(revolutions=2)}
+    usual |= {"bodies": {"piston_body": {"link": "piston", "mass": 2000.0}}}
+    return Scene.model_validate(machines.slider_crank(rod=1.2, slider="piston", **usual | parts))
+
+
+def test_orders__are_those_of_the_engine():
+    names = [f"shaking_force.order_{n}" for n in (1, 2, 4)]
+    web = {"link": "crank", "mass": 900.0, "x": 0.2, "y": 0.1}
+    scene = shaken_engine(bodies={"piston_body": {"link": "piston", "mass": 2000.0}, "web": web})
+    outcome = Machine(scene, names).evaluate({})
+    expected = [outcome.summaries[name][0] for name in names]
+    sizes = order_sizes(shaking_force(scene, "it"), 2)
+    # Two ways of summing 720 terms.
+    np.testing.assert_allclose(sizes[[0, 1, 3]], expected, rtol=0, atol=1e-13 * expected[0])
+
+
+def test_picture__shows_closed_loops_and_bars_of_both_machines():
+    before = shaken_engine()
+    after = balance(before, ["crank"], criterion="rms").scene
+    figure = hodographs({"before": before, "after": after})
+    left, right = figure.axes
+    loops = [line for line in left.get_lines() if line.get_label() in ("before", "after")]
+    for loop, scene in zip(loops, (before, after), strict=True):
+        x, y = loop.get_data()
+        force = shaking_force(scene, "it") / 1e3
+        assert (x[0], y[0]) == (x[-1], y[-1])
+        # Of the order of 10 kN, shown in kN.
+        np.testing.assert_allclose(x[:-1] + 1j * y[:-1], force, rtol=1e-14)
+    bars = [[bar.get_height() for bar in group] for group in right.containers]
+    assert [group.get_label() for group in right.containers] == ["before", "after"]
+    # Half of the first order turns with the crank.
+    assert bars[1][0] == pytest.approx(bars[0][0] / 2, rel=1e-12)
+    assert bars[1][1:] == pytest.approx(bars[0][1:], abs=1e-12 * bars[0][0])
+    assert figure.get_suptitle() == "Engine: shaking force"
+
+
+test_machine_without_a_hodograph__is_said = refusals(
+    lambda parts: hodographs({"it": shaken_engine(**parts)}),
+    ({"input": crank(start=0.0, stop=1.0)}, "no hodograph of it: it needs a crank that turns fully"),
+    ({"groups": {"g": rrp("B", ("rod", "A", 0.2), "piston", "way")}}, "no hodograph of it: a group can't be assembled"),
+)
+
+
+def test_area_of_an_indicator_diagram__is_the_indicated_work():
+    scene = slider_crank(cylinders={"air": AIR})
+    figure = indicator_diagrams(MovingMachine(scene))
+    volume, pressure = figure.axes[0].lines[0].get_data()
+    # In cm³ and kPa, by trapezia between 720 positions.
+    area = 1e-3 * abs(np.sum(0.5 * (pressure[1:] + pressure[:-1]) * np.diff(volume)))
+    outcome = Machine(scene, summaries=["air.indicated_work"]).evaluate({})
+    assert area == pytest.approx(outcome.summaries["air.indicated_work"][0], rel=1e-3)
+    assert f"air: {outcome.summaries['air.indicated_work'][0]:.5g} J" in figure.axes[0].get_title()
+
+
+def test_scotch_yoke__has_the_jerk_of_a_cosine():
+    scene = scotch_yoke()
+    radius, speed = scene.input.length, scene.input.speed
+    figure = motion_of_part(MovingMachine(scene), "yoke")
+    angle, jerk = figure.axes[3].lines[0].get_data()
+    phi = np.radians(angle) - scene.guides["way"].angle
+    assert np.abs(jerk) == pytest.approx(np.abs(radius * speed**3 * np.sin(phi)), abs=1e-8 * radius * speed**3)
+    assert [line.get_ydata().size for ax in figure.axes for line in ax.lines] == [721] * 4
+
+
+def test_part_that_is_none__is_refused_with_those_there_are():
+    with pytest.raises(PictureError, match=r"'bar' is not a slider or link of this machine; choose from: .*piston"):
+        motion_of_part(MovingMachine(slider_crank()), "bar")

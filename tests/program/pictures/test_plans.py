@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from drawn_machines import slider_crank
 from each_case import each
-from plan_machines import CLOSED, HIGHER, MACHINES, cycle_of, poses
+from plan_machines import CLOSED, HIGHER, MACHINES, cycle_of, moment_about, poses
 
 from engine import Machine, MovingMachine
 from sweeps.pictures.picture_error import PictureError
@@ -113,7 +113,7 @@ def assert_in_equilibrium(pose):
         # transmission of forces enlarges them by: ten and more near the ends of a swing.
         least = max([scale * size, *(abs(load.moment) for load in loads)])
         assert abs(sum(load.force for load in loads)) <= EXACT * scale
-        assert abs(sum(load.moment_about(origin) for load in loads)) <= EXACT * least
+        assert abs(moment_about(origin, loads)) <= EXACT * least
 
 
 def assert_closed(pose, parts):

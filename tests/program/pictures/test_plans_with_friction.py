@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from matplotlib.text import Text
-from plan_machines import rubbing
+from plan_machines import moment_about, rubbing
 from rubbing_machines import RHO, press, yoke
 from test_plans import assert_closed, assert_in_equilibrium
 
@@ -99,8 +99,8 @@ def test_long_slider__is_pressed_where_its_moment_puts_the_force():
     pressing = [load for load in loads_on_links(pose)["yoke"] if load.pair == "g.second" and not load.is_friction]
     driving = next(load for load in loads_on_links(pose)["yoke"] if load.pair == "g.inner")
     assert all(abs(load.at - pose.origin("yoke").place) <= 0.45 * (1 + 1e-12) for load in pressing)
-    moment = sum(load.moment_about(pose.origin("yoke").place) for load in pressing)
-    expected = -driving.moment_about(pose.origin("yoke").place)
+    moment = moment_about(pose.origin("yoke").place, pressing)
+    expected = -moment_about(pose.origin("yoke").place, [driving])
     assert moment == pytest.approx(expected, rel=1e-12)
 
 

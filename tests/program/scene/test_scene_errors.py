@@ -1,7 +1,10 @@
 """Scenes that are refused: the message names the file, the line, the key, what is allowed and the mend."""
 
+import random
 import re
+import shutil
 
+from commands import ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scene_samples import GOOD, refused
@@ -82,3 +85,21 @@ def test_any_mutation__is_read_or_refused_with_reasons(tmp_path_factory, text):
         assert message
         # TOML places an unfinished text just behind its end.
         assert line is None or 1 <= line <= len(text.splitlines()) + 1
+
+
+TIMES = 100
+
+
+def test_garbled_texts__are_read_or_refused_in_words(folder, monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "results" / "reliability"))
+    from mutations import STOCK, texts
+
+    for part in ("studies", "templates"):
+        shutil.copytree(STOCK / part, folder / part)
+    ways = {}
+    for i in range(TIMES):
+        dice = random.Random(f"quick {i}")
+        texts(dice, folder, False, lambda how, text, took: ways.setdefault(how, []).append(text))
+    assert set(ways) == {"results", "refused"}, {how: found[0] for how, found in ways.items()}
+    assert sum(map(len, ways.values())) == TIMES
+    assert any("carried_out" in text for found in ways.values() for text in found)

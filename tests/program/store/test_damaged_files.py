@@ -14,7 +14,7 @@ from store_samples import begun, fill, layout, results, same_bits, sweep
 import sweeps
 from sweeps.store import DamagedError, Store, StoreError, open_dataset
 
-FLIPS = 100
+FLIPS = 50
 # Not those that are written last, in place: no checksum covers them.
 TEXTS = ("Conventions", "title", "study", "study_hash")
 TOLD = ("long_name", "units", "flag_values", "flag_meanings")

@@ -58,12 +58,6 @@ def test_logarithmic__is_geomspace_with_exact_ends(start, stop, count, sign):
     np.testing.assert_allclose(found, np.geomspace(sign * start, sign * stop, count), rtol=3 * 2 * 461 * EPS)
 
 
-def test_listed__gives_the_list():
-    axis = Listed("a", [3.0, 1, 2.5])
-    assert (axis.names, axis.size) == (("a",), 3)
-    assert axis.values(np.array([2, 0, 0]))["a"].tolist() == [2.5, 3.0, 3.0]
-
-
 # --- points in the unit cube -------------------------------------------------------------------------------
 
 
@@ -156,16 +150,6 @@ def test_larger_count__keeps_the_earlier_samples(method):
 # --- sampled axes ------------------------------------------------------------------------------------------
 
 
-@each("method", METHODS)
-def test_sampled__scales_unit_points_to_the_limits(method):
-    points = {"random": random_points, "sobol": sobol_points, "latin": latin_points}[method](3, 64, 2, np.arange(64))
-    found = every(pair(64, method, logarithmic=(False, True)))
-    expected = qmc.scale(points, [0.1, 0], [0.2, 2])
-    # Two roundings each; the exponential magnifies those of its argument (at most ln 100 = 4.6).
-    np.testing.assert_allclose(found[PAIR[0]], expected[:, 0], rtol=4 * EPS)
-    np.testing.assert_allclose(found[PAIR[1]], 10 ** expected[:, 1], rtol=2 * 3 * 4.6 * EPS)
-
-
 @settings(deadline=None)
 @given(st.floats(1e-6, 1e6), st.integers(0, 20), st.booleans(), st.sampled_from([1, -1]))
 def test_sampled__stays_within_its_limits(near, width, is_logarithmic, sign):
@@ -185,21 +169,6 @@ def test_note__warns_of_sobol_counts_that_are_no_power_of_two():
 
 
 # --- designs -----------------------------------------------------------------------------------------------
-
-
-def test_design__is_the_product_with_the_last_axis_fastest():
-    sampled = pair(5, "latin")
-    design = Design((Linear("x", 0, 1, 4), sampled, Listed("y", [7.0, 8.0, 9.0])))
-    assert design.names == ("x", *PAIR, "y")
-    assert design.shape == (4, 5, 3)
-    assert design.size == 60
-    found = design.values(0, 60)
-    assert tuple(found) == design.names
-    x, i, y = np.meshgrid(np.linspace(0, 1, 4), np.arange(5), [7.0, 8.0, 9.0], indexing="ij")
-    np.testing.assert_array_equal(found["x"], x.ravel())
-    np.testing.assert_array_equal(found["y"], y.ravel())
-    for name in PAIR:
-        np.testing.assert_array_equal(found[name], every(sampled)[name][i.ravel()])
 
 
 axes = {

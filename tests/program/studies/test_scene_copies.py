@@ -30,8 +30,7 @@ def test_copy__has_the_new_numbers_and_all_others_as_they_were(name):
 
 
 @pytest.mark.parametrize(
-    ("values", "path"),
-    [({"input.length": -0.1}, "input.length"), ({"groups.swing.mode": 3.0}, "groups.swing.mode")],
+    ("values", "path"), [({"input.length": -0.1}, "input.length"), ({"groups.swing.mode": 3.0}, "groups.swing.mode")]
 )
 def test_number_that_is_not_allowed__is_refused_by_its_path(values, path):
     with pytest.raises(SceneError) as caught:

@@ -42,10 +42,7 @@ TURNING_YOKE = four_bar(
         "T": {"link": "yoke", "x": 0.04, "y": -0.03},
     },
     guides={"bar": {"link": "rocker", "x": 0.05, "y": 0.02, "angle": 0.3}},
-    groups={
-        **four_bar().model_dump(exclude_none=True)["groups"],
-        "h": rpp(("block", "G"), ("yoke", "bar"), 1.4),
-    },
+    groups={**four_bar().model_dump(exclude_none=True)["groups"], "h": rpp(("block", "G"), ("yoke", "bar"), 1.4)},
     bodies={"yoke": {"link": "yoke", "mass": 2.0, "x": 0.05, "y": 0.02, "inertia": 0.004}},
     gravity=9.81,
 )
@@ -82,11 +79,7 @@ _KNIFE_EDGE = changed(SLIDING, cams__cam__follower={
 # Beside the crank one link is turned by a law, driven by the crank, and one slides on it with a drive of its own.
 _SERVOS = {
     "gravity": 9.81,
-    "points": {
-        "O": {"x": 0, "y": 0},
-        "C": {"x": 0.2, "y": 0.02},
-        "D": {"link": "second", "x": 0.04, "y": 0.01},
-    },
+    "points": {"O": {"x": 0, "y": 0}, "C": {"x": 0.2, "y": 0.02}, "D": {"link": "second", "x": 0.04, "y": 0.01}},
     "guides": {"bar": {"link": "second", "x": 0.01, "y": 0.03, "angle": 0.3}},
     "input": CRANK,
     "inputs": {
@@ -143,3 +136,8 @@ def cycle_of(name):
 def poses(name):
     cycle = cycle_of(name)
     return [cycle.at(cycle.motion.q[k]) for k in (77, 301, 655)]
+
+
+def moment_about(place, loads):
+    """Moment of loads on a link about a place [N·m]."""
+    return sum(load.moment + ((load.at - place).conjugate() * load.force).imag for load in loads)

@@ -12,9 +12,7 @@ DOUBLER = {
     "input": CRANK,
     "groups": {"drive": DRIVE},
     "pinions": {"wheel": {"guide": "way", "pivot": "B", "radius": 0.03, "pressure_angle": "20 deg"}},
-    "racks": {
-        "table": {"pinion": "wheel", "pivot": "B", "guide": "way", "radius": -0.03, "pressure_angle": "20 deg"},
-    },
+    "racks": {"table": {"pinion": "wheel", "pivot": "B", "guide": "way", "radius": -0.03, "pressure_angle": "20 deg"}},
     "bodies": {
         "table_body": {"link": "table", "mass": 8, "x": 0.01, "y": 0.035},
         "wheel_body": {"link": "wheel", "mass": 0.8, "inertia": 0.0004},

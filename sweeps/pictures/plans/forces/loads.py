@@ -59,10 +59,6 @@ class DrawnLoad(NamedTuple):
         """Whether it is a moment."""
         return self.force == 0
 
-    def moment_about(self, place: complex) -> float:
-        """Moment about a point [N·m]."""
-        return self.moment + ((self.at - place).conjugate() * self.force).imag
-
 
 def loads_on_links(pose: Pose) -> dict[str, list[DrawnLoad]]:
     """Nonzero loads of each moving link by name.

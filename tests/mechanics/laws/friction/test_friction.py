@@ -14,20 +14,8 @@ from numpy.testing import assert_allclose
 from packed import assert_packed
 
 from engine.compiling.tiles import TILE_OPTIONS
-from engine.laws.friction.coefficients import (
-    NEW,
-    SLIDING,
-    STATIC_AND_KINETIC,
-    WORN_IN,
-    stribeck,
-)
-from engine.laws.friction.guides import (
-    edge_forces,
-    overhung_drive,
-    slider_friction,
-    tilts,
-    vee_friction,
-)
+from engine.laws.friction.coefficients import NEW, SLIDING, STATIC_AND_KINETIC, WORN_IN, stribeck
+from engine.laws.friction.guides import edge_forces, overhung_drive, slider_friction, tilts, vee_friction
 from engine.laws.friction.journals import friction_circle, journal_moment
 
 EPS = np.finfo(float).eps

@@ -1,4 +1,4 @@
-"""Shaking force and moment against the rate of momentum, the frame's reaction, and closed forms of their orders."""
+"""Shaking force and moment against the frame's reaction, and closed forms of their orders."""
 
 import math
 
@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from each_case import refusals
 from machines import changed, crank, four_bar, frame, moving, on, rpr, rrp, rrr
-from oracle import EPS, Motion
-from oracle_dynamics import body_of
+from oracle import EPS
 
 from engine import Machine, Scene, Verdict
 
@@ -54,44 +53,6 @@ def swinging_block() -> dict:
 
 
 MACHINES = {"six bars": six_bar(), "slotted lever": swinging_block()}
-
-
-def momenta(scene: Scene, about: tuple[float, float], q: np.ndarray) -> np.ndarray:
-    """Momentum and moment of momentum about a fixed point at unit speed, by the second machine (3, positions)."""
-    motion = Motion(scene, q)
-    found = np.zeros((3, q.size), np.longdouble)
-    for part in scene.bodies.values():
-        mass, along, across, inertia = body_of(part)
-        link = motion.links[part.link]
-        x, y = link.point(along, across)
-        turning = mass * ((x.v - about[0]) * y.d - (y.v - about[1]) * x.d) + inertia * link.theta.d
-        found += np.stack([mass * x.d + 0 * q, mass * y.d + 0 * q, turning + 0 * q])
-    for name, shaft in scene.shafts.items():
-        found[2] += shaft.inertia * motion.links[name].theta.d
-    return found.astype(float)
-
-
-def rate(rows: np.ndarray) -> np.ndarray:
-    """Derivative of periodic rows by their Fourier series."""
-    orders = np.fft.fftfreq(rows.shape[1], 1 / rows.shape[1])
-    orders[rows.shape[1] // 2] = 0
-    return np.fft.ifft(1j * orders * np.fft.fft(rows)).real
-
-
-@pytest.mark.parametrize("name", MACHINES)
-@pytest.mark.parametrize("about", [None, "Q"])
-def test_shaking__is_the_rate_of_momentum(name, about):
-    scene = MACHINES[name] | ({"balance": {"about": about}} if about else {})
-    machine, rows = moving(scene, SHAKING, POSITIONS)
-    checked = Scene.model_validate(scene)
-    at = checked.points[about or "O"]
-    momentum = momenta(checked, (at.x, at.y), machine.q)
-    found = np.stack([rows[field] for field in SHAKING])
-    # Rounding of the momenta, in the orders up to N/2 that the derivative multiplies it with; and what the machine's
-    # own sensitivity makes of it, some ten roundings of its second derivatives.
-    size = np.abs(momentum).max(axis=1, keepdims=True)
-    tolerance = EPS * (POSITIONS * size + 64 * np.abs(found).max(axis=1, keepdims=True) / SPEED**2)
-    assert (np.abs(found / SPEED**2 + rate(momentum)) <= tolerance).all()
 
 
 @pytest.mark.parametrize("name", MACHINES)

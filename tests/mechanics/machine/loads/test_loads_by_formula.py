@@ -76,13 +76,7 @@ RESTATED_FORCES = {
         force("900 N - 40 kN/m * (ram.from_high - 10 mm) if 10 mm < ram.from_high < 20 mm and v < 0 else 0", **SLOPED),
     ),
     "by_angle": (
-        {
-            "type": "table",
-            "over_angle": [1.0, 1.5],
-            "force": [80.0, 20.0],
-            "interpolation": "linear",
-            **SLOPED,
-        },
+        {"type": "table", "over_angle": [1.0, 1.5], "force": [80.0, 20.0], "interpolation": "linear", **SLOPED},
         force(
             "80 N + 60 N * (phi - 1) / rest if phi < 1 else 80 N - 120 N/rad * (phi - 1) if phi < 1.5 "
             "else 20 N + 60 N * (phi - 1.5) / rest",

@@ -77,15 +77,7 @@ def settled(slip: float, wheel: float, ratio: float) -> tuple[float, float, floa
         begun = state[1]
         for cuts, (a, b) in ((False, (last, first + 2 * math.pi)), (True, (first, last))):
             found = solve_ivp(
-                rates,
-                (a, b),
-                state,
-                "Radau",
-                rtol=1e-11,
-                atol=1e-13,
-                jac=slopes,
-                args=(cuts,),
-                dense_output=turn == 2,
+                rates, (a, b), state, "Radau", rtol=1e-11, atol=1e-13, jac=slopes, args=(cuts,), dense_output=turn == 2
             )
             state = found.y[:, -1]
             if turn == 2:

@@ -70,11 +70,7 @@ def test_trees__are_as_many_as_counted():
 ROUNDED = 1e-13
 
 
-@pytest.mark.parametrize(
-    ("method", "order"),
-    [(DORMAND_PRINCE, 8), (RADAU, 9)],
-    ids=["DP8", "Radau"],
-)
+@pytest.mark.parametrize(("method", "order"), [(DORMAND_PRINCE, 8), (RADAU, 9)], ids=["DP8", "Radau"])
 def test_method__has_its_order_and_no_more(method: Tableau, order: int):
     assert np.abs(method.matrix.sum(axis=1) - method.nodes).max() < ROUNDED
     assert missed(method.matrix, method.weights, order) < ROUNDED
@@ -93,26 +89,6 @@ def estimated(weights: np.ndarray, slopes: np.ndarray, length: float) -> float:
     fine = length * np.linalg.norm(weights @ slopes)
     (coarse,) = length * (ORDER_EIGHT.coarse @ slopes)
     return fine**2 / np.hypot(fine, coarse)
-
-
-def weighed(vertices: int) -> np.ndarray:
-    """Rows by which a formula's error of an order follows from its weights, one for each tree."""
-    return np.array([elementary(DORMAND_PRINCE.matrix, tree) / symmetry(tree) for tree in trees(vertices)])
-
-
-def test_second_formula__is_of_order_five_and_independent_of_the_first():
-    first_formula, second_formula, _ = ORDER_EIGHT.fine
-    assert missed(DORMAND_PRINCE.matrix, DORMAND_PRINCE.weights - second_formula, 5) < ROUNDED
-    first, second = weighed(6) @ first_formula, weighed(6) @ second_formula
-    assert np.isclose(first @ first, second @ second, rtol=1e-9)
-    assert abs(first @ second) < 1e-9 * (first @ first)
-
-
-def test_third_formula__is_of_order_six_and_as_large_as_the_first_at_the_next():
-    first_formula, _, third_formula = ORDER_EIGHT.fine
-    assert missed(DORMAND_PRINCE.matrix, DORMAND_PRINCE.weights - third_formula, 6) < ROUNDED
-    first, third = (np.linalg.norm(weighed(7) @ formula) for formula in (first_formula, third_formula))
-    assert np.isclose(first, third, rtol=1e-9)
 
 
 def test_estimated_error__hardly_vanishes_where_a_rate_depends_on_the_angle_alone():
@@ -136,15 +112,6 @@ def test_estimated_error__hardly_vanishes_where_a_rate_depends_on_the_angle_alon
     assert min(few) < 0.05
     assert min(all_three) > 0.5
     assert np.median(all_three) < 2.0 * np.median(few)
-
-
-def symmetry(tree: Tree) -> int:
-    """σ: in how many ways its branches can be exchanged."""
-    found = 1
-    for branch in set(tree):
-        count = tree.count(branch)
-        found *= math.factorial(count) * symmetry(branch) ** count
-    return found
 
 
 def test_estimated_error__hardly_vanishes_at_any_length_of_a_step():

@@ -26,7 +26,6 @@ SI = {
     **{"m/s²": 1.0, "in/s²": IN, "ft/s²": 12 * IN, "m/s³": 1.0, "in/s³": IN, "ft/s³": 12 * IN},
     **{"N": 1.0, "kN": 1e3, "lbf": LBF, "N·m": 1.0, "lbf·ft": LBF * 12 * IN, "lbf·in": LBF * IN},
     **{"J": 1.0, "ft·lbf": LBF * 12 * IN, "W": 1.0, "kW": 1e3, "hp": 550 * LBF * 12 * IN},
-    **{"N/m": 1.0, "N/mm": 1e3, "lbf/in": LBF / IN, "lbf/ft": LBF / (12 * IN)},
 }
 
 
@@ -44,20 +43,6 @@ def compressor(scene: Scene) -> dict[str, float]:
     }
 
 
-def shaper(scene: Scene) -> dict[str, float]:
-    """Swinging lever: sin ψ = r/d, stroke 2 L sin ψ, quick-return ratio (π + 2ψ)/(π − 2ψ)."""
-    crank, distance, cutting = scene.input, scene.points["O"].y, scene.forces["cutting"]
-    swing, (begin, end) = math.asin(crank.length / distance), cutting.over_stroke
-    return {
-        "ram.stroke": 2 * scene.points["P"].x * math.sin(swing),
-        "ram.stroke_time_ratio": (math.pi + 2 * swing) / (math.pi - 2 * swing),
-        "lever.swing": 2 * swing,
-        "required_drive_moment": cutting.force[0] * (end - begin) / (2 * math.pi),
-        # In mid-stroke the lever turns fastest backwards, by r/(d − r) of the crank's speed.
-        "lever.angular_velocity.peak": crank.speed * crank.length / (distance - crank.length),
-    }
-
-
 def cam(scene: Scene) -> dict[str, float]:
     """Modified sine over β: peaks 4π/(π + 4) h ω/β, 4π²/(π + 4) h ω²/β² and 16π³/(π + 4) h ω³/β³."""
     cam, rise = scene.elements["cam"], scene.elements["cam"].sections["opening"]
@@ -69,34 +54,6 @@ def cam(scene: Scene) -> dict[str, float]:
         # The contact is least loaded in the lower dwell; there the normal leans by the offset over the arm.
         "cam.least_contact_force": (cam.follower.load + cam.follower.preload)
         / math.sqrt(1 - (cam.follower.offset / arm) ** 2),
-    }
-
-
-def planetary(scene: Scene) -> dict[str, float]:
-    """Ring held: i = 1 + z₃/z₁; the arm gives its moment at its speed."""
-    train = scene.elements["train"]
-    speed = train.shafts["input"].speed / (1 + 84 / 24)
-    return {
-        "train.arm.speed": speed,
-        "train.arm.power": train.shafts["arm"].moment * speed,
-        "train.outer.centre_distance": train.module * (24 + 30) / 2,
-    }
-
-
-def oscillator(scene: Scene) -> dict[str, float]:
-    """Mass on a spring: ω² = k/m, δ = 2πD/√(1 − D²); an unbalance forces it with m_u r Ω²."""
-    machine = scene.elements["machine"]
-    natural, damping = math.sqrt(machine.stiffness / machine.mass), machine.damping_ratio
-    exciting = machine.excitation
-    force = exciting.mass * exciting.radius * exciting.speed**2
-    spring = machine.stiffness - machine.mass * exciting.speed**2
-    damper = 2 * damping * natural * machine.mass * exciting.speed
-    return {
-        "machine.stiffness": machine.stiffness,
-        "machine.natural_frequency": natural,
-        "machine.decrement": 2 * math.pi * damping / math.sqrt(1 - damping**2),
-        "machine.amplitude": force / math.hypot(spring, damper),
-        "machine.phase_lag": math.atan2(damper, spring),
     }
 
 
@@ -113,10 +70,7 @@ def car(scene: Scene) -> dict[str, float]:
 
 MACHINES = {
     "compressor": (STUDIES / "flywheels/scenes/compressor.toml", compressor),
-    "crank_shaper": (bundled_templates()["crank_shaper"], shaper),
     "cam": (bundled_templates()["cam"], cam),
-    "planetary_train": (bundled_templates()["planetary_train"], planetary),
-    "oscillator": (bundled_templates()["oscillator"], oscillator),
     "braking_car": (STUDIES / "motion/scenes/braking_car.toml", car),
 }
 

@@ -219,8 +219,7 @@ def test_runs_that_tell_nothing__are_refused(folder, table, words):
 
 
 @pytest.mark.parametrize(
-    ("noise", "words"),
-    [("3 kg", "in the unit of the readings"), ("0.1 foo", "foo"), ("-1 mm/s", "-1")],
+    ("noise", "words"), [("3 kg", "in the unit of the readings"), ("0.1 foo", "foo"), ("-1 mm/s", "-1")]
 )
 def test_noise_in_other_units__is_refused(folder, noise, words):
     assert words in refused("balance", "--trial-runs", "runs.csv", "--noise", noise)

@@ -39,10 +39,7 @@ def last_words(process: subprocess.Popen) -> str:
         process.kill()
 
 
-@pytest.mark.parametrize(
-    ("number", "busy"),
-    [*((signal.SIGINT, busy) for busy in BUSY), (signal.SIGTERM, "computing")],
-)
+@pytest.mark.parametrize(("number", "busy"), [*((signal.SIGINT, busy) for busy in BUSY), (signal.SIGTERM, "computing")])
 def test_signal__ends_the_program_with_one_sentence(number, busy, tmp_path):
     head = "import sys, time\nfrom sweeps.text.interruption import half_written, listen\nlisten()\n"
     head += "half_written.add('draft'); open('draft', 'w').close(); print('here', flush=True)\n"
@@ -161,9 +158,7 @@ OF_RESULT = ("export", "results/study.h5", "--to", "out.csv")
 WRITERS = [OF_RESULT, WRITES[0], *WRITES[5:8], WRITES[-2]]
 
 
-@pytest.mark.parametrize(
-    "arguments", [OF_RESULT, WRITES[0], *WRITES[5:8], WRITES[-2]], ids=lambda a: " ".join(a[:2] + a[-1:])
-)
+@pytest.mark.parametrize("arguments", WRITERS, ids=lambda a: " ".join(a[:2] + a[-1:]))
 def test_full_disk_under_a_file__one_sentence_and_the_earlier_file_stays(arguments, press_folder, monkeypatch):
     if arguments is OF_RESULT:
         done("run", "study.toml", "--no-plots")

@@ -1,4 +1,4 @@
-"""Firing of engines and their torque by orders: gas and inertia."""
+"""Firing orders of engines: known ones, their intervals, and the torque orders that even firing leaves."""
 
 import math
 
@@ -9,13 +9,7 @@ from engine_samples import RIGHT
 from numpy.testing import assert_allclose
 
 from engine.elements.engines.engine_layout import boxer_engine, in_line_engine, radial_engine, v_engine
-from engine.elements.engines.firing import (
-    FOUR_STROKE,
-    even_firing_order,
-    firing_angles,
-    firing_intervals,
-    firing_sums,
-)
+from engine.elements.engines.firing import FOUR_STROKE, even_firing_order, firing_angles, firing_intervals, firing_sums
 
 
 def test_firing__is_even_in_the_known_orders():

@@ -1,4 +1,4 @@
-"""Inclines, wedges and screws against equilibrium solved as it stands and published problems."""
+"""Inclines and wedges against equilibrium solved as it stands."""
 
 import math
 
@@ -10,18 +10,7 @@ from hypothesis import strategies as st
 from mpmath import mpf
 from numpy.testing import assert_allclose
 
-from engine.laws.friction.inclines import (
-    incline_down,
-    incline_up,
-    wedge_drive,
-    wedge_withdraw,
-)
-from engine.laws.friction.screws import (
-    flank_friction,
-    locking_friction,
-    lower_moment,
-    raise_moment,
-)
+from engine.laws.friction.inclines import incline_down, incline_up, wedge_drive, wedge_withdraw
 
 EPS = np.finfo(float).eps
 
@@ -108,66 +97,3 @@ def test_wedge__is_in_equilibrium_and_loses_what_friction_takes(load, slope, fac
         assert abs(mpf(got) - force) <= allowed
         with mpmath.workdps(30):
             assert abs(force - way * mpf(load) * mpf(slope) - lost) <= mpf(10) ** -20 * (abs(force) + load * slope)
-
-
-# Screws
-
-
-def thread_by_equilibrium(way, load, radius, slope, friction, half_angle):
-    """Moment and power lost in a turn of 1 rad, from forces on a helical flank, its normal taken in space."""
-    with mpmath.workdps(50):
-        t, f, gamma, q, r = (mpf(v) for v in (slope, friction, half_angle, load, radius))
-        # Tangents of the flank: along the helix, and along its trace in the axial section (radial, axial).
-        helix = mpmath.matrix([mpf(0), 1, t]) / mpmath.sqrt(1 + t * t)
-        trace = mpmath.matrix([mpmath.cos(gamma), 0, -mpmath.sin(gamma)])
-        normal = mpmath.matrix(
-            [
-                trace[1] * helix[2] - trace[2] * helix[1],
-                trace[2] * helix[0] - trace[0] * helix[2],
-                trace[0] * helix[1] - trace[1] * helix[0],
-            ]
-        )
-        normal = normal / mpmath.norm(normal)
-        # On the nut that rises or sinks along the helix, friction against it.
-        force = normal - way * f * helix
-        pressed = q / force[2]
-        return way * -pressed * force[1] * r, f * pressed * r * mpmath.sqrt(1 + t * t), pressed
-
-
-def normal_half_angle(half_angle, slope):
-    """Half of a thread's angle in the section across the thread: tan(gamma_n) = tan(gamma) cos(beta)."""
-    return math.atan(math.tan(half_angle) / math.sqrt(1 + slope * slope))
-
-
-@quick
-@given(sizes, sizes, slopes, frictions, st.floats(0.0, 0.8))
-def test_thread__is_in_equilibrium_on_its_helix(load, radius, slope, friction, half_angle):
-    reduced = flank_friction(friction, normal_half_angle(half_angle, slope))
-    for law, way in ((raise_moment, 1), (lower_moment, -1)):
-        moment, lost, pressed = thread_by_equilibrium(way, load, radius, slope, friction, half_angle)
-        got, left = law(load, radius, slope, reduced), abs(1 - way * slope * reduced)
-        if left < 1e-6:
-            continue
-        if pressed < 0:
-            assert got == math.inf
-            continue
-        # The cosine of gamma_n is good to 2 eps, its share is at most tan² gamma.
-        allowed = 16 * EPS * (1 + 1 / left) * (abs(moment) + load * radius * (slope + reduced) / (1 + left))
-        assert abs(mpf(got) - moment) <= allowed
-        # Power in = power out + loss, in a turn of 1 rad.
-        work = way * mpf(load) * mpf(radius) * mpf(slope)
-        assert abs(mpf(got) - work - lost) <= allowed + 4 * EPS * abs(work)
-
-
-@quick
-@given(st.floats(0.001, 0.2), frictions, st.floats(0.0, 0.6))
-def test_flank_friction__of_the_axial_section_is_as_near_as_stated(slope, friction, half_angle):
-    axial = flank_friction(friction, half_angle)
-    exact = flank_friction(friction, normal_half_angle(half_angle, slope))
-    stated = friction * math.sin(half_angle) * math.tan(half_angle) * slope**2 / 2
-    # The next term of the series is less than slope² of this one.
-    assert_allclose(axial - exact, stated, rtol=slope**2, atol=4 * EPS * axial)
-
-
-def test_collar_that_holds_the_load_alone__needs_no_friction_in_the_thread():
-    assert locking_friction(0.01, 0.05, 0.2, 0.02, 0.03) == 0.0
