@@ -103,7 +103,8 @@ class StudyReader:
         """
         design = self._design()
         names = design.names if design else ()
-        derived = self._derived(names)
+        # The columns of a table that is refused are names that expressions may use.
+        derived = {} if self.raw.variants and self.problems.found else self._derived(names)
         require, derivatives = self._required(), []
         for text in dict.fromkeys(self.raw.outputs.derivatives):
             with self.problems.noted(engine.AskError, ["outputs", "derivatives"]):
@@ -288,14 +289,18 @@ class StudyReader:
 
     def _derived(self, varied: tuple[str, ...]) -> dict[str, engine.TextExpression]:
         found: dict[str, engine.TextExpression] = {}
+        tried = set(self.raw.vary)
         for path, text in self.raw.derive.items():
+            # A name that is refused isn't unknown as well.
+            refused = tried - found.keys()
+            tried.add(path)
             with self.problems.noted((engine.ExpressionError, SamplingError), ["derive", path]):
                 if path in varied:
                     raise SamplingError("varies already; a number is either varied or derived")
                 self._check_variable(path)
                 expression, known = numeric_expression(text), {*self.numbers, *varied, *found}
                 unknown = [name for name in expression.names if name not in known]
-                for name in unknown:
+                for name in (name for name in unknown if name not in refused):
                     self.problems.add(["derive", path], engine.unknown_name_message(name, known))
                 if unknown:
                     continue
@@ -312,6 +317,9 @@ class StudyReader:
             try:
                 found.append(Condition.read(text, self.dimensions))
             except engine.ExpressionError as error:
+                if isinstance(error, UnknownNameError) and self.problems.found:
+                    # The name may be one that is refused.
+                    continue
                 message, place = str(error), f"entry {number}, " if len(self.raw.require) > 1 else ""
                 if isinstance(error, UnknownNameError) and (result := self._result_in(text)):
                     message = f"{result!r} is a result; require drops variants before they are computed, so write where"

@@ -56,6 +56,19 @@ def test_several_problems__are_told_at_once(study_folder):
     assert keys == ["vary.input.length", "vary.reach", "derive.groups.slide.first.length"]
 
 
+def test_refused_name__is_not_unknown_as_well(study_folder):
+    (study_folder / "sizes.csv").write_text("width\nx\n")
+    expressions = """[derive]
+double = "2 * width"
+"bodies.ram.mass" = "double * 1 kg"
+"""
+    for given, key in (('[vary]\nwidth = ["x"]\n', "vary.width"), ('variants = "sizes.csv"\n', "variants")):
+        text = f"scene = 'press.toml'\nrequire = 'double > 1'\n{given}{expressions}"
+        assert [key for _, key, _ in refused(study_folder, text).problems] == [key]
+    text = f"scene = 'press.toml'\nrequire = 'double > 1'\n{expressions}"
+    assert [key for _, key, _ in refused(study_folder, text).problems] == ["derive.double"]
+
+
 def test_error_in_a_scene_inside_the_study__names_its_line_there(study_folder):
     inside = SCENE.replace("\n[", "\n[scene.").replace('title = "Crank press"', "[scene]", 1)
     text = 'positions = 48\n[vary]\n"input.length" = {values = ["1 mm"]}\n' + inside
