@@ -22,6 +22,8 @@ STEP = 1e-4
 CLEARANCE = 1e-9
 STEPS, ROUNDS = 100, 5
 STILL = 1e-9
+# Change of the relative cost at which a descent ends; gains below it are errors of slopes.
+LEVEL = 1e-10
 # Entries of a list on either side that are tried in exchange.
 REACH = 6
 
@@ -228,7 +230,7 @@ class _Slope:
                 method="SLSQP",
                 bounds=[(0.0, 1.0)] * self.free.size,
                 constraints=[conditions] if self.parts.size else [],
-                options={"maxiter": steps, "ftol": 1e-12},
+                options={"maxiter": steps, "ftol": LEVEL},
             )
 
     def _at(self, x: np.ndarray) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
