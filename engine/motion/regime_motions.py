@@ -397,11 +397,12 @@ class RegimeMotion:
             steady = settled_motion(self.dynamics, variants, self._asked.tolerance, longer, nodes)
         else:
             # Without nodes the second call is identical.
-            if nodes is not None or "steady" not in variants.kept:
-                extremes = self.asks(*EXTREMES_OF_SPEED)
+            extremes = self.asks(*EXTREMES_OF_SPEED)
+            key = "steady", extremes
+            if nodes is not None or key not in variants.kept:
                 found_steady = steady_motion(self.dynamics, variants, self._asked.tolerance, nodes, extremes)
-                variants.kept["steady"] = found_steady
-            steady, off = variants.kept["steady"]
+                variants.kept[key] = found_steady
+            steady, off = variants.kept[key]
 
         def results_of(steady: Steady) -> dict[str, np.ndarray]:
             return self._of_steady(variants, steady)

@@ -104,15 +104,18 @@ def steady_motion(
         Whether the minimum and maximum speed are also located within steps.
     """
     with np.errstate(all="ignore"):
-        motion = _Motion(dynamics, variants, tolerance, extremes, asked is not None and len(asked) > 0)
-        closed = motion.closed(np.arange(variants.count), False)
-        verdict = closed.verdict.copy()
-        steep = verdict == TOO_STEEP
-        if steep.any():
-            put(closed, np.flatnonzero(steep), motion.closed(np.flatnonzero(steep), True))
-            verdict = np.where(closed.verdict == TOO_STEEP, Verdict.NOT_FINITE, closed.verdict)
+        recorded = asked is not None and len(asked) > 0
+        motion, key = _Motion(dynamics, variants, tolerance, extremes, recorded), ("closed", extremes, recorded)
+        if key not in variants.kept:
+            closed = motion.closed(np.arange(variants.count), False)
+            steep = closed.verdict == TOO_STEEP
+            if steep.any():
+                put(closed, np.flatnonzero(steep), motion.closed(np.flatnonzero(steep), True))
+            variants.kept[key] = closed, steep
+        closed, steep = variants.kept[key]
+        verdict = np.where(closed.verdict == TOO_STEEP, Verdict.NOT_FINITE, closed.verdict)
         asked = np.empty((0, variants.count)) if asked is None else asked
-        return motion.gone_through(closed, steep, verdict.astype(np.uint8), asked)
+        return motion.gone_through(closed, steep.copy(), verdict.astype(np.uint8), asked)
 
 
 class _Motion:

@@ -48,6 +48,16 @@ def scene_of(name: str, regimes: dict) -> dict:
     return slider_crank({k: regime | {"only": only} for k, regime in regimes.items()}, flywheel=flywheel)
 
 
+def test_regimes_of_the_same_loads__answer_as_each_does_alone():
+    """They share a search for the cycle, which doesn't look for extremes where none are asked."""
+    names = ["one.period", "two.speed_max", "two.speed_min", "two.motor_moment_peak"]
+    scene = scene_of("DC motor, cutting", {"one": steady(""), "two": steady("")})
+    together = ask(scene, " ".join(names))
+    for name in names:
+        alone = ask(scene, name)
+        assert abs(together[name] - alone[name]) <= together.figure(name) + alone.figure(name), name
+
+
 @pytest.mark.parametrize("name", [*MACHINES, "engine with fan"])
 def test_steady_motion__is_the_limit_of_a_long_run(name):
     found = ask(scene_of(name, {"on": steady("")}), "on.multiplier on.mean_speed on.period", 240, "on.speed")
