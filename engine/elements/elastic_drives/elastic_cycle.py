@@ -125,7 +125,7 @@ class DrivenMachine(NamedTuple):
     def at(self, states: np.ndarray, rows: list[int], who: np.ndarray) -> np.ndarray:
         """Rows of the system at states (variants, STATE, steps, STAGES) of some variants, (rows, points, variants)."""
         motion = np.moveaxis(states.reshape(who.size, STATE, -1), 0, 2)
-        return self.system.at(self.numbers[:, who], self.places[:, who], motion, rows)
+        return self.system.at(self.numbers, self.places[:, who], motion, rows, who=who)
 
 
 class ElasticCycle(NamedTuple):
