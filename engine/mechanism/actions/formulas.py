@@ -320,7 +320,8 @@ class _Curves:
     def _exceeds(self, a: Differentiated, b: Differentiated) -> Node:
         """1 where a exceeds b, else 0; held, with a switching event."""
         graph, zero = self.graph, self.graph.zero
-        if b.value.stage == Stage.POSITION and a.value.stage == Stage.POSITION:
+        # A level that another part of the formula switches has jumps.
+        if min(a.value.stage, b.value.stage) > Stage.CYCLE:
             a, b = self._difference(a, b), Differentiated(zero, zero)
         curve, level = (a, b.value) if a.value.stage == Stage.POSITION else (b, a.value)
         if level is zero:

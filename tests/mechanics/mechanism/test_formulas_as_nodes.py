@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 from graph_values import GraphValues
-from hypothesis import given, reject, settings
+from hypothesis import example, given, reject, settings
 from hypothesis import strategies as st
 from machines import slider_crank
 
@@ -134,8 +134,13 @@ def test_random_formula__is_what_python_makes_of_it(text, speed):
     assert (np.isnan(found) == np.isnan(expected))[~wild].all()
 
 
+# The minimum of a curve and of numbers between which another part switches.
+STEPPED = "min(rod.angular_velocity / (1 rad/s), (n if rod.angular_velocity / (1 rad/s) > phi else k))"
+
+
 @settings(deadline=None, max_examples=100)
 @given(sums, st.sampled_from(SPEEDS))
+@example(STEPPED, 3.0)
 def test_what_switches__lies_at_a_declared_crossing(text, speed):
     """In the panels that the crossings cut, what is held in the middle holds everywhere."""
     values, force = force_of(scene_of(text, speed))
