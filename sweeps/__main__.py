@@ -9,6 +9,8 @@ from sweeps.text.interruption import finish, listen
 def start() -> None:
     """Run the command line; signal handlers are set before the slow imports."""
     listen()
+    # Variants are spread over all cores; NumPy's own threads would only wait for small matrices, and keep cores busy.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from sweeps.cli import main
 
     try:

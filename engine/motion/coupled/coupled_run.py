@@ -29,7 +29,7 @@ from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.runs.run_progress import ADAPTIVE, BELOW, Ends, MachineRuns, Standing, Stepping
 from engine.motion.runs.watching import Observer, side_by_side
 from engine.stepping.methods import EIGHT, NINE
-from engine.stepping.recorded import RECORDED, made_steps, tops_in_steps, weights_at
+from engine.stepping.recorded import EXCEEDS, RECORDED, made_steps, tops_in_steps, weights_at
 from engine.stepping.records import some
 from engine.stepping.system import SHOWN, Walks
 from engine.stepping.walk_task import Why
@@ -386,12 +386,15 @@ class CoupledRuns(MachineRuns):
         if not self.sides.is_clutch:
             return first
         holds = (phase.mode == TOGETHER) & (phase.crank_way != 0.0)
-        coupling = some(self.sides.coupling, who[seen.column])
-        crank, shaft, moment = AT_LOOKS[1:-1] @ [*seen.moving[[CRANK_SPEED, SHAFT_SPEED]], *seen.moment]
-        walked = seen.begin + LOOKS[1:-1, None] * seen.length
-        torn = np.abs(moment) > _grip(coupling, phase.engaged + self.time[who[seen.column]] + walked)
-        within = np.where(holds, torn, phase.mode * (shaft - crank) < 0.0)
-        np.minimum.at(first, seen.column, np.where(within, walked, np.inf).min(axis=0, initial=np.inf))
+        time = self.time[who[seen.column]] + seen.begin + SHOWN[:, None] * seen.length
+        grip = _grip(some(self.sides.coupling, who[seen.column]), phase.engaged + time)
+        slip = phase.mode * (seen.moving[SHAFT_SPEED] - seen.moving[CRANK_SPEED])
+        margin = np.where(holds, grip - np.abs(seen.moment[0]), slip)
+        low, high = margin.min(axis=0), margin.max(axis=0)
+        may = np.flatnonzero(low - EXCEEDS * (high - low) < 0.0)
+        walked = seen.begin[may] + LOOKS[1:-1, None] * seen.length[may]
+        times = np.where(AT_LOOKS[1:-1] @ margin[:, may] < 0.0, walked, np.inf)
+        np.minimum.at(first, seen.column[may], times.min(axis=0, initial=np.inf))
         return first
 
     def _see(self, who: np.ndarray, joined: Joined, seen: Seen, gone: Walks) -> None:
