@@ -105,50 +105,54 @@ class PairLoads:
             elif node is self._facing:
                 made[rows[node]] = variants.direction * np.sign(variants.numbers["input.speed"])
             elif node not in self._moving:
-                # In steady running no load depends on time.
                 made[rows[node]] = 0.0
         return made
 
+    def wheel(self, variants: Variants) -> np.ndarray:
+        """Inertia by which an acceleration of the crank turns the frame through the flywheel, (variants,) [kg·m²].
+
+        The wheel's shaft, `ratio` times as fast as the crank, has the inertia I/ratio² and the acceleration ratio·ε.
+        """
+        made = self.scene.flywheel
+        ratio = variants.numbers["flywheel.wheel.ratio"] if made is not None and made.wheel is not None else 1.0
+        return variants.flywheel / ratio
+
     def __call__(
         self,
-        variants: Variants,
         parameters: np.ndarray,
+        wheel: np.ndarray,
         places: np.ndarray,
         omega: np.ndarray,
         epsilon: np.ndarray,
-        clock: np.ndarray | None = None,
+        clock: np.ndarray,
     ) -> dict[str, np.ndarray]:
-        """The fields at given instants of a motion, each (places, variants).
+        """The fields at given instants of a motion, each (instants, columns).
 
         Parameters
         ----------
-        variants : Variants
-            With the flywheel of the motion.
-        parameters : ndarray (numbers, variants)
-            From `parameters`, for the direction of each variant.
-        places : ndarray (places, variants)
+        parameters : ndarray (numbers, columns)
+            From `parameters`, for the direction and the variant of each column.
+        wheel : ndarray (columns,)
+            From `wheel` [kg·m²].
+        places : ndarray (instants, columns)
             Crank angles [rad].
-        omega : ndarray (places, variants)
+        omega : ndarray (instants, columns)
             Magnitude of the speed [rad/s].
-        epsilon : ndarray (places, variants)
+        epsilon : ndarray (instants, columns)
             Acceleration, counter-clockwise positive [rad/s²].
-        clock : ndarray (places, variants), optional
+        clock : ndarray (instants, columns)
             Time, for loads that depend on it [s].
         """
         tabulation = self._tabulation
         moving = (omega, omega * omega, epsilon)
         given = {node: moving[row] for node, row in self._moving.items() if node in tabulation.given}
-        if clock is not None:
-            known = {*self._sizes, *self._moving, self._facing}
-            given |= {node: clock for node in tabulation.given if node not in known}
+        known = {*self._sizes, *self._moving, self._facing}
+        given |= {node: clock for node in tabulation.given if node not in known}
         found = tabulation(parameters, places, given)
         fields = {name: found[row] for name, row in self._rows.items()}
-        made = self.scene.flywheel
-        # The wheel's shaft, `ratio` times as fast as the crank, has the inertia I/ratio² and the acceleration ratio·ε.
-        ratio = variants.numbers["flywheel.wheel.ratio"] if made is not None and made.wheel is not None else 1.0
         for name in WITH_FLYWHEEL:
             if name in fields:
-                fields[name] = fields[name] - variants.flywheel / ratio * epsilon
+                fields[name] = fields[name] - wheel * epsilon
         return fields
 
 

@@ -160,18 +160,9 @@ class FieldAnswers(NamedTuple):
         """No fields."""
         return cls({}, {}, {}, {})
 
-    def farther(self, other: "FieldAnswers", centre: "FieldAnswers") -> "FieldAnswers":
-        """Of these results and others, each the one farther from its centre, whose rows may have more positions."""
-
-        def chosen(these: dict[str, np.ndarray], those: dict[str, np.ndarray], near: dict[str, np.ndarray]) -> dict:
-            found = {}
-            for name, row in these.items():
-                middle = near[name] if row.ndim == 1 else near[name][:, :: near[name].shape[1] // row.shape[1]]
-                found[name] = np.where(np.abs(row - middle) >= np.abs(those[name] - middle), row, those[name])
-            return found
-
-        values, rows = (chosen(getattr(self, k), getattr(other, k), getattr(centre, k)) for k in ("values", "rows"))
-        return self._replace(values=values, rows=rows)
+    def copied(self) -> "FieldAnswers":
+        """The same in tables of their own."""
+        return FieldAnswers(*(dict(rows) for rows in self))
 
     def over_all(self, who: np.ndarray, count: int) -> "FieldAnswers":
         """Results of some variants expanded to all `count` of them, NaN for the others."""

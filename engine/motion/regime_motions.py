@@ -1,6 +1,6 @@
 """The motion of a machine in each of its regimes, from the state that the one before left, and its results."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import NamedTuple
 
@@ -9,20 +9,19 @@ import numpy as np
 from engine.laws.rounding import EPS
 from engine.mechanism.actions.motors import motor_ratio
 from engine.motion.asked_regimes import AskedRegimes
-from engine.motion.coupled.coupled_answers import held_moment, run_coupled
-from engine.motion.coupled.coupled_fields import CoupledFields, CycleStates
-from engine.motion.coupled.coupled_run import LOOKS
+from engine.motion.coupled.coupled_answers import run_coupled
+from engine.motion.coupled.coupled_fields import HELD, CoupledFields, HeldFields
 from engine.motion.coupled.coupled_steady import one_cycle, settled_at_two_speeds
+from engine.motion.coupled.two_sides import coupling_numbers
+from engine.motion.fields.field_watch import FieldWatch
+from engine.motion.fields.motion_fields import MotionFields
+from engine.motion.fields.recorded_motion import Observer
 from engine.motion.moments.dynamics import Variants
 from engine.motion.one_speed import CHANNELS
-from engine.motion.quantities import FieldAnswers
+from engine.motion.quantities import Asked, FieldAnswers
 from engine.motion.runs.run import run_to_end
-from engine.motion.runs.run_extremes import RunExtremes
-from engine.motion.runs.run_instants import RunInstants
-from engine.motion.runs.run_progress import FARTHEST_STEP, CoupledStanding, Ends, RunOutcome, Standing, Stepping
+from engine.motion.runs.run_progress import CoupledStanding, Ends, RunOutcome, Standing, Stepping
 from engine.motion.runs.spread_errors import spread_errors
-from engine.motion.runs.watching import Observer, RunFields
-from engine.motion.settled.cycle import Cycle, answers_of, cycle_of
 from engine.motion.settled.return_map import Returned
 from engine.motion.settled.sizing import flywheel_for
 from engine.motion.settled.steady import Steady, steady_motion
@@ -30,8 +29,6 @@ from engine.motion.settled.steady_with_friction import settled_motion
 from engine.stepping.records import on_arrays, over_all, put, some
 from engine.words.verdicts import Verdict
 
-# Longest distance between samples of a run at two speeds [rad].
-BETWEEN_LOOKS = FARTHEST_STEP / (LOOKS.size - 1)
 ROUNDING = 16.0 * EPS
 TURN = 2.0 * np.pi
 # Results that need the minimum and maximum speed.
@@ -123,17 +120,13 @@ class RegimeMotion:
         """Whether any of some results of the regime is requested."""
         return not self._asked.asked.isdisjoint(f"{self.name}.{key}" for key in keys)
 
-    def _steps(self, longer: float) -> int:
-        """Number of steps in a cycle."""
-        return self._asked.steps // 2 if longer > 1.0 else self._asked.steps
-
     @property
     def at_two_speeds(self) -> bool:
         """Whether both sides of a coupling have separate speeds: always, except for a locked clutch."""
         return self.two is not None and (not self.is_steady or self.two.is_fluid)
 
     def follow(self, variants: Variants, standing: Standing, longer: float) -> OneRegime:
-        """A regime from the current state; with longer steps, also at half the positions."""
+        """A regime from the current state."""
         hindered = self.hindered(variants)
         standing = standing._replace(verdict=np.where(standing.verdict, standing.verdict, hindered))
         if not self.is_steady:
@@ -170,7 +163,7 @@ class RegimeMotion:
         variants: Variants,
         standing: Standing,
         longer: float = 1.0,
-        record: Callable[[RunFields], Observer] | None = None,
+        record: Callable[[MotionFields], Sequence[Observer]] | None = None,
     ) -> tuple[RunOutcome, FieldAnswers, Standing]:
         """Run a regime from the current state.
 
@@ -180,9 +173,9 @@ class RegimeMotion:
             With the inertia of all parts.
         standing : Standing
         longer : float
-            One of `WALKS`; comparison runs have half the samples.
+            One of `WALKS`.
         record : callable, optional
-            Creates the observer of the run, which replaces the requested fields.
+            Creates the observers of the run, which replace the requested fields.
         """
         regime, keys, count, cycle = self.regime, self.keys, variants.count, self.reduction.cycle
 
@@ -211,30 +204,28 @@ class RegimeMotion:
         return outcome, answers, Standing(place, omega, clock, verdict, outcome.coupled)
 
     def _run_at_two_speeds(
-        self, run: "_Ready", longer: float, record: Callable[[CoupledFields], Observer] | None
+        self, run: "_Ready", longer: float, record: Callable[[CoupledFields], Sequence[Observer]] | None
     ) -> tuple[RunOutcome, FieldAnswers]:
         sides, standing = self.two.of(run.variants, run.standing.angle), run.standing
         if self.regime.from_shaft_speed is not None:
             shaft = self._number("from_shaft_speed", run.variants, 0.0) / sides.coupling.ratio
             standing = standing._replace(coupled=standing.coupled._replace(speed=shaft))
-        along, asked = CoupledFields(sides, standing.clock, self.loads), self.fields
-        watch = record or (lambda along: RunExtremes(along, [one.field for one in asked]))
-        observers = [watch(along)] if asked or record else []
+        along = CoupledFields(sides, standing.clock, self.loads)
+        watch = FieldWatch(along, self.fields if record is None else (), self._asked.tolerance)
+        observers = watch.observers if record is None else record(along)
         outcome = run_coupled(sides, standing, run.ends, self._stepping(longer), observers)
-        if not asked or record is not None:
-            return outcome, FieldAnswers.none()
-        return outcome, observers[0].answers(asked, np.full(run.which.size, BETWEEN_LOOKS))
+        return outcome, watch.answers()
 
     def settled_at_two_speeds(
         self,
         variants: Variants,
         standing: Standing,
         longer: float = 1.0,
-        record: Callable[[CoupledFields, np.ndarray], Observer] | None = None,
+        record: Callable[[CoupledFields, np.ndarray], Sequence[Observer]] = lambda along, good: (),
     ) -> tuple[Returned, RunOutcome, Standing]:
         """Steady running through a fluid coupling, and one cycle of it; parameters as for `run`.
 
-        `record` also receives the indices of the variants in steady running.
+        `record` also receives the indices of the variants in steady running, and makes any number of observers.
         """
         two, count, zero = self.two, variants.count, np.zeros(variants.count)
         ready = np.flatnonzero(standing.verdict == Verdict.OK)
@@ -242,7 +233,7 @@ class RegimeMotion:
         steady = settled_at_two_speeds(sides, stepping)
         good = np.flatnonzero(steady.verdict == Verdict.OK)
         moving = sides.some(good)
-        watching = [] if record is None else [record(CoupledFields(moving, zero[good], self.loads), ready[good])]
+        watching = record(CoupledFields(moving, zero[good], self.loads), ready[good])
         gone = over_all(one_cycle(moving, steady.speeds[:, good], stepping, watching), ready[good], count)
         steady = over_all(steady, ready, count)
         verdict = np.where(standing.verdict != Verdict.OK, standing.verdict, np.maximum(steady.verdict, gone.verdict))
@@ -251,18 +242,14 @@ class RegimeMotion:
         return steady, gone, Standing(zero, steady.speeds[0], zero, steady.verdict, shaft)
 
     def _steady_at_two_speeds(self, variants: Variants, standing: Standing, longer: float) -> OneRegime:
-        asked, seen = self.fields, []
+        seen: list[tuple[FieldWatch, np.ndarray]] = []
 
-        def record(along: CoupledFields, good: np.ndarray) -> CycleStates:
-            seen.append((along, good, CycleStates(good.size, LOOKS[:: 2 if longer > 1.0 else 1].size)))
-            return seen[0][2]
+        def record(along: CoupledFields, good: np.ndarray) -> list[Observer]:
+            seen.append((self._watch_cycle(along), good))
+            return seen[0][0].observers
 
-        steady, gone, after = self.settled_at_two_speeds(variants, standing, longer, record if asked else None)
-        answers = FieldAnswers.none()
-        if asked:
-            along, good, states = seen[0]
-            answers = answers_of(self._fluid_cycle(along, states, longer), asked, self.dynamics.cycle)
-            answers = answers.over_all(good, variants.count)
+        steady, gone, after = self.settled_at_two_speeds(variants, standing, longer, record)
+        answers = self._over_cycle(*seen[0], variants.count)
         found = self._of_run(variants, gone)
         low, high, period = gone.slowest, gone.fastest, gone.state.time
         found["speed_fluctuation"] = 2.0 * (high - low) / (high + low)
@@ -271,19 +258,27 @@ class RegimeMotion:
         answers.scales["speed_fluctuation"] = np.ones(variants.count)
         # Steady running returns exactly.
         answers.missed["return_residual"] = steady.residual
-        return OneRegime(answers, after, float(self._steps(longer)), gone.energy)
+        return OneRegime(answers, after, float(self._asked.steps), gone.energy)
 
-    def _fluid_cycle(self, along: CoupledFields, states: CycleStates, longer: float) -> Cycle:
-        """The steady cycle through a fluid coupling with its fields."""
-        variants = along.variants
-        grid = along.dynamics.grid(variants, np.zeros(variants.count), self._steps(longer))
-        rows = along(np.arange(variants.count), states.at(variants.direction * grid.angles))
-        return Cycle(grid, rows["speed"], variants.direction, rows)
+    def _watch_cycle(self, along: MotionFields) -> FieldWatch:
+        """Observers of a steady cycle for the requested fields, kept at equal steps."""
+        asked = [*self.fields, *([Asked("", HELD, "peak")] if isinstance(along, HeldFields) else ())]
+        turned = self.reduction.cycle / self._asked.steps * np.arange(self._asked.steps)
+        return FieldWatch(along, asked, self._asked.tolerance, turned, averaged=True)
+
+    @staticmethod
+    def _over_cycle(watch: FieldWatch, who: np.ndarray, count: int) -> FieldAnswers:
+        """What was requested of the variants `who`, among all; kept fields over the crank angle."""
+        found, back = watch.answers(), watch.fields.variants.direction < 0.0
+        for rows in found.rows.values():
+            # The crank angle decreases if the crank turns clockwise.
+            rows[back] = np.roll(rows[back, ::-1], 1, axis=1)
+        return found.over_all(who, count)
 
     def _run_at_one_speed(
-        self, run: "_Ready", longer: float, record: Callable[[RunFields], Observer] | None
+        self, run: "_Ready", longer: float, record: Callable[[MotionFields], Sequence[Observer]] | None
     ) -> tuple[RunOutcome, FieldAnswers]:
-        observers = [] if record is None else [record(self._along(run))]
+        observers = [] if record is None else record(self._along(run))
         key, stepping = ("run", self.name), self._stepping(longer)
         if longer > 1.0 and record is None and key in run.kept:
             # A known run predicts the effect of coarser steps.
@@ -314,7 +309,7 @@ class RegimeMotion:
         answers.scales.update(end_reached=np.zeros(variants.count), work_residual=np.ones(variants.count))
         low, high = self.reduction.range_of(variants.numbers, variants.count)
         turned = outcome.state.turned
-        made = turned / (high - low) * self._steps(longer)
+        made = turned / (high - low) * self._asked.steps
         covered = np.sort(after.angle + variants.direction * (outcome.covered - turned), axis=0)
         ends = None if self.regime.method is None else np.stack(outcome.state[:3])
         known = False if outcome.known is None else outcome.known == 1.0
@@ -336,28 +331,18 @@ class RegimeMotion:
         stepping = Stepping(*self._asked.run_tolerance, extremes=extremes, peaks=peaks, longer=longer)
         return stepping if steps is None else stepping._replace(farthest=TURN / steps, classical=True)
 
-    def _along(self, run: "_Ready") -> RunFields:
+    def _along(self, run: "_Ready") -> MotionFields:
         """Fields in a run."""
-        begin = run.standing
-        return RunFields(self.dynamics, run.variants, begin.angle, begin.clock, self.loads, self.dynamics.off)
+        return MotionFields(self.dynamics, run.variants, run.standing.angle, run.standing.clock, self.loads)
 
     def _along_run(self, run: "_Ready", longer: float) -> tuple[FieldAnswers, np.ndarray]:
-        """Requested fields of a run, and whether its errors are known; comparison runs have half the samples."""
-        steps, along = self._steps(longer), self._along(run)
-        asked = [one for one in self.fields if one.statistic]
-        kept = [one.field for one in self.fields if not one.statistic]
-        extremes = RunExtremes(along, [one.field for one in asked])
-        observers: list[Observer] = [extremes] if asked else []
-        if kept:
-            instants = RunInstants(along, kept, self._at.values, self._at.over_time)
-            observers.append(instants)
-        outcome = run_to_end(self.dynamics, *run.begin, steps, self._stepping(longer), observers)
-        low, high = self.reduction.range_of(run.variants.numbers, run.which.size)
-        found = extremes.answers(asked, (high - low) / steps)
-        if kept:
-            instants.finish(outcome)
-            found = found._replace(rows=instants.rows)
-        return found, outcome.known
+        """Requested fields of a run, and whether its errors are known."""
+        at = () if self._at is None else (self._at.values, self._at.over_time)
+        watch = FieldWatch(self._along(run), self.fields, self._asked.tolerance, *at)
+        outcome = run_to_end(self.dynamics, *run.begin, self._asked.steps, self._stepping(longer), watch.observers)
+        if watch.instants is not None:
+            watch.instants.finish(outcome.verdict == Verdict.OK, *outcome.state[:3])
+        return watch.answers(), outcome.known
 
     def _of_run(self, variants: Variants, outcome: RunOutcome) -> dict[str, np.ndarray]:
         """Results of a run by their names without the regime's."""
@@ -387,55 +372,57 @@ class RegimeMotion:
         return variants._replace(flywheel=wheel, kept={}), verdict
 
     def _steady(self, variants: Variants, standing: Standing, longer: float) -> OneRegime:
-        zero, asked, kept = np.zeros(variants.count), self.fields, variants.kept
-        missed, (variants, verdict) = {}, self.with_sized_flywheel(variants, longer)
+        zero, kept = np.zeros(variants.count), variants.kept
+        variants, verdict = self.with_sized_flywheel(variants, longer)
         found = {"flywheel": variants.flywheel} if self.asks("flywheel") else {}
-        grid = self.dynamics.grid(variants, zero, self._steps(longer)) if asked or self.two else None
-        nodes = None if grid is None else variants.direction * grid.angles
-        off: Steady | None = None
-        if self.dynamics.rubs:
-            steady = settled_motion(self.dynamics, variants, self._asked.tolerance, longer, nodes)
-        else:
-            # Without nodes the second call is identical.
-            extremes = self.asks(*EXTREMES_OF_SPEED)
-            key = "steady", extremes
-            if nodes is not None or key not in variants.kept:
-                found_steady = steady_motion(self.dynamics, variants, self._asked.tolerance, nodes, extremes)
-                variants.kept[key] = found_steady
-            steady, off = variants.kept[key]
-
-        def results_of(steady: Steady) -> dict[str, np.ndarray]:
-            return self._of_steady(variants, steady)
-
-        if off is not None and longer == 1.0:
-            missed |= spread_errors(steady, off, results_of, self.asks)
-        both, before = [steady], kept.get(("fields", self.name))
-        if off is not None and longer > 1.0:
-            both = [steady.shifted(off), *([] if before is None else [steady.shifted(off.negative)])]
-        steady = both[0]
-        found |= results_of(steady)
+        steady, off, answers = self._settled(variants, kept, longer)
+        missed = {} if off is None else spread_errors(steady, off, partial(self._of_steady, variants), self.asks)
+        steady = steady if off is None or longer == 1.0 else steady.shifted(off)
+        found |= self._of_steady(variants, steady)
         if self.two:
-            peak, most = held_moment(self.two, self.dynamics, variants, grid, steady.record[0])
-            found[f"{self.two.name}_moment_peak"] = peak
-            verdict = np.where(peak > most, Verdict.SLIPS, verdict)
-        answers = FieldAnswers.none()
-        if asked:
-            cycles = (cycle_of(self.dynamics, variants, grid, one, self.loads, self.dynamics.off) for one in both)
-            answers, *others = (answers_of(cycle, asked, self.dynamics.cycle) for cycle in cycles)
-            # One change may cancel that of the positions; of two opposite ones, the other adds to it.
-            for other in others:
-                answers = answers.farther(other, before)
-            kept["fields", self.name] = answers
+            key, held = f"{self.two.name}_moment_peak", f"{HELD}.peak"
+            found[key], answers.missed[key] = answers.values.pop(held), answers.missed.pop(held)
+            coupling = coupling_numbers(self.scene, variants.numbers, variants.count)
+            verdict = np.where(found[key] > coupling.capacity[-1] / coupling.ratio, Verdict.SLIPS, verdict)
         answers.values.update(found)
-        answers.missed.update(missed)
+        answers.missed.update(missed if longer == 1.0 else {})
         # δ is a difference of speeds, and rounds as they do.
         answers.scales["speed_fluctuation"] = np.ones(variants.count)
         verdict = np.where(standing.verdict != Verdict.OK, standing.verdict, np.maximum(verdict, steady.verdict))
         begin = np.sqrt(2.0 * steady.energy / self.dynamics.inertia(variants, zero))
         held = CoupledStanding(begin, np.full(variants.count, np.inf)) if self.two else None
         after = Standing(zero, begin, zero, verdict.astype(np.uint8), held)
-        made = float(self._steps(longer))
-        return OneRegime(answers, after, made, found["energy"], known=not self.dynamics.rubs)
+        return OneRegime(answers, after, float(self._asked.steps), found["energy"], known=not self.dynamics.rubs)
+
+    def _settled(self, variants: Variants, kept: dict, longer: float) -> tuple[Steady, Steady | None, FieldAnswers]:
+        """Steady running, its error estimates where they are known, and the fields of its cycle.
+
+        With known errors, the cycle is also seen shifted by them, for comparison.
+        """
+        tolerance, count = self._asked.tolerance, variants.count
+        if self.dynamics.rubs:
+            seen: list[tuple[FieldWatch, np.ndarray]] = []
+
+            def watch(good: np.ndarray) -> list[Observer]:
+                seen.append((self._watch_cycle(self._along_cycle(variants.some(good))), good))
+                return seen[0][0].observers
+
+            steady = settled_motion(self.dynamics, variants, tolerance, longer, watch)
+            return steady, None, self._over_cycle(*seen[0], count)
+        key = "steady", self.name
+        if key not in kept:
+            both = [self._watch_cycle(self._along_cycle(variants)) for _ in range(2)]
+            seers = (watch.observers for watch in both)
+            own = steady_motion(self.dynamics, variants, tolerance, *seers, extremes=self.asks(*EXTREMES_OF_SPEED))
+            kept[key] = *own, [self._over_cycle(watch, np.arange(count), count) for watch in both]
+        steady, off, answers = kept[key]
+        return steady, off, answers[longer > 1.0].copied()
+
+    def _along_cycle(self, variants: Variants) -> MotionFields:
+        """Fields in a steady cycle at one speed."""
+        zero = np.zeros(variants.count)
+        given = self.dynamics, variants, zero, zero, self.loads
+        return HeldFields(self.two, *given) if self.two else MotionFields(*given)
 
     def _of_steady(self, variants: Variants, steady: Steady) -> dict[str, np.ndarray]:
         """Results of steady running by their names without the regime's."""

@@ -148,9 +148,7 @@ class RegimesInOrder(AskedRegimes):
         errors = {}
         for name, row in (values | fine.rows).items():
             size, others = np.abs(row), [each[name] for each in compared]
-            # The positions of the coarser cycle are a subset.
-            alike = row if row.ndim == 1 else row[:, :: row.shape[1] // others[0].shape[1]]
-            change = np.ptp([alike, *others], axis=0)
+            change = np.ptp([row, *others], axis=0)
             if row.ndim > 1:
                 size, change = _greatest(size), _greatest(change)
             change = share_of_change(name) * np.where(whole, change, size)

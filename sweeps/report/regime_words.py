@@ -137,9 +137,10 @@ def _no_end(scene: Scene, name: str, seen: "engine.History") -> str:
             return f"it does not come to rest: it swings between φ = {span}; add a brake"
         doing = f"swings between φ = {span}" if swings else "accelerates backwards"
         return f"the machine {doing}: the drive is too weak for the loads; use a stronger motor or a lower load"
-    if (regime.rest or regime.reversal) and (angle[-1] < turn or speed[-1] < _NEXT_TO_NOTHING * speed.max()):
+    short = angle[-1] < turn * (1.0 - _NEXT_TO_NOTHING)
+    if (regime.rest or regime.reversal) and (short or speed[-1] < _NEXT_TO_NOTHING * speed.max()):
         return "it does not come to rest: all resistance vanishes with the speed; add a brake"
-    if angle[-1] < turn * (1.0 - _NEXT_TO_NOTHING):
+    if short:
         after = quantity_text(float(np.ptp(seen.time[chosen])), "s")
         return f"it neither ends nor starts: after {after} {goes}; change its end condition, drive or loads"
     early = angle[-1] / turn < 0.5 * min(regime.at_most, MANY_CYCLES)

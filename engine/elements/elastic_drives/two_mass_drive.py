@@ -204,7 +204,7 @@ def drive_history(drive: TwoMassDrive, instants: int) -> DriveHistory:
     """
     n = drive.own_numbers()
     followed = drive.follow(n, 1.0, MOST_SHOWN)
-    _, begin, length, samples = made_steps(followed.recorded, followed.steps)
+    _, begin, length, samples, _ = made_steps(followed.recorded, followed.steps)
     time = np.linspace(0.0, drive.time, instants)
     own = np.searchsorted(begin, time, side="right") - 1
     weights = weights_at(np.clip((time - begin[own]) / length[own], 0.0, 1.0))

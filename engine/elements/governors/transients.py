@@ -308,7 +308,7 @@ class _Runs(WalkedRuns):
         """Record the instants of the steps of the first variant."""
         if gone.steps[0] == 0.0:
             return
-        _, at, length, samples = made_steps(gone.recorded[..., :1], gone.steps[:1])
+        _, at, length, samples, _ = made_steps(gone.recorded[..., :1], gone.steps[:1])
         seen = Moving(*samples[: len(Moving._fields)])
         time = self.time[0] + at + length * SHOWN[:, None]
         self.recorded.append(np.array([row.T.ravel() for row in (time, seen.position, seen.speed)]))

@@ -29,13 +29,15 @@ from engine.motion.asked_regimes import TOLERANCE
 from engine.motion.coupled.coupled_run import CoupledRuns
 from engine.motion.coupled.elastic_run import FINEST, ElasticHistory, run_on_shaft, steps_on_shaft
 from engine.motion.coupled.two_sides import OnElasticShaft
+from engine.motion.fields.field_instants import FieldInstants
+from engine.motion.fields.motion_fields import MotionFields
+from engine.motion.fields.recorded_motion import Observer, Snapshots
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.moments.grid import GAP
 from engine.motion.one_speed import MachineSystem
 from engine.motion.regimes_in_order import RegimesInOrder
 from engine.motion.runs.run_progress import ADAPTIVE, Stepping
-from engine.motion.runs.watching import Observer
 from engine.motion.settled.steady import steady_motion
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.stepping.walk_task import WALKS
@@ -416,6 +418,15 @@ def _at_middle(values: np.ndarray) -> np.ndarray:
     return values[..., 0] + (values[..., last] - values[..., 0]) * (0.5 / GAUSS.nodes[last - 1])
 
 
+class _Energy(MotionFields):
+    """Kinetic energy alone, as a field of a motion."""
+
+    def __call__(self, states: Snapshots) -> dict[str, np.ndarray]:
+        """The energy at states [J], with the inertia of a rigid shaft."""
+        places = self.variants.direction[states.who] * states.turned
+        return {"energy": 0.5 * self.dynamics.inertia(self.variants, places, states.who) * states.omega**2}
+
+
 def _machine_over_cycle(ready: Ready, count: int) -> tuple[DrivenMachine, np.ndarray, RigidCycle]:
     """Machines over a cycle of `count` steps, an initial guess of their motion, and their motion on a rigid shaft."""
     dynamics, bare, own = ready.dynamics, ready.bare, ready.given[:, 2]
@@ -425,8 +436,12 @@ def _machine_over_cycle(ready: Ready, count: int) -> tuple[DrivenMachine, np.nda
     within = turned[:-1, None] + steps[:, None] * np.array([0.0, *GAUSS.nodes])[:, None]
     every = np.concatenate([within.reshape(-1, variants), turned[-1:]])
     inertia = dynamics.inertia(bare, bare.direction * every)
-    energy, energy_off = (steady.record[0] for steady in steady_motion(dynamics, ready.rigid, TOLERANCE, every))
     zero = np.zeros(variants)
+    seen = [FieldInstants(_Energy(dynamics, ready.rigid, zero, zero, None), ["energy"], every, False) for _ in range(2)]
+    steady_motion(dynamics, ready.rigid, TOLERANCE, *([instants] for instants in seen))
+    for instants in seen:
+        instants.finish(zero, zero + dynamics.cycle, zero + 1.0, zero)
+    energy, shifted = (instants.rows["energy"].T for instants in seen)
     equation = EquationOfMotion(dynamics, ready.rigid, zero)
 
     def torque(turned: np.ndarray, omega: np.ndarray) -> np.ndarray:
@@ -437,8 +452,7 @@ def _machine_over_cycle(ready: Ready, count: int) -> tuple[DrivenMachine, np.nda
     omega = np.sqrt(2.0 * energy / (inertia + own))
     rigid_moment = torque(every, omega)
     peak = np.abs(rigid_moment).argmax(axis=0), np.arange(variants)
-    shifted = torque(every[peak], omega[peak] * np.sqrt(1.0 + energy_off[peak] / energy[peak]))
-    moment_error = np.abs(shifted - rigid_moment[peak])
+    moment_error = np.abs(torque(every[peak], omega[peak] * np.sqrt(shifted[peak] / energy[peak])) - rigid_moment[peak])
 
     def points(values: np.ndarray) -> np.ndarray:
         """Values at the points of every step, including its ends: (variants, steps, points)."""

@@ -9,22 +9,24 @@ from engine.machine.judgement import failures_within
 from engine.machine.measuring import Measuring
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.coupled.two_sides import CoupledSides
-from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.fields.motion_fields import MotionFields
+from engine.motion.fields.recorded_motion import TIME, TURNED, RecordedMotion, at_instant
+from engine.motion.moments.breaks import JUMP
+from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.one_speed import CHANNELS
 from engine.motion.quantities import load_fields, sized_regimes
 from engine.motion.regimes_in_order import RegimesInOrder
 from engine.motion.runs.run_progress import CoupledStanding, Standing
-from engine.motion.runs.watching import Piece, RunFields
 from engine.motion.settled.steady_with_friction import settled_motion
 from engine.quantities.quantity import Quantity
 from engine.scene.scene import Numbers, Scene, scene_numbers
+from engine.stepping.records import elements_of_counts
 from engine.words.verdicts import Verdict
 
-_ZERO = np.zeros(1)
 # Nodes of a history whose fields are computed together.
 MOST_TOGETHER = 50_000
-# Rows of pieces of a motion at their nodes.
-AT_NODES = ("time", "turned", "omega", "moving", "moment")
+# Minimum number of intervals between nodes in a step; instants that differ by this fraction are one.
+LEAST_INTERVALS, SAME_TIME = 8, 1e-13
 # Sources and sinks of power.
 SOURCES = ("motors", *CHANNELS, "coupling")
 # Quantities that the two sides of a coupling have separately.
@@ -113,43 +115,40 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
         dynamics = motion.dynamics
         variants = dynamics.driven(every)
         hindered = motion.hindered(variants)
+        equation = EquationOfMotion(dynamics, variants, standing.angle)
         if hindered.any():
-            along = RunFields(dynamics, variants, standing.angle, standing.clock, motion.loads, dynamics.off)
-            parts.append(_Part(name, begun, along, [_instant(standing)]))
+            along = MotionFields(dynamics, variants, standing.angle, standing.clock, motion.loads)
+            parts.append(_Part(name, begun, along, [at_instant(equation, zero, zero, standing.omega)]))
             standing = standing._replace(verdict=hindered)
             break
-        records: list[_Record] = []
-
-        def record(along: RunFields, *_: object, records: list[_Record] = records) -> _Record:
-            records.append(_Record(along))
-            return records[-1]
-
-        if not motion.is_steady or motion.at_two_speeds:
-            if motion.is_steady:
-                _, outcome, standing = motion.settled_at_two_speeds(variants, standing, record=record)
-            else:
-                outcome, _, standing = motion.run(variants, standing, record=record)
-            pieces, state = records[0].pieces, outcome.state
-            if not pieces:
-                break
-            if state.time[0] > pieces[-1].time[-1, 0] and motion.two is None:
-                # It was at rest until the end of the time.
-                pieces.append(_instant(standing, state.time, state.turned))
-            parts.append(_Part(name, begun, records[0].along, pieces))
-            begun += pieces[-1].time[-1, 0]
-        else:
+        record = _Record()
+        if motion.is_steady and not motion.at_two_speeds:
             variants, verdict = motion.with_sized_flywheel(variants)
-            piece, standing = _one_cycle(dynamics, variants, steps, in_order.tolerance)
-            standing = standing._replace(verdict=np.maximum(standing.verdict, verdict))
-            along = RunFields(dynamics, variants, zero, zero, motion.loads, dynamics.off)
+            steady = settled_motion(dynamics, variants, in_order.tolerance, 1.0, record.observers)
+            begin = np.sqrt(2.0 * steady.energy / dynamics.inertia(variants, zero))
+            standing = Standing(zero, begin, zero, np.maximum(steady.verdict, verdict))
+            along = MotionFields(dynamics, variants, zero, zero, motion.loads)
             sides = None if motion.two is None else motion.two.of(variants, zero)
             if sides is not None:
-                standing = standing._replace(coupled=CoupledStanding(standing.omega, np.full(1, np.inf)))
-            parts.append(_Part(name, begun, along, [piece], sides))
-            begun += piece.time[-1, 0]
+                standing = standing._replace(coupled=CoupledStanding(begin, np.full(1, np.inf)))
+            # A motion that was not found is a row of NaN.
+            parts.append(_Part(name, begun, along, record.motions or [at_instant(equation, zero, zero, begin)], sides))
+        else:
+            if motion.is_steady:
+                _, outcome, standing = motion.settled_at_two_speeds(variants, standing, record=record.of)
+            else:
+                outcome, _, standing = motion.run(variants, standing, record=record.of)
+            if not record.motions:
+                break
+            state = outcome.state
+            if state.time[0] > record.motions[-1].samples[TIME, -1, -1] and motion.two is None:
+                # It was at rest until the end of the time.
+                record.see(at_instant(equation, state.time, state.turned, standing.omega))
+            parts.append(_Part(name, begun, record.along, record.motions))
+        begun += parts[-1].motions[-1].samples[TIME, -1, -1]
         if standing.verdict[0] != Verdict.OK:
             break
-    found = _gathered(parts, fields, Verdict(int(standing.verdict[0])))
+    found = _gathered(parts, fields, steps, Verdict(int(standing.verdict[0])))
     return _up_to_failure(found, Measuring(mechanics, (), (), (), (steps, steps + 1), None, in_order.nodes), numbers)
 
 
@@ -164,48 +163,40 @@ def _fields_of(mechanics: Mechanics) -> dict[str, Quantity]:
 
 
 class _Record:
-    """Keeps all pieces of a run of one variant."""
+    """Keeps the recorded motion of one variant, and what its fields are."""
 
-    def __init__(self, along: RunFields) -> None:
+    def __init__(self) -> None:
+        self.along: MotionFields | None = None
+        self.motions: list[RecordedMotion] = []
+
+    def see(self, motion: RecordedMotion) -> None:
+        """Keep a part of the motion."""
+        self.motions.append(motion)
+
+    def observers(self, who: np.ndarray) -> "list[_Record]":
+        """This observer, where there is any motion."""
+        return [self] if who.size else []
+
+    def of(self, along: MotionFields, *_: object) -> "list[_Record]":
+        """This observer, for a motion with these fields."""
         self.along = along
-        self.pieces: list[Piece] = []
-
-    def see(self, who: np.ndarray, piece: Piece) -> None:
-        """Keep a piece."""
-        self.pieces.append(piece)
+        return [self]
 
 
 class _Part(NamedTuple):
-    """A regime: name, start time [s], fields and pieces, and the sides of a coupling that holds."""
+    """A regime: name, start time [s], fields and recorded motion, and the sides of a coupling that holds."""
 
     name: str
     begun: float
-    along: RunFields
-    pieces: list[Piece]
+    along: MotionFields
+    motions: list[RecordedMotion]
     sides: CoupledSides | None = None
 
 
-def _instant(standing: Standing, time: np.ndarray = _ZERO, turned: np.ndarray = _ZERO) -> Piece:
-    """State of a machine as a piece, a certain time and angle after the start of its run."""
-    rows = [time[None], turned[None], standing.omega[None]]
-    return Piece(*rows, np.ones(1), np.empty((0, 1)), np.full((1, 1), np.nan))
-
-
-def _one_cycle(dynamics: Dynamics, variants: Variants, steps: int, tolerance: float) -> tuple[Piece, Standing]:
-    zero = np.zeros(1)
-    grid = dynamics.grid(variants, zero, steps)
-    places = grid.angles
-    steady = settled_motion(dynamics, variants, tolerance, 1.0, variants.direction * places)
-    energy, time, moment = steady.record
-    omega = np.sqrt(2.0 * energy / dynamics.inertia(variants, places))
-    piece = Piece(time, variants.direction * places, omega, np.ones(1), grid.steps, moment)
-    return piece, Standing(zero, omega[0], zero, steady.verdict)
-
-
-def _gathered(parts: list[_Part], fields: Iterable[str], verdict: Verdict) -> History:
+def _gathered(parts: list[_Part], fields: Iterable[str], steps: int, verdict: Verdict) -> History:
     columns: dict[str, list[np.ndarray]] = {}
     for part in parts:
-        for own in _of_pieces(part, fields):
+        for own in _of_part(part, fields, steps):
             for key, row in own.items():
                 columns.setdefault(key, []).append(row)
     whole = {key: np.concatenate(values) for key, values in columns.items()}
@@ -232,58 +223,53 @@ def _first_rows(column: np.ndarray | dict[str, np.ndarray] | Verdict, count: int
     return column[:count] if isinstance(column, np.ndarray) else column
 
 
-def _of_pieces(part: _Part, fields: Iterable[str]) -> Iterator[dict[str, np.ndarray]]:
-    """Columns of a regime, in groups of pieces."""
-    name, begun, along, pieces, sides = part
-    sense = along.variants.direction[0]
-    for piece, new in _joined(pieces):
-        rows = {key: row[new, 0] for key, row in along(np.zeros(1, int), piece).items()}
-        none = np.full(new.sum(), np.nan)
-        own = {
-            "regime": np.full(new.sum(), name),
-            "time": begun + piece.time[new, 0],
-            "angle": along.start[0] + sense * piece.turned[new, 0],
-            "shaft_speed": none if sides is None else sides.coupling.ratio * rows["speed"],
-            "coupling_moment": none,
-            "coupling power": np.zeros(new.sum()),
-        }
-        moments = (rows["motor_moment"], *(rows[channel] for channel in CHANNELS))
-        # The moments of a regime that can't start may be NaN.
-        with np.errstate(invalid="ignore"):
-            own |= {f"{name} power": sense * m * rows["speed"] for name, m in zip(SOURCES, moments, strict=False)}
-        own |= {key: row for key, row in rows.items() if key.endswith(" power")}
-        own |= {"speed": sense * rows["speed"]} | {key: row for key, row in rows.items() if key in AT_TWO_SPEEDS}
-        kept = ("acceleration", "motor_moment", *CHANNELS, *fields)
-        yield own | {"energy": rows["kinetic_energy"]} | {key: rows[key] for key in kept}
+def _of_part(part: _Part, fields: Iterable[str], steps: int) -> Iterator[dict[str, np.ndarray]]:
+    """Columns of a regime, in groups of nodes."""
+    name, begun, along, motions, sides = part
+    sense, before = along.variants.direction[0], None
+    low, high = along.dynamics.reduction.range_of(along.variants.numbers, 1)
+    for motion in motions:
+        step, share = _nodes(motion, (high[0] - low[0]) / steps)
+        for some in np.array_split(np.arange(step.size), -(-step.size // MOST_TOGETHER)):
+            states = motion.at(step[some], share[None, some])
+            time, turned = states.time[0], states.turned[0]
+            new = ~_repeats(share[some], time, turned, before)
+            before = time[-1], turned[-1]
+            rows = {key: row[0, new] for key, row in along(states).items()}
+            none = np.full(new.sum(), np.nan)
+            own = {
+                "regime": np.full(new.sum(), name),
+                "time": begun + time[new],
+                "angle": along.start[0] + sense * turned[new],
+                "shaft_speed": none if sides is None else sides.coupling.ratio * rows["speed"],
+                "coupling_moment": none,
+                "coupling power": np.zeros(new.sum()),
+            }
+            moments = (rows["motor_moment"], *(rows[channel] for channel in CHANNELS))
+            # The moments of a regime that can't start may be NaN.
+            with np.errstate(invalid="ignore"):
+                own |= {f"{name} power": sense * m * rows["speed"] for name, m in zip(SOURCES, moments, strict=False)}
+            own |= {key: row for key, row in rows.items() if key.endswith(" power")}
+            own |= {"speed": sense * rows["speed"]} | {key: row for key, row in rows.items() if key in AT_TWO_SPEEDS}
+            kept = ("acceleration", "motor_moment", *CHANNELS, *fields)
+            yield own | {"energy": rows["kinetic_energy"]} | {key: rows[key] for key in kept}
 
 
-def _joined(pieces: list[Piece]) -> Iterator[tuple[Piece, np.ndarray]]:
-    """Pieces of one variant in order, joined where they are alike, and which of their nodes are new."""
-    news = (_new_nodes(piece, before) for before, piece in zip([None, *pieces], pieces, strict=False))
-    own: list[Piece] = []
-    new: list[np.ndarray] = []
-    for piece, its in zip(pieces, news, strict=True):
-        alike = own and all(np.array_equal(*rows) for rows in zip(piece.held, own[0].held, strict=True))
-        if own and not (alike and sum(each.size for each in new) + its.size <= MOST_TOGETHER):
-            yield _in_one(own), np.concatenate(new)
-            own, new = [], []
-        own.append(piece)
-        new.append(its)
-    yield _in_one(own), np.concatenate(new)
+def _nodes(motion: RecordedMotion, spacing: float) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes of steps, at their ends and about as densely as those of a cycle within: steps and fractions of these."""
+    turned = motion.samples[TURNED]
+    intervals = np.maximum(LEAST_INTERVALS, np.ceil(np.abs(turned[-1] - turned[0]) / spacing)).astype(int)
+    step, k = elements_of_counts(intervals + 1)
+    return step, k / intervals[step]
 
 
-def _in_one(pieces: list[Piece]) -> Piece:
-    """Join pieces of the same directions, to evaluate fields at their nodes."""
-    names = set(AT_NODES) & set(pieces[0]._fields)
-    rows = {name: np.concatenate([getattr(piece, name) for piece in pieces], axis=-2) for name in names}
-    return pieces[0]._replace(**rows)
-
-
-def _new_nodes(piece: Piece, before: Piece | None) -> np.ndarray:
-    """Which nodes of a piece are new, (nodes,) of bool: without repeated nodes or the end of the piece before it."""
-    states = np.stack((piece.time[:, 0], piece.turned[:, 0], piece.omega[:, 0]))
-    new = np.concatenate(([True], (np.diff(states, axis=1) != 0.0).any(axis=0)))
-    # A motion whose end was not found remains a row of NaN.
-    if before is not None:
-        new[0] = (before.time[-1, 0], before.turned[-1, 0]) != (piece.time[0, 0], piece.turned[0, 0])
-    return new
+def _repeats(
+    share: np.ndarray,
+    time: np.ndarray,
+    turned: np.ndarray,
+    before: tuple[float, float] | None,
+) -> np.ndarray:
+    """Which nodes are the ends of the steps before them; on either side of a jump there are two."""
+    last = (np.nan, np.nan) if before is None else before
+    later, farther = (np.abs(np.diff(row, prepend=end)) for row, end in zip((time, turned), last, strict=True))
+    return (share == 0.0) & (later <= SAME_TIME * np.abs(time)) & (farther < JUMP)

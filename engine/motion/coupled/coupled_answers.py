@@ -5,13 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from engine.motion.coupled.coupled_run import CoupledRuns
-from engine.motion.coupled.two_sides import TOGETHER, CoupledSides, Joined, TwoSides, coupling_pull
+from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.coupled.two_speeds import SHAFT_SPEED, SHAFT_TURNED
-from engine.motion.moments.dynamics import Dynamics, Variants
-from engine.motion.moments.grid import Grid
-from engine.motion.moments.piecewise import extremes_along
+from engine.motion.fields.recorded_motion import Observer
 from engine.motion.runs.run_progress import CoupledStanding, Ends, RunOutcome, Standing, State, Stepping
-from engine.motion.runs.watching import Observer
 
 
 def run_coupled(
@@ -60,28 +57,3 @@ def run_coupled(
         coupled=CoupledStanding(runs.shaft_omega, engaged),
         values=values,
     )
-
-
-def held_moment(
-    two: TwoSides, dynamics: Dynamics, variants: Variants, grid: Grid, energy: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Peak torque that a locked clutch transmits in steady running, and its capacity [N·m].
-
-    Parameters
-    ----------
-    two : TwoSides
-    dynamics : Dynamics
-        Of both sides together.
-    variants : Variants
-    grid : Grid
-        Of a cycle.
-    energy : ndarray (nodes, variants)
-        Kinetic energy at its nodes [J].
-    """
-    zero, forward, places = np.zeros(variants.count), np.ones(variants.count), grid.angles
-    sides, omega = two.of(variants, zero), np.sqrt(2.0 * energy / dynamics.inertia(variants, places))
-    joined = Joined(np.full(variants.count, TOGETHER), forward, forward, zero, zero, forward)
-    moving = np.array([variants.direction * places, omega, np.zeros_like(omega), omega])
-    held = np.abs(coupling_pull(sides, joined, moving, np.zeros_like(omega)).moment)
-    coupling, (peak, _, _) = sides.coupling, extremes_along(held, grid.steps)[1]
-    return peak / coupling.ratio, coupling.capacity[-1] / coupling.ratio

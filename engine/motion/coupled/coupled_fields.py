@@ -4,38 +4,37 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.cycle.regula_falsi import regula_falsi
-from engine.motion.coupled.two_sides import CoupledSides, Joined, coupling_pull, faced_ways
-from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, SHAFT_TURNED, TURNED
+from engine.motion.coupled.two_sides import TOGETHER, CoupledSides, Joined, TwoSides, coupling_pull, faced_ways
+from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, TURNED
+from engine.motion.fields.motion_fields import MotionFields, motion_rows, power_rows
+from engine.motion.fields.recorded_motion import TIME, Snapshots, inward
 from engine.motion.loads import WITH_FLYWHEEL, PairLoads
 from engine.motion.quantities import INSTANT
 from engine.motion.quantities import TURNED as ANGLE
-from engine.motion.runs.watching import RunFields
-from engine.motion.settled.cycle import motion_rows, power_rows
+from engine.stepping.recorded import weighted, weights_at
 from engine.stepping.records import some
-from engine.stepping.system import SHOWN
 
-STATES = (TURNED, CRANK_SPEED, SHAFT_TURNED, SHAFT_SPEED)
-# Of the polynomials in which steps are recorded.
-DEGREE = SHOWN.size - 1
+# Torque that a clutch transmits at its own shaft where it holds [N·m].
+HELD = "held"
 
 
-class CoupledPiece(NamedTuple):
-    """A segment of the motion of some variants during which the joining doesn't change; arrays (nodes, variants).
-
-    Shorter runs repeat their last node.
+class CoupledSnapshots(NamedTuple):
+    """States of machines at two speeds at instants, (instants, columns) unless stated.
 
     Attributes
     ----------
+    who : ndarray (columns,) of int
+        Variants.
     time : ndarray
         From the start of the run [s].
-    moving : ndarray (4, nodes, variants)
+    moving : ndarray (4, instants, columns)
         Angle and speed of the crank, and of the shaft or the twist of an elastic one.
     moment : ndarray
         Torque of the coupling on the crank [N·m].
     joined : Joined
     """
 
+    who: np.ndarray
     time: np.ndarray
     moving: np.ndarray
     moment: np.ndarray
@@ -52,77 +51,46 @@ class CoupledPiece(NamedTuple):
         return self.moving[CRANK_SPEED]
 
     @property
-    def steps(self) -> np.ndarray:
-        """Spacing of the nodes, 0 where two steps meet [s]."""
-        return np.diff(self.time, axis=0)
-
-    @property
-    def held(self) -> Joined:
-        """What is the same for the whole segment."""
-        return self.joined
+    def facing(self) -> np.ndarray:
+        """+1 or −1: direction of the crank, (columns,)."""
+        return faced_ways(self.joined)[0]
 
 
-class CycleStates:
-    """Stores the states along a cycle of variants whose joining doesn't change, and evaluates them at crank angles.
+class CoupledMotion:
+    """Recorded steps of runs at two speeds.
 
     Parameters
     ----------
-    count : int
-        Number of variants.
-    looks : int
-        Equally spaced nodes of each step, including its ends; more than the degree of the recorded polynomial.
+    sides : CoupledSides
+        Of all variants of the runs.
+    who : ndarray (steps,) of int
+        Variants, ascending.
+    joined : Joined
+        (steps,) each.
+    samples : ndarray (6, SHOWN, steps)
+        Time, angles and speeds of both sides, and torque of the coupling, as in `CoupledSnapshots`.
     """
 
-    def __init__(self, count: int, looks: int) -> None:
-        self._looks = looks
-        self._seen: list[list[np.ndarray]] = [[] for _ in range(count)]
-        self._joined: Joined | None = None
+    def __init__(self, sides: CoupledSides, who: np.ndarray, joined: Joined, samples: np.ndarray) -> None:
+        self.who, self.samples, self._sides, self._joined = who, samples, sides, joined
 
-    def see(self, who: np.ndarray, piece: CoupledPiece) -> None:
-        """Store a segment."""
-        if self._joined is None:
-            self._joined = piece.joined
-        along = np.array([piece.time, *piece.moving])
-        lengths = np.diff(piece.time, axis=0)
-        nodes = along.shape[1] - np.argmax(lengths[::-1] > 0.0, axis=0)
-        for column, variant in enumerate(who):
-            # Shorter runs repeat their last node.
-            own = along[:, : nodes[column], column]
-            self._seen[variant].append(own.reshape(len(own), -1, self._looks))
+    def at(self, step: np.ndarray, share: np.ndarray) -> CoupledSnapshots:
+        """States at fractions (instants, columns) of the length of steps (columns,)."""
+        time, *moving, moment = weighted(weights_at(share), self.samples[..., step])
+        states = CoupledSnapshots(self.who[step], time, np.array(moving), moment, some(self._joined, step))
+        inwards = states.joined.crank_way * inward(share, self.samples[1 + TURNED][:, step])
+        if inwards.any():
+            crank = self._sides.crank
+            states.moving[TURNED] += inwards * crank.of(states.who).beside(states.turned)
+        return states
 
-    def at(self, turned: np.ndarray) -> CoupledPiece:
-        """States at angles turned, (angles, variants)."""
-        count = turned.shape[1]
-        found = np.empty((1 + len(STATES), *turned.shape))
-        for variant, seen in enumerate(self._seen):
-            found[:, :, variant] = _read(np.concatenate(seen, axis=1), turned[:, variant])
-        joined = some(self._joined, np.zeros(count, int))
-        return CoupledPiece(found[0], found[1:], np.full_like(found[0], np.nan), joined)
+    def durations(self, step: np.ndarray, states: CoupledSnapshots) -> np.ndarray:
+        """Time per fraction of the steps [s], as the states."""
+        time = self.samples[TIME]
+        return np.broadcast_to((time[-1] - time[0])[step], states.time.shape)
 
 
-def _read(steps: np.ndarray, turned: np.ndarray) -> np.ndarray:
-    """Time and states, (rows, angles), at angles turned, from steps sampled at nodes, (rows, steps, nodes)."""
-    nodes = np.linspace(-1.0, 1.0, steps.shape[2])
-    of = np.clip(np.searchsorted(steps[1 + TURNED, :, 0], turned, side="right") - 1, 0, steps.shape[1] - 1)
-    fitted = np.polynomial.polynomial.polyfit(nodes, steps.reshape(-1, nodes.size).T, DEGREE)
-    own = fitted.reshape(-1, *steps.shape[:2])[:, :, of]
-
-    def ahead(share: np.ndarray) -> np.ndarray:
-        return np.polynomial.polynomial.polyval(share, own[:, 1 + TURNED], tensor=False) - turned
-
-    share = regula_falsi(ahead, -np.ones_like(turned), np.ones_like(turned))
-    return np.polynomial.polynomial.polyval(share, own, tensor=False)
-
-
-def _inward(time: np.ndarray) -> np.ndarray:
-    """Direction into the step from each node, +1 at its start and −1 at its end, where torques may jump."""
-    meet = np.diff(time, axis=0) == 0.0
-    edge = np.ones((1, time.shape[1]), bool)
-    begins, ends = np.concatenate((edge, meet)), np.concatenate((meet, edge))
-    return np.where(ends, -1.0, np.where(begins, 1.0, 0.0))
-
-
-class CoupledFields(RunFields):
+class CoupledFields(MotionFields):
     """Fields along runs at two speeds.
 
     Parameters
@@ -135,24 +103,22 @@ class CoupledFields(RunFields):
 
     def __init__(self, sides: CoupledSides, clock: np.ndarray, loads: PairLoads | None) -> None:
         crank = sides.crank
-        super().__init__(crank.dynamics, crank.variants, crank.start, clock, loads, crank.dynamics.off)
+        super().__init__(crank.dynamics, crank.variants, crank.start, clock, loads)
         self.sides = sides
 
-    def __call__(self, who: np.ndarray, piece: CoupledPiece) -> dict[str, np.ndarray]:
-        """All fields in a segment of some variants' motion, as for runs at one speed.
+    def __call__(self, states: CoupledSnapshots) -> dict[str, np.ndarray]:
+        """All fields at states, as for runs at one speed.
 
         Adds the speed of the shaft, the torque of the coupling, and the power of each channel.
         """
-        sides, (time, moving, _, joined) = self.sides.some(who), piece
-        moving = moving.copy()
-        moving[TURNED] += joined.crank_way * _inward(time) * sides.crank.beside(moving[TURNED])
+        sides, (_, time, moving, _, joined) = self.sides.some(states.who), states
         own, (omega, shaft_omega) = sides.crank.variants, moving[[CRANK_SPEED, SHAFT_SPEED]]
-        way, facing = own.direction, faced_ways(joined)[0]
+        way = own.direction
         with np.errstate(all="ignore"):
             pull = coupling_pull(sides, joined, moving, time)
             on_crank, on_shaft = pull.crank, pull.shaft
             loads, motors = on_crank.loads + on_shaft.loads, on_crank.motors + on_shaft.motors
-            rows = motion_rows(own, omega, on_crank.epsilon, motors, loads)
+            rows = motion_rows(way, own.flywheel, omega, on_crank._replace(motors=motors, loads=loads))
             power = on_crank.motors * omega + on_shaft.motors * shaft_omega
             powers = on_crank.loads * omega + on_shaft.loads * shaft_omega
             heat = pull.moment * (omega - shaft_omega)
@@ -166,11 +132,33 @@ class CoupledFields(RunFields):
         rows |= {key: way * row for key, row in zip(self.dynamics.channels, loads, strict=True)}
         sources = zip(("motors", *self.dynamics.channels, "coupling"), (power, *powers, heat), strict=True)
         rows |= {f"{source} power": row for source, row in sources}
-        clock = time + self.clock[who]
-        found = self.on_pairs(who, facing, self.start[who] + way * moving[TURNED], omega, on_crank.epsilon, clock)
+        found = self.on_pairs(states, states.facing, omega, on_crank.epsilon)
         for name in WITH_FLYWHEEL:
             if name in found:
                 # Like a flywheel, the shaft's inertia loads the frame.
                 ratio = own.numbers[f"shafts.{sides.two.coupling.shaft}.ratio"]
                 found[name] = found[name] - sides.shaft.inertia / ratio * way * on_shaft.epsilon
         return rows | found
+
+
+class HeldFields(MotionFields):
+    """Fields in steady running with a clutch that holds; the torque that it transmits among them.
+
+    Parameters
+    ----------
+    two : TwoSides
+    others : object
+        As for `MotionFields`, the dynamics those of both sides together.
+    """
+
+    def __init__(self, two: TwoSides, *others: object) -> None:
+        super().__init__(*others)
+        self._sides = two.of(self.variants, self.start)
+
+    def __call__(self, states: Snapshots) -> dict[str, np.ndarray]:
+        """All fields at states."""
+        sides, forward = self._sides.some(states.who), np.ones(states.who.size)
+        still = np.zeros_like(states.omega)
+        joined = Joined(np.full(forward.size, TOGETHER), forward, forward, still[0], still[0], forward)
+        pull = coupling_pull(sides, joined, np.array([states.turned, states.omega, still, states.omega]), still)
+        return super().__call__(states) | {HELD: pull.moment / sides.coupling.ratio}

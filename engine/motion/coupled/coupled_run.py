@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.elements.elastic_drives.shaft_touch import touch_turns
-from engine.motion.coupled.coupled_fields import CoupledPiece
+from engine.motion.coupled.coupled_fields import CoupledMotion
 from engine.motion.coupled.two_sides import (
     APART,
     BACKWARDS,
@@ -24,20 +24,20 @@ from engine.motion.coupled.two_sides import (
     faced_ways,
 )
 from engine.motion.coupled.two_speeds import CRANK_SPEED, GRIP, SHAFT_SPEED, SHAFT_TURNED, TURNED
+from engine.motion.fields.recorded_motion import Observer
 from engine.motion.moments.breaks import JUMP
 from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.runs.run_progress import ADAPTIVE, BELOW, Ends, MachineRuns, Standing, Stepping
-from engine.motion.runs.watching import Observer, side_by_side
 from engine.stepping.methods import EIGHT, NINE
-from engine.stepping.recorded import EXCEEDS, RECORDED, made_steps, tops_in_steps, weights_at
+from engine.stepping.recorded import EXCEEDS, RECORDED, made_steps, tops_in_steps, weighted, weights_at
 from engine.stepping.records import some
 from engine.stepping.system import SHOWN, Walks
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
 
-# Fractions of a step at which speeds and torques are sampled, and the interpolation matrix from the recorded ones.
-LOOKS = np.arange(17) / 16
-AT_LOOKS = weights_at(LOOKS).T
+# Fractions of a step at which a slip is sought, and the weights of the recorded samples there.
+LOOKS = np.arange(1, 16)[:, None] / 16
+AT_LOOKS = weights_at(LOOKS)
 # Relative change of the speeds per cycle that counts as none; fraction of the maximum speed that counts as rest where
 # nothing stops a machine.
 SETTLED, FADED = 1e-8, 1e-9
@@ -84,7 +84,7 @@ class CoupledRuns(MachineRuns):
     ends : Ends
     stepping : Stepping
     observers : sequence of Observer
-        Each receives a `CoupledPiece` of every walk.
+        Each receives the `CoupledMotion` of every walk.
 
     Attributes
     ----------
@@ -117,7 +117,6 @@ class CoupledRuns(MachineRuns):
     ) -> None:
         super().__init__(sides.crank, standing, ends, stepping, observers)
         self.sides, self.cycle, count = sides, self.dynamics.cycle, sides.count
-        self.looks = slice(None, None, 2 if self.longer > 1.0 else 1)
         self.state, self.time, zero = np.zeros((len(sides.two.system.rates), count)), np.zeros(count), np.zeros(count)
         self.turned, self.omega, self.shaft_omega = (self.state[row] for row in (TURNED, CRANK_SPEED, SHAFT_SPEED))
         self.omega[:], self.shaft_omega[:] = standing.omega, standing.coupled.speed
@@ -349,7 +348,7 @@ class CoupledRuns(MachineRuns):
             gone = self._walk(who, method, faced, goal, np.minimum(longest, passed))
             seen = self._seen(who, joined, gone)
         why, before = gone.why, self.time[who]
-        self._see(who, joined, seen, gone)
+        self._see(who, joined, seen)
         self.state[:, who] = gone.states
         self.state[[[CRANK_SPEED], [SHAFT_SPEED]], who] *= np.array(faced)
         self.state[TURNED, who] = np.where(why == Why.OTHER_GOAL, goal, self.state[TURNED, who])
@@ -369,7 +368,7 @@ class CoupledRuns(MachineRuns):
 
     def _seen(self, who: np.ndarray, joined: Joined, gone: Walks) -> Seen:
         """The recorded steps of a walk."""
-        column, begin, length, samples = made_steps(gone.recorded, gone.steps)
+        column, begin, length, samples, _ = made_steps(gone.recorded, gone.steps)
         phase, moving, moment = some(joined, column), samples[: SHAFT_SPEED + 1], np.zeros((0, *samples.shape[1:]))
         moving[[CRANK_SPEED, SHAFT_SPEED]] *= np.array(faced_ways(phase))[:, None]
         if self.stepping.peaks or self.observers or self.sides.is_clutch:
@@ -392,12 +391,12 @@ class CoupledRuns(MachineRuns):
         margin = np.where(holds, grip - np.abs(seen.moment[0]), slip)
         low, high = margin.min(axis=0), margin.max(axis=0)
         may = np.flatnonzero(low - EXCEEDS * (high - low) < 0.0)
-        walked = seen.begin[may] + LOOKS[1:-1, None] * seen.length[may]
-        times = np.where(AT_LOOKS[1:-1] @ margin[:, may] < 0.0, walked, np.inf)
+        walked = seen.begin[may] + LOOKS * seen.length[may]
+        times = np.where(weighted(AT_LOOKS, margin[None, :, may])[0] < 0.0, walked, np.inf)
         np.minimum.at(first, seen.column[may], times.min(axis=0, initial=np.inf))
         return first
 
-    def _see(self, who: np.ndarray, joined: Joined, seen: Seen, gone: Walks) -> None:
+    def _see(self, who: np.ndarray, joined: Joined, seen: Seen) -> None:
         """Update minima, maxima and peaks from the steps of a walk."""
         begin, speeds = self.time[who[seen.column]] + seen.begin, seen.moving[[CRANK_SPEED, SHAFT_SPEED]]
         curves = -speeds, speeds, -seen.moment, seen.moment
@@ -411,12 +410,8 @@ class CoupledRuns(MachineRuns):
             self.peak_at[who[higher]] = begin[own] + share[higher] * seen.length[own]
             self.peak[who] = np.fmax(self.peak[who], value)
         if self.observers and begin.size:
-            moved = np.flatnonzero(gone.steps)
-            looks, counts = LOOKS[self.looks, None], LOOKS[self.looks].size * gone.steps[moved].astype(int)
-            along = begin + looks * seen.length, *(AT_LOOKS[self.looks] @ [*seen.moving, *seen.moment])
-            whole = [side_by_side(row.T.ravel(), counts) for row in along]
-            piece = CoupledPiece(whole[0], np.array(whole[1:-1]), whole[-1], some(joined, moved))
-            self.see(who[moved], piece)
+            samples = np.array([begin + SHOWN[:, None] * seen.length, *seen.moving, *seen.moment])
+            self.see(CoupledMotion(self.sides, who[seen.column], some(joined, seen.column), samples))
 
     def _moments(
         self,

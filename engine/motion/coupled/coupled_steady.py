@@ -10,8 +10,8 @@ import numpy as np
 from engine.compiling.running import mean_of_rows
 from engine.motion.coupled.coupled_answers import run_coupled
 from engine.motion.coupled.two_sides import FLUID, CoupledSides, Joined, Pull, coupling_pull
+from engine.motion.fields.recorded_motion import Observer
 from engine.motion.runs.run_progress import CoupledStanding, Ends, RunOutcome, Standing, Stepping
-from engine.motion.runs.watching import Observer
 from engine.motion.settled.return_map import Returned, returning_speeds
 from engine.words.verdicts import Verdict
 

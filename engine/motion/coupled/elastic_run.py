@@ -9,16 +9,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from engine.motion.coupled.coupled_fields import CoupledPiece
+from engine.motion.coupled.coupled_fields import CoupledMotion
 from engine.motion.coupled.coupled_run import CoupledRuns
 from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, SHAFT_TURNED, TURNED
+from engine.motion.fields.recorded_motion import Observer
 from engine.motion.runs.run_progress import ADAPTIVE, CoupledStanding, Ends, Standing, Stepping
-from engine.motion.runs.watching import Observer
 from engine.words.verdicts import Verdict
 
 # Radians of the shaft's vibration per step, for the forecast of the number of steps; more than MOST_STEPS are refused.
 FINEST, MOST_STEPS = 0.3, 200_000
+# Fractions of a step at which its history is stored.
+SAMPLED = np.linspace(0.0, 1.0, 17)[:, None]
 # State of a run: twist, speed at the motor end, angle turned by the machine, its speed.
 STATE = [SHAFT_TURNED, SHAFT_SPEED, TURNED, CRANK_SPEED]
 
@@ -59,7 +61,7 @@ def run_on_shaft(
         [s].
     stepping : Stepping
     observers : sequence of Observer
-        Each receives a `CoupledPiece` of every walk.
+        Each receives the `CoupledMotion` of every walk.
     """
     twist, motor, turned, machine = begin
     backlash, zero = sides.coupling.backlash, np.zeros_like(duration)
@@ -86,10 +88,12 @@ class ElasticHistory:
     def __init__(self) -> None:
         self._seen: list[np.ndarray] = []
 
-    def see(self, who: np.ndarray, piece: CoupledPiece) -> None:
-        """Store a segment."""
-        if who[0] == 0:
-            self._seen.append(np.array([piece.time, *piece.moving[STATE], piece.moment])[:, :, 0])
+    def see(self, motion: CoupledMotion) -> None:
+        """Store a part of the motion."""
+        steps = np.flatnonzero(motion.who == 0)
+        states = motion.at(steps, np.broadcast_to(SAMPLED, (SAMPLED.size, steps.size)))
+        rows = np.array([states.time, *states.moving[STATE], states.moment])
+        self._seen.append(rows.transpose(0, 2, 1).reshape(len(rows), -1))
 
     @property
     def rows(self) -> np.ndarray:

@@ -67,6 +67,10 @@ class EquationOfMotion:
         self.dynamics, self.variants, self.start = dynamics, variants, start
         self.who = np.arange(variants.count) if who is None else who
 
+    def of(self, who: np.ndarray) -> "EquationOfMotion":
+        """The equation for columns of variants with these indices."""
+        return EquationOfMotion(self.dynamics, self.variants, self.start, who)
+
     def some(self, who: np.ndarray) -> "EquationOfMotion":
         """The equation of a subset of the variants, by index."""
         return EquationOfMotion(self.dynamics, self.variants.some(who), self.start[who])

@@ -22,13 +22,10 @@ class Grid(NamedTuple):
         Crank angles of the nodes [rad].
     steps : ndarray (steps, variants)
         Distances between nodes [rad].
-    even : ndarray (equal steps + 1, variants) of int
-        Indices of the nodes of the equal steps.
     """
 
     angles: np.ndarray
     steps: np.ndarray
-    even: np.ndarray
 
 
 def make_grid(start: np.ndarray, direction: np.ndarray, steps: int, cycle: float, breaks: Breaks) -> Grid:
@@ -55,10 +52,8 @@ def make_grid(start: np.ndarray, direction: np.ndarray, steps: int, cycle: float
     # A variant without this break gets the end of the cycle again.
     sides = np.where(sides > 0.0, sides, cycle)
     every = np.concatenate((share * np.full(start.shape, cycle), sides))
-    order = np.argsort(every, axis=0, kind="stable")
-    turned = np.take_along_axis(every, order, axis=0)
-    even = np.argsort(order, axis=0, kind="stable")[: steps + 1]
-    return Grid(start + direction * turned, np.diff(turned, axis=0), even)
+    turned = np.sort(every, axis=0)
+    return Grid(start + direction * turned, np.diff(turned, axis=0))
 
 
 def edges_of(

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from engine.motion.fields.recorded_motion import Observer, at_instant
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.runs.run_progress import ADAPTIVE, Changed, Ends, MachineRuns, Standing, State, Stepping
-from engine.motion.runs.watching import Observer, Piece
 from engine.stepping.records import put, some
 from engine.stepping.walk_task import tolerance_of_walk
 from engine.words.verdicts import Verdict
@@ -126,11 +126,10 @@ class OneSpeedRuns(MachineRuns):
         """Pass the initial states to all observers; a machine at rest faces forwards."""
         if self.observers:
             state, facing = self.state, np.where(self.facing < 0.0, -1.0, 1.0)
-            every = np.arange(facing.size)
+            equation = self.equation(None)
             # At a jump, evaluate the torques after it.
-            turned = state.turned + facing * self.equation(every).beside(state.turned)
-            now = [x[None].copy() for x in (state.time, turned, state.omega)]
-            self.see(every, Piece(*now, facing, np.empty((0, facing.size)), np.full_like(now[0], np.nan)))
+            turned = state.turned + facing * equation.beside(state.turned)
+            self.see(at_instant(equation, state.time, turned, state.omega))
 
     def begin_cycles(self, who: np.ndarray) -> None:
         """Set the first mark of variants that have not yet completed a cycle."""
@@ -158,6 +157,6 @@ class OneSpeedRuns(MachineRuns):
         """State of a subset of the variants."""
         return some(self.state, who)
 
-    def equation(self, who: np.ndarray) -> EquationOfMotion:
-        """The equation of motion of a subset of the variants."""
+    def equation(self, who: np.ndarray | None) -> EquationOfMotion:
+        """The equation of motion of a subset of the variants, or of all."""
         return EquationOfMotion(self.dynamics, self.variants, self.start, who)

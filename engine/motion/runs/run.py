@@ -9,12 +9,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from engine.motion.fields.recorded_motion import Observer
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.runs.one_speed_run import OneSpeedRuns
 from engine.motion.runs.run_in_angle import TIMES_TO_THE_END, stretch_over_angle
 from engine.motion.runs.run_in_time import BRISK_TO_LOOK, set_off, stretch_over_time
 from engine.motion.runs.run_progress import ADAPTIVE, Ends, RunOutcome, Standing, Stepping
-from engine.motion.runs.watching import Observer
 
 # A run is abandoned if this number of steps gains neither a cycle nor this fraction of its time.
 MOST_TIME_STEPS, OF_ITS_TIME = 40_000, 0.01

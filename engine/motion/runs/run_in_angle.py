@@ -2,14 +2,14 @@
 
 import numpy as np
 
+from engine.motion.fields.recorded_motion import OneSpeedMotion
 from engine.motion.runs.one_speed_run import OneSpeedRuns
 from engine.motion.runs.run_progress import ABOVE, BELOW, State
 from engine.motion.runs.settled_runs import pass_mark
-from engine.motion.runs.watching import BetweenNodes, Piece
 from engine.stepping.methods import EIGHT, FOUR, NINE
-from engine.stepping.recorded import RECORDED, states_at
-from engine.stepping.records import some, variant_columns
-from engine.stepping.system import Walks
+from engine.stepping.recorded import RECORDED, made_steps
+from engine.stepping.records import variant_columns
+from engine.stepping.system import SHOWN, Walks
 from engine.stepping.walk_task import Why
 
 # Relative energy change per radian above which the energy form is abandoned: near rest 1/ω is singular as the inverse
@@ -88,9 +88,8 @@ def _walk(
     numbers = system.limited(numbers, limits | {system.sizes.brisk: brisk})
     recorded = RECORDED if runs.observers else 0
     gone = system.run(task, numbers, runs.edges(who, begin), None, lanes, states, runs.carried[:, who], recorded)
-    moved = np.flatnonzero(gone.steps > 0.0)
-    if runs.observers and moved.size:
-        runs.see(who[moved], _piece_of(runs, who[moved], some(state, moved), some(gone, moved), implicit))
+    if runs.observers and (gone.steps > 0.0).any():
+        runs.see(_seen(runs, who, state, gone, implicit))
     _take(runs, who, states[ENERGY], gone)
     return gone.why, gone.pace
 
@@ -123,41 +122,10 @@ def _take(runs: OneSpeedRuns, who: np.ndarray, before: np.ndarray, gone: Walks) 
     runs.put(who, State(turned, omega, state.time + gone.states[TIME], state.works + works, state.squares + squares))
 
 
-# Observation of walks
-
-
-def _piece_of(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks, implicit: bool) -> Piece:
-    """Recorded steps of walks at the nodes of a cycle, up to the end of the walk, which is the last node."""
-    begin = runs.start[who] + runs.variants.direction[who] * before.turned
-    asked = _nodes(runs, who, before)
-    asked = np.concatenate((asked, np.full((1, who.size), np.inf)))
-    turned = np.minimum(asked, gone.turned)
-
-    def at(columns: np.ndarray, turned: np.ndarray) -> tuple[np.ndarray, ...]:
-        energy, time, moment = states_at(gone, columns, turned, runs.longer > 1.0)
-        own = runs.variants.some(who[columns[-1]])
-        inertia = runs.dynamics.inertia(own, begin[columns[-1]] + own.direction * turned)
-        # For a steep motor the speed does not determine the torque; use the recorded one.
-        moment = moment if implicit else np.full_like(moment, np.nan)
-        with np.errstate(all="ignore"):
-            return before.time[columns] + time, before.turned[columns] + turned, np.sqrt(2.0 * energy / inertia), moment
-
-    columns = np.broadcast_to(np.arange(who.size), turned.shape)
-    time, whole, omega, moment = at(columns, turned)
-    # Interpolation errors must not make time decrease.
-    end = before.time + gone.states[TIME] + (gone.carried_errors[TIME] if runs.longer > 1.0 else 0.0)
-    time = np.minimum(np.maximum.accumulate(time, axis=0), end)
-
-    def within(columns: np.ndarray, nodes: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, ...]:
-        return tuple(row[0] for row in at(columns[None], (turned[nodes, columns] + lengths)[None]))
-
-    steps, way = np.diff(turned, axis=0), np.ones(who.size)
-    return Piece(time, whole, omega, way, steps, moment, BetweenNodes(False, within))
-
-
-def _nodes(runs: OneSpeedRuns, who: np.ndarray, state: State) -> np.ndarray:
-    """Angles turned from a state (nodes, variants) at which a cycle is evaluated."""
-    part, cycle = runs.variants.some(who), runs.dynamics.cycle
-    begin = runs.start[who] + part.direction * state.turned
-    steps = runs.dynamics.grid(part, begin, runs.steps).steps
-    return np.minimum(np.concatenate((np.zeros((1, who.size)), np.cumsum(steps, axis=0))), cycle)
+def _seen(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks, implicit: bool) -> OneSpeedMotion:
+    """The recorded steps of walks; of a comparison run, with their error estimates."""
+    made = made_steps(gone.recorded, gone.steps)
+    variant, states = made.variant, made.samples + (made.errors[:, None] if runs.longer > 1.0 else 0.0)
+    turned = before.turned[variant] + made.begin + SHOWN[:, None] * made.length
+    samples = np.array([before.time[variant] + states[TIME], turned, states[ENERGY]])
+    return OneSpeedMotion(runs.equation(None), who[variant], np.ones(variant.size), samples, made.length, implicit)

@@ -2,16 +2,14 @@
 
 import numpy as np
 
-from engine.motion.moments.breaks import JUMP
+from engine.motion.fields.recorded_motion import OneSpeedMotion
 from engine.motion.runs.one_speed_run import OneSpeedRuns
 from engine.motion.runs.run_in_angle import TIMES_TO_THE_END
 from engine.motion.runs.run_progress import BELOW, State
 from engine.motion.runs.settled_runs import pass_mark
-from engine.motion.runs.watching import BetweenNodes, Piece, side_by_side
 from engine.stepping.methods import EIGHT
-from engine.stepping.recorded import RECORDED, made_steps, states_at
-from engine.stepping.records import elements_of_counts, some
-from engine.stepping.system import Walks
+from engine.stepping.recorded import RECORDED, made_steps
+from engine.stepping.system import SHOWN, Walks
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
 
@@ -28,8 +26,8 @@ HALVINGS = 60
 FADED = 1e-9
 # The same fraction for a machine that something stops.
 STILL = 1e-12
-# Maximum step with observers [rad], and minimum number of samples in it.
-CLOSELY, LEAST_LOOKS = 0.1, 4
+# Maximum step with observers [rad].
+CLOSELY = 0.1
 # With dense output, a machine remains in the time form until its relative energy change per radian is below this.
 BRISK_TO_LOOK = 0.4
 # Many steps that change neither the angle (in total) nor the time (each) by more than these fractions make no progress:
@@ -127,9 +125,9 @@ def stretch_over_time(runs: OneSpeedRuns, who: np.ndarray) -> tuple[np.ndarray, 
     floor = share * np.maximum(runs.fastest[who], np.abs(runs.slowest[who]))
     goal = np.where(forward, _forward_goal(runs, who), _backward_goal(runs, who))
     gone = _walk(runs, who, goal, floor)
-    why, moved = gone.why, np.flatnonzero(gone.steps > 0.0)
-    if runs.observers and moved.size:
-        runs.see(who[moved], _piece_of(runs, who[moved], some(state, moved), some(gone, moved)))
+    why = gone.why
+    if runs.observers and (gone.steps > 0.0).any():
+        runs.see(_seen(runs, who, state, gone))
     _take(runs, who, state, gone, goal)
     runs.pace[who] = gone.pace
     runs.end(who, why, goal)
@@ -216,36 +214,9 @@ def _turn_round(runs: OneSpeedRuns, rest: np.ndarray, forward: np.ndarray) -> No
     runs.compare_swings(rest[forward])
 
 
-# Observation of walks
-
-
-def _piece_of(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks) -> Piece:
-    """The recorded steps of walks, each sampled between its ends about as densely as a cycle.
-
-    Adjacent steps have separate nodes at their common end, where there may be a jump.
-    """
-    column, at, length, samples = made_steps(gone.recorded, gone.steps)
-    first, *_, last = samples[TURNED]
-    reach, spacing = np.abs(last - first), runs.spacing[who]
-    # The number of samples depends on the variant only, not on the others in its batch.
-    looks = np.maximum(LEAST_LOOKS, np.ceil(reach / spacing[column])).astype(int)
-    of, k = elements_of_counts(looks + 1)
-    time, columns = at[of] + k / looks[of] * length[of], column[of]
-
-    facing = runs.facing[who]
-    turned, speed, _ = states_at(gone, columns, time)
-    inwards = np.where(reach > 4.0 * JUMP, 1.0, 0.0) * facing[column]
-    beside = runs.equation(who[column]).beside
-    begins, ends = (inwards * beside(at_end) for at_end in (first, last))
-    turned = np.where(k == 0, first[of] + begins[of], np.where(k == looks[of], last[of] - ends[of], turned))
-    counts = np.bincount(columns, minlength=who.size)
-    steps = np.where(k < looks[of], (reach / looks)[of], 0.0)
-    every = before.time[columns] + time, turned, facing[columns] * speed, steps
-    *nodes, steps = (side_by_side(row, counts) for row in every)
-
-    def within(columns: np.ndarray, nodes_at: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, ...]:
-        now = nodes[0][nodes_at, columns] + lengths
-        turned, speed, _ = states_at(gone, columns, now - before.time[columns])
-        return now, turned, facing[columns] * speed, np.full_like(now, np.nan)
-
-    return Piece(*nodes, facing, steps[:-1], np.full_like(nodes[0], np.nan), BetweenNodes(True, within))
+def _seen(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks) -> OneSpeedMotion:
+    """The recorded steps of walks."""
+    variant, begin, length, samples, _ = made_steps(gone.recorded, gone.steps)
+    time = before.time[variant] + begin + SHOWN[:, None] * length
+    states = np.array([time, samples[TURNED], samples[SPEED]])
+    return OneSpeedMotion(runs.equation(None), who[variant], runs.facing[who[variant]], states)

@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.graph.nodes import Given
+from engine.motion.fields.recorded_motion import Observer, RecordedMotion
 from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.moments.grid import edges_of
 from engine.motion.one_speed import Sizes
-from engine.motion.runs.watching import Observer, Piece
 from engine.stepping.runs import WalkedRuns
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
@@ -239,10 +239,10 @@ class MachineRuns(WalkedRuns):
         self.farthest_swing = np.full(count, np.nan)
         self._last_inertia = np.zeros(0, int), np.zeros(0), np.zeros(0)
 
-    def see(self, who: np.ndarray, piece: Piece) -> None:
-        """Pass a piece of the motion of variants to all observers."""
+    def see(self, motion: RecordedMotion) -> None:
+        """Pass a part of the motion to all observers."""
         for observer in self.observers:
-            observer.see(who, piece)
+            observer.see(motion)
 
     def energy(self) -> np.ndarray:
         """Current kinetic energy [J]."""

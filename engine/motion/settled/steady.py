@@ -6,19 +6,22 @@ stable if |λ| < 1. Newton's method finds it in a few cycles, where waiting take
 requested results.
 """
 
+from collections.abc import Sequence
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from engine.compiling.packed import Packed
+from engine.motion.fields.recorded_motion import Observer, OneSpeedMotion
 from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.moments.grid import edges_of
 from engine.stepping.closed_cycle import TOO_STEEP
 from engine.stepping.methods import EIGHT, NINE
-from engine.stepping.recorded import RECORDED, states_at
+from engine.stepping.recorded import RECORDED, made_steps
 from engine.stepping.records import put, some
-from engine.stepping.system import Closed, Walks
+from engine.stepping.system import SHOWN, Closed, Walks
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
 
@@ -30,7 +33,7 @@ STEEP = 200.0
 
 
 class Steady(NamedTuple):
-    """Steady running of a set of variants; NaN without steady running. All (variants,) except works and record.
+    """Steady running of a set of variants; NaN without steady running. All (variants,) except works.
 
     Attributes
     ----------
@@ -51,9 +54,6 @@ class Steady(NamedTuple):
         Integral of the squared motor torque over time [N²·m²·s].
     works : ndarray (channels + 1, variants)
         Work of the motors and of each channel [J].
-    record : ndarray (3, nodes, variants)
-        Energy [J] and time [s] at the requested angles; for very steep motors the total torque [N·m], which the energy
-        gives less accurately, else NaN.
     steep : ndarray
         1 if a steep motor required implicit steps, else 0.
     """
@@ -69,13 +69,7 @@ class Steady(NamedTuple):
     fluctuation: np.ndarray
     squares: np.ndarray
     works: np.ndarray
-    record: np.ndarray
     steep: np.ndarray
-
-    @property
-    def negative(self) -> "Steady":
-        """Every number with its sign changed."""
-        return Steady(self.verdict, *(-mine for mine in self[1:]))
 
     def shifted(self, by: "Steady") -> "Steady":
         """The same with every number changed."""
@@ -86,7 +80,8 @@ def steady_motion(
     dynamics: Dynamics,
     variants: Variants,
     tolerance: float,
-    asked: np.ndarray | None = None,
+    observers: Sequence[Observer] = (),
+    off_observers: Sequence[Observer] = (),
     extremes: bool = True,
 ) -> tuple[Steady, Steady]:
     """Find steady running, and the error estimates of its numbers.
@@ -98,13 +93,13 @@ def steady_motion(
     variants : Variants
     tolerance : float
         Tolerance of a step, relative to the maximum work in a step.
-    asked : ndarray (nodes, variants), optional
-        Angles turned at which energy, time and torque are recorded, ascending [rad].
+    observers, off_observers : sequence of Observer
+        They see the cycle, and the cycle shifted by the error estimates of its energy and time.
     extremes : bool
         Whether the minimum and maximum speed are also located within steps.
     """
     with np.errstate(all="ignore"):
-        recorded = asked is not None and len(asked) > 0
+        recorded = bool(observers or off_observers)
         motion, key = _Motion(dynamics, variants, tolerance, extremes, recorded), ("closed", extremes, recorded)
         if key not in variants.kept:
             closed = motion.closed(np.arange(variants.count), False)
@@ -114,8 +109,7 @@ def steady_motion(
             variants.kept[key] = closed, steep
         closed, steep = variants.kept[key]
         verdict = np.where(closed.verdict == TOO_STEEP, Verdict.NOT_FINITE, closed.verdict)
-        asked = np.empty((0, variants.count)) if asked is None else asked
-        return motion.gone_through(closed, steep.copy(), verdict.astype(np.uint8), asked)
+        return motion.gone_through(closed, steep.copy(), verdict.astype(np.uint8), (observers, off_observers))
 
 
 class _Motion:
@@ -149,33 +143,30 @@ class _Motion:
         return self.system.task(self.dynamics.cycle, NINE if implicit else EIGHT, extremes=extremes, timed=False)
 
     def gone_through(
-        self, closed: Closed, steep: np.ndarray, verdict: np.ndarray, asked: np.ndarray
+        self, closed: Closed, steep: np.ndarray, verdict: np.ndarray, observers: tuple[Sequence[Observer], ...]
     ) -> tuple[Steady, Steady]:
         """The cycles found, computed with all requested results, and their error estimates."""
         count, channels = self.variants.count, len(self.dynamics.channels)
-        shapes = [(count,)] * 9 + [(channels + 1, count), (3, *asked.shape)]
+        shapes = [(count,)] * 9 + [(channels + 1, count)]
         found, off = ([np.full(shape, np.nan) for shape in shapes] for _ in range(2))
         for implicit in (False, True):
             who = np.flatnonzero((verdict == Verdict.OK) & (steep == implicit))
             if not who.size:
                 continue
             begin = closed.energy[who], closed.carried_error[who]
-            if len(asked):
-                gone, record, record_off = self._cycle(who, implicit, *begin, asked[:, who])
-            else:
-                gone, record, record_off = some(closed.cycle, who), *np.full((2, 3, 0, who.size), np.nan)
+            gone = self._cycle(who, implicit, *begin, observers) if any(observers) else some(closed.cycle, who)
             # A cycle with shorter steps may reveal that a motor is steep.
             steep[who] |= gone.why == Why.STEEP
             verdict[who[(gone.why != Why.GOAL) & (implicit | (gone.why != Why.STEEP))]] = Verdict.NOT_FINITE
             own, other = self._numbers_of(*begin, closed.off[who], gone)
-            for mine, new in zip((*found, *off), (*own, record, *other, record_off), strict=True):
+            for mine, new in zip((*found, *off), (*own, *other), strict=True):
                 mine[..., who] = np.where(gone.why == Why.GOAL, new, np.nan)
         return Steady(verdict, *found, steep.astype(float)), Steady(verdict, *off, np.zeros(count))
 
     def _numbers_of(
         self, energy: np.ndarray, carried_error: np.ndarray, residual: np.ndarray, gone: Walks
     ) -> tuple[list[np.ndarray], list[np.ndarray]]:
-        """Numbers of cycles in the order of `Steady`, without verdict and record, and their error estimates."""
+        """Numbers of cycles in the order of `Steady`, without the verdict, and their error estimates."""
         names, gathered = self.system.names, partial(self.dynamics.gathered, self.system)
         ended, fading = gone.states[ENERGY], gone.states[names["fading"]]
         multiplier = np.exp(np.minimum(fading, 700.0))
@@ -202,51 +193,47 @@ class _Motion:
         return own, off
 
     def _cycle(
-        self, who: np.ndarray, implicit: bool, energy: np.ndarray, carried_error: np.ndarray, asked: np.ndarray
-    ) -> tuple[Walks, np.ndarray, np.ndarray]:
-        """A cycle from given energies; the record at the requested angles, and its error estimates."""
+        self,
+        who: np.ndarray,
+        implicit: bool,
+        energy: np.ndarray,
+        carried_error: np.ndarray,
+        observers: tuple[Sequence[Observer], ...],
+    ) -> Walks:
+        """A cycle from given energies, seen by observers and by those of the shifted cycle."""
         task, nothing = self._task(implicit, True), np.zeros((0, who.size))
         lanes = self._lanes(who, CLOSEST)
         states, carried_errors = np.zeros((2, task.record.width, who.size))
         states[ENERGY], carried_errors[ENERGY] = energy, carried_error
         numbers, edges = self.numbers[:, who], self.edges[:, who]
-        record, off = np.full((2, 3, len(asked), who.size), np.nan)
         whole: Walks | None = None
         left = np.arange(who.size)
         while left.size:
             own = {name: value[left] if np.ndim(value) else value for name, value in lanes.items()}
             parts = numbers[:, left], edges[:, left], nothing[:, left]
             gone = self.system.run(task, *parts, own, states[:, left], carried_errors[:, left], RECORDED)
-            begun = lanes["turned"] if whole is not None else np.zeros(who.size)
-            self._read(gone, left, begun[left], asked, record, off)
+            self._show(gone, who[left], observers)
             whole = gone if whole is None else _joined(whole, left, gone)
             lanes["turned"], lanes["pace"] = whole.turned, whole.pace
             states, carried_errors = whole.states, whole.carried_errors
             left = left[(gone.why == Why.FULL) & (gone.steps > 0.0)]
-        # The speed determines the torque unless the motor is very steep.
-        steep = -whole.states[self.system.names["fading"]] > STEEP * whole.steps
-        record[2] = np.where(steep, record[2], np.nan)
-        off[2] = np.where(steep, 0.0, np.nan)
-        return whole._replace(recorded=np.empty((0, 0, who.size))), record, off
+        return whole._replace(recorded=np.empty((0, 0, who.size)))
 
-    @staticmethod
-    def _read(
-        gone: Walks,
-        who: np.ndarray,
-        begun: np.ndarray,
-        asked: np.ndarray,
-        record: np.ndarray,
-        off: np.ndarray,
-    ) -> None:
-        """Read the record at the requested angles that the steps passed."""
-        wanted = asked[:, who]
-        over = (wanted >= begun) & (wanted <= gone.turned) & (gone.steps > 0.0)
-        over |= (wanted > gone.turned) & (gone.why == Why.GOAL)
-        nodes, columns = np.nonzero(over)
-        turned = np.minimum(wanted[over], gone.turned[columns])
-        found = states_at(gone, columns, turned)
-        record[:, nodes, who[columns]] = found
-        off[:, nodes, who[columns]] = states_at(gone, columns, turned, off=True) - found
+    def _show(self, gone: Walks, who: np.ndarray, observers: tuple[Sequence[Observer], ...]) -> None:
+        """Show recorded steps to observers; the speed determines the torque unless the motor is very steep."""
+        made = made_steps(gone.recorded, gone.steps)
+        if not made.variant.size:
+            return
+        variants = self.variants
+        equation = EquationOfMotion(self.dynamics, variants, np.zeros(variants.count))
+        steep = (-gone.states[self.system.names["fading"]] > STEEP * gone.steps)[made.variant]
+        turned, way = made.begin + SHOWN[:, None] * made.length, np.ones(made.variant.size)
+        for seers, off in zip(observers, (0.0, made.errors[:, None]), strict=True):
+            states = made.samples + off
+            samples = np.array([states[TIME], turned, states[ENERGY]])
+            motion = OneSpeedMotion(equation, who[made.variant], way, samples, made.length, steep)
+            for seer in seers:
+                seer.see(motion)
 
 
 def _joined(whole: Walks, who: np.ndarray, gone: Walks) -> Walks:

@@ -1,0 +1,149 @@
+"""Recorded motion: the steps of runs, and the states of machines at any instant within them.
+
+A step is smooth: torques jump only at its ends, where they are evaluated inside the step.
+"""
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from engine.motion.moments.breaks import JUMP
+from engine.motion.moments.equation_of_motion import EquationOfMotion
+from engine.stepping.recorded import weighted, weights_at
+from engine.stepping.system import SHOWN
+
+# Shorter steps may lie within a jump [rad].
+LEAST_REACH = 4.0 * JUMP
+TIME, TURNED, DRIVE = range(3)
+
+
+class Snapshots(NamedTuple):
+    """States of machines at instants, (instants, columns) unless stated.
+
+    Attributes
+    ----------
+    who : ndarray (columns,) of int
+        Variants.
+    time, turned : ndarray
+        From the start of the run [s], [rad].
+    facing : ndarray (columns,)
+        +1 or −1: direction of motion.
+    omega : ndarray
+        In the scene's direction of motion, negative backwards [rad/s].
+    moment : ndarray
+        Total torque if known more accurately than from the speed, else NaN [N·m].
+    """
+
+    who: np.ndarray
+    time: np.ndarray
+    turned: np.ndarray
+    facing: np.ndarray
+    omega: np.ndarray
+    moment: np.ndarray
+
+
+class RecordedMotion(Protocol):
+    """Recorded steps of runs, those of a variant in order of time.
+
+    Attributes
+    ----------
+    who : ndarray (steps,) of int
+        Variants, ascending.
+    samples : ndarray (states, SHOWN, steps)
+        Time and angle turned from the start of the run [s], [rad], and other states at the fractions SHOWN.
+    """
+
+    who: np.ndarray
+    samples: np.ndarray
+
+    def at(self, step: np.ndarray, share: np.ndarray) -> Snapshots:
+        """States at fractions (instants, columns) of the length of steps (columns,)."""
+
+    def durations(self, step: np.ndarray, states: Snapshots) -> np.ndarray:
+        """Time per fraction of the steps [s], as the states."""
+
+
+class Observer(Protocol):
+    """An observer of runs; it does not affect their steps."""
+
+    def see(self, motion: RecordedMotion) -> None:
+        """Evaluate a part of the motion."""
+
+
+class OneSpeedMotion:
+    """Recorded steps of runs at one speed.
+
+    Parameters
+    ----------
+    equation : EquationOfMotion
+        Of all variants of the runs.
+    who : ndarray (steps,) of int
+        Variants, ascending.
+    facing : ndarray (steps,)
+        +1 or −1: direction of motion.
+    samples : ndarray (3, SHOWN, steps)
+        Time [s] and angle turned [rad] from the start of the run; the magnitude of the speed [rad/s] or, of steps over
+        the angle, the kinetic energy [J].
+    lengths : ndarray (steps,), optional
+        Of steps over the angle [rad].
+    steep : bool
+        Whether the torque follows from the slope of the energy, since that from the speed is less accurate.
+    """
+
+    def __init__(
+        self,
+        equation: EquationOfMotion,
+        who: np.ndarray,
+        facing: np.ndarray,
+        samples: np.ndarray,
+        lengths: np.ndarray | None = None,
+        steep: np.ndarray | bool = False,
+    ) -> None:
+        self.who, self.samples, self._equation = who, samples, equation
+        self._facing, self._lengths, self._steep = facing, lengths, np.broadcast_to(steep, who.shape)
+
+    def at(self, step: np.ndarray, share: np.ndarray) -> Snapshots:
+        """States at fractions (instants, columns) of the length of steps (columns,)."""
+        samples, who, facing = self.samples[..., step], self.who[step], self._facing[step]
+        time, turned, drive = weighted(weights_at(share), samples)
+        inwards = inward(share, samples[TURNED])
+        if inwards.any():
+            at_end = np.where(inwards < 0.0, samples[TURNED, -1], samples[TURNED, 0])
+            turned = turned + inwards * facing * self._equation.of(who).beside(at_end)
+        moment = np.full_like(turned, np.nan)
+        if self._lengths is None:
+            return Snapshots(who, time, turned, facing, facing * drive, moment)
+        steep = np.flatnonzero(self._steep[step])
+        if steep.size:
+            slopes = weighted(weights_at(share[:, steep], slope=True), samples[DRIVE:, :, steep])[0]
+            moment[:, steep] = slopes / self._lengths[step[steep]]
+        with np.errstate(invalid="ignore"):
+            omega = np.sqrt(2.0 * drive / self._equation.of(who).inertia(turned))
+        return Snapshots(who, time, turned, facing, omega, moment)
+
+    def durations(self, step: np.ndarray, states: Snapshots) -> np.ndarray:
+        """Time per fraction of the steps [s], as the states."""
+        if self._lengths is None:
+            lengths = self.samples[TIME, -1] - self.samples[TIME, 0]
+            return np.broadcast_to(lengths[step], states.time.shape)
+        return self._lengths[step] / states.omega
+
+
+def inward(share: np.ndarray, turned: np.ndarray) -> np.ndarray:
+    """Direction into a step from fractions (instants, columns) of its length: +1 at its start, −1 at its end, else 0.
+
+    Parameters
+    ----------
+    share : ndarray (instants, columns)
+    turned : ndarray (SHOWN, columns)
+        Angle turned [rad].
+    """
+    long = np.abs(turned[-1] - turned[0]) > LEAST_REACH
+    return np.where(long, (share == 0.0) * 1.0 - (share == 1.0), 0.0)
+
+
+def at_instant(equation: EquationOfMotion, time: np.ndarray, turned: np.ndarray, omega: np.ndarray) -> OneSpeedMotion:
+    """States of all variants at one instant, as a step without length; (variants,) each."""
+    every, facing = np.arange(time.size), np.where(omega < 0.0, -1.0, 1.0)
+    samples = np.repeat(np.array([time, turned, np.abs(omega)])[:, None], SHOWN.size, axis=1)
+    return OneSpeedMotion(equation, every, facing, samples)
