@@ -267,9 +267,9 @@ class RegimeMotion:
         return FieldWatch(along, asked, self._asked.tolerance, turned, averaged=True)
 
     @staticmethod
-    def _over_cycle(watch: FieldWatch, who: np.ndarray, count: int) -> FieldAnswers:
+    def _over_cycle(watch: FieldWatch, who: np.ndarray, count: int, compared: FieldWatch | None = None) -> FieldAnswers:
         """What was requested of the variants `who`, among all; kept fields over the crank angle."""
-        found, back = watch.answers(), watch.fields.variants.direction < 0.0
+        found, back = watch.answers(compared), watch.fields.variants.direction < 0.0
         for rows in found.rows.values():
             # The crank angle decreases if the crank turns clockwise.
             rows[back] = np.roll(rows[back, ::-1], 1, axis=1)
@@ -414,7 +414,8 @@ class RegimeMotion:
             both = [self._watch_cycle(self._along_cycle(variants)) for _ in range(2)]
             seers = (watch.observers for watch in both)
             own = steady_motion(self.dynamics, variants, tolerance, *seers, extremes=self.asks(*EXTREMES_OF_SPEED))
-            kept[key] = *own, [self._over_cycle(watch, np.arange(count), count) for watch in both]
+            compared = zip(both, (None, both[0]), strict=True)
+            kept[key] = *own, [self._over_cycle(watch, np.arange(count), count, other) for watch, other in compared]
         steady, off, answers = kept[key]
         return steady, off, answers[longer > 1.0].copied()
 

@@ -7,12 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.cycle.panels.chebyshev import DEGREE, PLACES, POSITIONS, SHARES
+from engine.cycle.panels.chebyshev import COARSE, DEGREE, PLACES, POSITIONS, SHARES, shares_of
 from engine.cycle.regula_falsi import regula_falsi
 from engine.laws.rounding import EPS
 
 # Number of last coefficients by which convergence is judged.
 _LAST = 3
+_SHARES_OF = {degree: shares_of(degree) for degree in (COARSE, DEGREE)}
 _K = np.arange(POSITIONS)
 _OF_T = np.where(_K % 2 == 0, 2.0 / (1.0 - np.where(_K % 2 == 0, _K, 0) ** 2.0), 0.0)
 _WEIGHTS = (_OF_T @ SHARES)[None]
@@ -31,17 +32,19 @@ class Tops(NamedTuple):
 
 def _weighted(weights: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Weighted sums over the positions (weights, …), in their order for any number of panels."""
-    return sum(np.multiply.outer(weights[:, j], values[..., j]) for j in range(POSITIONS))
+    return sum(np.multiply.outer(weights[:, j], values[..., j]) for j in range(weights.shape[1]))
 
 
-def tails(values: np.ndarray) -> np.ndarray:
+def tails(values: np.ndarray, degree: int = DEGREE) -> np.ndarray:
     """Largest of the last coefficients of polynomials (…): an estimate of their truncation error.
 
     Parameters
     ----------
-    values : ndarray (…, POSITIONS)
+    values : ndarray (…, degree + 1)
+    degree : int
+        DEGREE or COARSE.
     """
-    return np.abs(_weighted(SHARES[-_LAST:], values)).max(axis=0)
+    return np.abs(_weighted(_SHARES_OF[degree][-_LAST:], values)).max(axis=0)
 
 
 def panel_integrals(values: np.ndarray) -> np.ndarray:

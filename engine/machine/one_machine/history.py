@@ -174,11 +174,11 @@ class _Record:
         self.motions.append(motion)
 
     def observers(self, who: np.ndarray) -> "list[_Record]":
-        """This observer, where there is any motion."""
+        """The observer itself, where there is any motion."""
         return [self] if who.size else []
 
     def of(self, along: MotionFields, *_: object) -> "list[_Record]":
-        """This observer, for a motion with these fields."""
+        """The observer itself, of a motion with these fields."""
         self.along = along
         return [self]
 

@@ -7,27 +7,81 @@ Source: L. N. Trefethen, Approximation Theory and Approximation Practice (2013),
 """
 
 from collections.abc import Iterable
+from typing import NamedTuple
 
 import numpy as np
 
-from engine.cycle.panels.chebyshev import PLACES, POSITIONS
+from engine.cycle.panels.chebyshev import COARSE, PLACES, POSITIONS
 from engine.cycle.panels.sampled import panel_integrals, tails, tops
 from engine.laws.rounding import EPS
 from engine.motion.fields.field_instants import Fields
-from engine.motion.fields.recorded_motion import RecordedMotion, Snapshots
+from engine.motion.fields.recorded_motion import RecordedMotion
 from engine.motion.quantities import Asked, FieldAnswers
+from engine.stepping.records import on_arrays, over_all, some
 
-# Halvings of a step. Left coefficients that a halving doesn't reduce to this fraction are rounding, or of a jump.
-HALVINGS, GAINS = 6, 0.75
-# Bound of what a series leaves out, relative to its last coefficients: where it converges, and at a kink, where
-# coefficients fall as 1/k².
-CONVERGING, AT_A_KINK = 2.0, float(POSITIONS)
+# Halvings of a step, and the fraction to which twice as many positions must have reduced the left coefficients: those
+# that are rounding, or of a jump, a halving doesn't reduce either.
+HALVINGS, REDUCED = 6, 0.5
+# Limits of the sum of all coefficients left out, relative to the last ones: of a smooth curve, whose coefficients fall
+# at least as k⁻⁶, and of one with a kink, whose coefficients fall as k⁻² and may by chance be small.
+LEAST_LEFT, MOST_LEFT, SMOOTH = 2.0, 2.0 * POSITIONS, 6.0
 # A series exceeds its samples by at most this fraction of their range: half the excess over 1 of the Lebesgue constant
 # of 17 Chebyshev points, 2.40.
 EXCEEDS = 0.71
+# Differences of both extremes, as shares of the range.
+RANGES = {"range": 1.0, "amplitude": 0.5}
 _SHARES = 0.5 + 0.5 * PLACES[:, None]
-# Rows of a candidate for an extreme.
-_VALUE, _BOUND, _TURNED, _TIME, _TURNED_OFF, _TIME_OFF = range(6)
+
+
+class _Panels(NamedTuple):
+    """Parts of steps, (panels,) each, with fields there.
+
+    Attributes
+    ----------
+    step : ndarray of int
+    low, high : ndarray
+        Ends of the part, as fractions of the step.
+    who : ndarray of int
+        Variants.
+    pace : ndarray (POSITIONS, panels)
+        Time per unit of the position on [−1, 1] [s].
+    curves : ndarray (fields, POSITIONS, panels)
+    left : ndarray (fields, panels)
+        Bounds of what the fields' series leave out.
+    """
+
+    step: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    who: np.ndarray
+    pace: np.ndarray
+    curves: np.ndarray
+    left: np.ndarray
+
+
+class _Tops(NamedTuple):
+    """Candidates for extremes, (candidates,) each.
+
+    Attributes
+    ----------
+    owner : ndarray of int
+        Number of the extreme: of a side, −minimum or maximum, of a field and of a variant.
+    value, bound, off : ndarray
+        Peak, what no value nearby exceeds, and error estimate of the peak.
+    turned, turned_off : ndarray
+        Angle turned there, and its error estimate [rad].
+    time, time_off : ndarray
+        Time from the start of the run, and its error estimate [s].
+    """
+
+    owner: np.ndarray
+    value: np.ndarray
+    bound: np.ndarray
+    off: np.ndarray
+    turned: np.ndarray
+    turned_off: np.ndarray
+    time: np.ndarray
+    time_off: np.ndarray
 
 
 class FieldStatistics:
@@ -46,104 +100,89 @@ class FieldStatistics:
 
     def __init__(self, fields: Fields, names: Iterable[str], tolerance: float, averaged: bool = False) -> None:
         self.fields, self.names, self._averaged = fields, tuple(dict.fromkeys(names)), averaged
-        self._tolerance, count = tolerance, fields.variants.count
-        self._size, self._lost = np.zeros((len(self.names), count)), np.zeros((len(self.names), count), bool)
-        # Candidates for −minimum and maximum of each field: their variants and their rows.
-        self._tops = [[(np.zeros(0, int), np.zeros((6, 0))) for _ in range(2)] for _ in self.names]
+        self._tolerance, shape = tolerance, (len(self.names), fields.variants.count)
+        self._size, self._lost = np.zeros(shape), np.zeros(shape, bool)
+        self._best, self._tops = np.full(2 * self._size.size, -np.inf), _Tops(np.zeros(0, int), *np.zeros((7, 0)))
         # ∫f dt and ∫f² dt, and what the series leave out of both.
-        self._sums, self._time = np.zeros((len(self.names), 4, count)), np.zeros(count)
+        self._sums, self._time = np.zeros((4, *shape)), np.zeros(shape[1])
 
     def see(self, motion: RecordedMotion) -> None:
         """Evaluate a part of the motion."""
-        step, low, high = np.arange(motion.who.size), np.zeros(motion.who.size), np.ones(motion.who.size)
-        before = np.full((len(self.names), step.size), np.inf)
+        step, low, high, made = np.arange(motion.who.size), np.zeros(motion.who.size), np.ones(motion.who.size), []
         for halvings in range(HALVINGS, -1, -1):
             if not step.size:
                 break
             states = motion.at(step, low + (high - low) * _SHARES)
             rows = self.fields(states)
-            curves = np.array([rows[name].T for name in self.names])
+            curves = np.array([rows[name] for name in self.names])
+            sampled = curves.swapaxes(1, 2)
             for size, curve in zip(self._size, curves, strict=True):
-                np.fmax.at(size, states.who, np.abs(curve).max(axis=1))
-            left = np.where(np.isfinite(curves).all(axis=2), tails(curves), 0.0)
+                np.fmax.at(size, states.who, np.abs(curve).max(axis=0))
+            left, reduces = _left_out(np.where(np.isfinite(curves).all(axis=1)[..., None], sampled, 0.0))
             rough = left > self._tolerance * self._size[:, states.who]
-            divided = (rough & (left <= GAINS * before)).any(axis=0) & (halvings > 0)
-            self._take(
-                motion, states, (step, low, high), curves, np.where(rough, AT_A_KINK, CONVERGING) * left, ~divided
-            )
+            divided = (rough & reduces).any(axis=0) & (halvings > 0)
+            pace = 0.5 * (high - low) * motion.durations(step, states)
+            panels = _Panels(step, low, high, states.who, pace, curves, left)
+            made.append(some(panels, ~divided))
             step, low, high = (np.repeat(row[divided], 2) for row in (step, low, high))
-            before, middle = np.repeat(left[:, divided], 2, axis=1), 0.5 * (low + high)
+            middle = 0.5 * (low + high)
             high[::2], low[1::2] = middle[::2], middle[1::2]
+        if made:
+            self._take(motion, on_arrays(lambda *rows: np.concatenate(rows, axis=-1), *made))
 
-    def _take(
-        self,
-        motion: RecordedMotion,
-        states: Snapshots,
-        panels: tuple[np.ndarray, np.ndarray, np.ndarray],
-        curves: np.ndarray,
-        left: np.ndarray,
-        kept: np.ndarray,
-    ) -> None:
-        """Count the panels `kept`: parts low … high of steps."""
-        step, low, high = (row[kept] for row in panels)
-        who = states.who[kept]
+    def _take(self, motion: RecordedMotion, panels: _Panels) -> None:
+        """Count all panels of a part of the motion."""
+        curves, who, pace = panels.curves.swapaxes(1, 2), panels.who, panels.pace.T
+        for lost, curve in zip(self._lost, curves, strict=True):
+            np.logical_or.at(lost, who, ~np.isfinite(curve).all(axis=1))
         if self._averaged:
-            pace = motion.durations(panels[0], states)[:, kept].T * (0.5 * (high - low))[:, None]
             np.add.at(self._time, who, panel_integrals(pace))
-        for i, (curve, off) in enumerate(zip(curves[:, kept], left[:, kept], strict=True)):
-            np.logical_or.at(self._lost[i], who, ~np.isfinite(curve).all(axis=1))
-            if self._averaged:
-                first, second = curve * pace, curve * curve * pace
-                missed = 2.0 * pace.max(axis=1) * off
-                parts = (
-                    panel_integrals(first),
-                    panel_integrals(second),
-                    missed,
-                    2.0 * missed * np.abs(curve).max(axis=1),
-                )
-                for total, part in zip(self._sums[i], parts, strict=True):
+            first = curves * pace
+            missed = 2.0 * pace.max(axis=1) * panels.left
+            squares = 2.0 * missed * np.abs(curves).max(axis=2)
+            for sums, parts in zip(
+                self._sums, (panel_integrals(first), panel_integrals(curves * first), missed, squares), strict=True
+            ):
+                for total, part in zip(sums, parts, strict=True):
                     np.add.at(total, who, part)
-            for side, sign in enumerate((-1.0, 1.0)):
-                self._keep_tops(i, side, motion, (step, low, high), who, sign * curve, off)
+        self._find_tops(motion, panels, curves)
 
-    def _keep_tops(
-        self,
-        i: int,
-        side: int,
-        motion: RecordedMotion,
-        panels: tuple[np.ndarray, np.ndarray, np.ndarray],
-        who: np.ndarray,
-        curve: np.ndarray,
-        left: np.ndarray,
-    ) -> None:
-        """Add the panels that may hold the maximum of a curve to the candidates, and drop those that no longer may."""
-        known_who, known = self._tops[i][side]
-        best, highest, lowest = np.full(len(self._time), -np.inf), curve.max(axis=1), curve.min(axis=1)
-        np.fmax.at(best, known_who, known[_VALUE])
-        np.fmax.at(best, who, highest)
-        may = np.flatnonzero(highest + EXCEEDS * (highest - lowest) + left >= best[who])
-        if not may.size:
-            return
-        step, low, high = (row[may] for row in panels)
-        value, bound, x, apart = _peaks(curve[may], left[may], self._size[i, who[may]], self._tolerance)
-        middle, half = 0.5 * (low + high), 0.5 * (high - low)
-        share = np.clip(middle + half * np.array([x, x - apart, x + apart]), low, high)
-        states = motion.at(step, share)
-        spread = (np.abs(row[1:] - row[0]).max(axis=0) for row in (states.turned, states.time))
-        new = np.array([value, bound, states.turned[0], states.time[0], *spread])
-        every, rows = np.concatenate([known_who, who[may]]), np.concatenate([known, new], axis=1)
-        np.fmax.at(best, who[may], value)
-        kept = rows[_BOUND] >= best[every]
-        self._tops[i][side] = every[kept], rows[:, kept]
+    def _find_tops(self, motion: RecordedMotion, panels: _Panels, curves: np.ndarray) -> None:
+        """Add the panels that may hold an extreme to the candidates, and drop those that no longer may."""
+        (fields, count), signs = self._size.shape, np.array([-1.0, 1.0])
+        high, low = curves.max(axis=2), curves.min(axis=2)
+        highest, lowest = np.array([-low, high]), np.array([-high, low])
+        owner = count * np.arange(2 * fields).reshape(2, fields, 1) + panels.who
+        np.fmax.at(self._best, owner.ravel(), highest.ravel())
+        may = highest + EXCEEDS * (highest - lowest) + panels.left >= self._best[owner]
+        side, field, panel = np.nonzero(may)
+        curve, owner = signs[side, None] * curves[field, panel], owner[may]
+        peaks = _peaks(curve, panels.left[field, panel], self._size[field, panels.who[panel]], self._tolerance)
+        low, high = panels.low[panel], panels.high[panel]
+        x = peaks.place + np.array([[0.0], [-1.0], [1.0]]) * peaks.apart
+        states = motion.at(panels.step[panel], low + (high - low) * (0.5 + 0.5 * np.clip(x, -1.0, 1.0)))
+        spread = [np.abs(row[1:] - row[0]).max(axis=0) for row in (states.turned, states.time)]
+        found = peaks.value, peaks.bound, peaks.off, states.turned[0], spread[0], states.time[0], spread[1]
+        np.fmax.at(self._best, owner, peaks.value)
+        every = _Tops(*(np.concatenate(rows) for rows in zip(self._tops, (owner, *found), strict=True)))
+        self._tops = some(every, every.bound >= self._best[every.owner])
 
-    def answers(self, asked: Iterable[Asked]) -> FieldAnswers:
-        """Requested statistics of all variants."""
+    def answers(self, asked: Iterable[Asked], compared: "FieldStatistics | None" = None) -> FieldAnswers:
+        """Requested statistics of all variants.
+
+        Of a motion shifted by error estimates, ranges differ from those `compared` by the changes of both extremes: the
+        shifts of all have one sign, but errors needn't.
+        """
         found, variants = FieldAnswers.none(), self.fields.variants
         known: dict[str, tuple[dict[str, np.ndarray], dict[str, np.ndarray]]] = {}
         for _, name, statistic in asked:
             if name not in known:
                 known[name] = self._of(self.names.index(name), variants.count)
             values, missed = known[name]
+            if compared is not None and statistic in RANGES:
+                others, _ = compared._of(self.names.index(name), variants.count)
+                apart = sum(np.abs(values[end] - others[end]) for end in ("min", "max"))
+                values = values | {key: others[key] + share * apart for key, share in RANGES.items()}
             key = f"{name}.{statistic}"
             found.values[key], found.missed[key], found.scales[key] = (
                 values[statistic],
@@ -157,28 +196,70 @@ class FieldStatistics:
         most, beyond, values, missed = np.empty((2, count)), np.empty((2, count)), {}, {}
         with np.errstate(invalid="ignore"):
             for side, end in enumerate(("min", "max")):
-                best = np.where(self._lost[i], np.nan, _highest(*self._tops[i][side], count))
-                most[side], beyond[side] = best[_VALUE], best[_BOUND] - best[_VALUE]
-                for key, row, off in (("at", _TURNED, _TURNED_OFF), ("time", _TIME, _TIME_OFF)):
-                    values[f"{end}_{key}"], missed[f"{end}_{key}"] = best[row], best[off]
-                values[f"{end}_at"] = self.fields.place(best[_TURNED])
+                best = self._extremes(side, i)
+                most[side], beyond[side] = best.value, best.off
+                values |= {f"{end}_at": self.fields.place(best.turned), f"{end}_time": best.time}
+                missed |= {f"{end}_at": best.turned_off, f"{end}_time": best.time_off}
             (low, high), (below, above) = most * [[-1.0], [1.0]], beyond
             peak = np.abs(most).max(axis=0)
             values |= {"min": low, "max": high, "range": high - low, "amplitude": (high - low) / 2, "peak": peak}
             missed |= {"min": below, "max": above, "range": below + above, "amplitude": (below + above) / 2}
             missed["peak"] = (np.abs(most) + beyond).max(axis=0) - peak
             if self._averaged:
-                total, squares, off, off_squares = np.where(self._lost[i], np.nan, self._sums[i]) / self._time
+                total, squares, off, off_squares = np.where(self._lost[i], np.nan, self._sums[:, i]) / self._time
                 rms = np.sqrt(np.maximum(squares, 0.0))
                 values |= {"mean": total, "rms": rms}
                 missed |= {"mean": off, "rms": np.where(rms > 0.0, 0.5 * off_squares / rms, 0.0)}
         return values, missed
 
+    def _extremes(self, side: int, i: int) -> _Tops:
+        """−Minima or maxima of a field, (variants,): the highest candidates, the earliest of equal ones.
 
-def _peaks(
-    curve: np.ndarray, left: np.ndarray, size: np.ndarray, tolerance: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Maxima of curves on panels, upper bounds of both, their positions on [−1, 1], and error estimates of these.
+        Their errors cover all that may be higher, and how far it is away. NaN for a variant without any.
+        """
+        count = self._size.shape[1]
+        first = (side * len(self.names) + i) * count
+        tops = some(self._tops, (self._tops.owner >= first) & (self._tops.owner < first + count))
+        who = tops.owner - first
+        order = np.lexsort((tops.time, -tops.value, who))
+        order = order[np.flatnonzero(np.diff(who[order], prepend=-1))]
+        found = over_all(some(tops, order), who[order], count)
+        np.maximum.at(found.bound, who, tops.bound)
+        np.maximum.at(found.off, who, tops.bound - found.value[who])
+        for row, off in (("turned", "turned_off"), ("time", "time_off")):
+            distance = np.abs(getattr(tops, row) - getattr(found, row)[who])
+            np.maximum.at(getattr(found, off), who, distance + getattr(tops, off))
+        return on_arrays(lambda row: np.where(self._lost[i], np.nan, row), found)
+
+
+class _Peaks(NamedTuple):
+    """Maxima of curves on panels, (panels,): values, upper bounds, errors; places on [−1, 1] and errors of these."""
+
+    value: np.ndarray
+    bound: np.ndarray
+    off: np.ndarray
+    place: np.ndarray
+    apart: np.ndarray
+
+
+def _left_out(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Bounds of the sums of all coefficients that series leave out, and whether more positions would reduce them, (…).
+
+    Coefficients that fall as k⁻ᵖ leave out n/(p − 1) times the last ones; half as many positions give p.
+
+    Parameters
+    ----------
+    values : ndarray (…, POSITIONS)
+    """
+    last, coarse = tails(values), tails(values[..., ::2], COARSE)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        order = np.log2(coarse / last)
+        share = np.where(order > SMOOTH, np.maximum(POSITIONS / (order - 1.0), LEAST_LEFT), MOST_LEFT)
+    return np.where(last > 0.0, share * last, 0.0), last <= REDUCED * coarse
+
+
+def _peaks(curve: np.ndarray, left: np.ndarray, size: np.ndarray, tolerance: float) -> _Peaks:
+    """Maxima of curves on panels.
 
     A curve of one sign whose series doesn't converge is followed by its signed square where that of this does: the
     magnitude of a vector has a kink where it vanishes, its square doesn't.
@@ -193,36 +274,18 @@ def _peaks(
     tolerance : float
     """
     squares = curve * np.abs(curve)
-    left_of_squares = CONVERGING * tails(squares)
-    one_sign = (curve >= 0.0).all(axis=1) | (curve <= 0.0).all(axis=1)
-    squared = (
-        one_sign & (left_of_squares <= CONVERGING * tolerance * size * size) & (left > CONVERGING * tolerance * size)
-    )
+    left_of_squares, _ = _left_out(squares)
+    falls, rises = (curve <= 0.0).all(axis=1), (curve >= 0.0).all(axis=1)
+    squared = (falls | rises) & (left > tolerance * size) & (left_of_squares <= tolerance * size * size)
     followed = np.where(squared[:, None], squares, curve)
     left, size = np.where(squared, left_of_squares, left), np.where(squared, size * size, size)
-    sampled, found = followed.max(axis=1), tops(followed, np.zeros(len(curve)))
-    converges = squared | (left <= CONVERGING * tolerance * size)
+    found = tops(followed, np.zeros(len(curve)))
     # At a kink the series may exceed the curve.
-    value = np.where(converges, found.values, sampled)
-    bound = found.values + left
-    unsure = left + tolerance * size + 8.0 * EPS * size
+    top = np.where(left <= tolerance * size, found.values, followed.max(axis=1))
+    top = np.where(falls, np.minimum(top, 0.0), top)
+    unsure = left + (tolerance + 8.0 * EPS) * size
     apart = np.where(found.bends < 0.0, np.sqrt(2.0 * unsure / -found.bends), 2.0)
-    value, bound = (np.where(squared, np.sign(row) * np.sqrt(np.abs(row)), row) for row in (value, bound))
-    return value, np.maximum(bound, value), found.places, np.minimum(apart, 2.0)
-
-
-def _highest(who: np.ndarray, rows: np.ndarray, count: int) -> np.ndarray:
-    """The highest candidate of each variant, the earliest of equal ones; NaN for a variant without any.
-
-    Its bound is the highest of all, and its position is as uncertain as all that may be higher are apart.
-    """
-    found = np.full((6, count), np.nan)
-    order = np.lexsort((rows[_TIME], -rows[_VALUE], who))
-    first = order[np.flatnonzero(np.diff(who[order], prepend=-1))]
-    found[:, who[first]] = rows[:, first]
-    np.maximum.at(found[_BOUND], who, rows[_BOUND])
-    rivals = rows[_BOUND] >= found[_VALUE, who]
-    for row, off in ((_TURNED, _TURNED_OFF), (_TIME, _TIME_OFF)):
-        distance = np.abs(rows[row] - found[row, who])
-        np.maximum.at(found[off], who[rivals], (distance + rows[off])[rivals])
-    return found
+    limits = found.values + left, top, top - left
+    bound, value, least = (np.where(squared, np.sign(row) * np.sqrt(np.abs(row)), row) for row in limits)
+    bound = np.maximum(bound, value)
+    return _Peaks(value, bound, np.maximum(bound - value, value - least), found.places, np.minimum(apart, 2.0))

@@ -50,7 +50,7 @@ class FieldWatch:
         self.observers: list[Observer] = [self._statistics] if names else []
         self.observers += [self.instants] if kept else []
 
-    def answers(self) -> FieldAnswers:
-        """What was requested."""
-        found = self._statistics.answers(self._asked)
+    def answers(self, compared: "FieldWatch | None" = None) -> FieldAnswers:
+        """What was requested; of a shifted motion, `compared` with the watch of the other."""
+        found = self._statistics.answers(self._asked, compared._statistics if compared else None)
         return found if self.instants is None else found._replace(rows=self.instants.rows)
