@@ -29,6 +29,8 @@ from engine.scene.scene import Numbers, SceneError
 # Tolerance of a step in steady running, relative to the maximum work in a step: default, fraction of the requested
 # accuracy, minimum.
 TOLERANCE, SURER, LEAST_TOLERANCE = 1e-9, 0.1, 1e-13
+# Default tolerance of the series of fields, relative to the greatest magnitude of each.
+FIELD_TOLERANCE = 1e-8
 # Tolerances of a step in time and of a step over the angle, whose errors are known, relative to the requested accuracy;
 # default tolerance over the angle, relative to that in time.
 SURER_IN_RUNS, FINER = (0.1, 0.3), 0.03
@@ -51,6 +53,8 @@ class AskedRegimes:
     ----------
     tolerance : float
         Tolerance of a step in steady running, relative to the maximum work in a step.
+    field_tolerance : float
+        As for `FieldStatistics`.
     loads : PairLoads or None
         Loads on the pairs, if requested.
     keys : RunKeys
@@ -69,6 +73,7 @@ class AskedRegimes:
         asked = self.asked = asked | self.only_for_shafts
         self.keys = run_keys(mechanics.scene.input)
         self.tolerance = TOLERANCE if accuracy is None else max(SURER * accuracy, LEAST_TOLERANCE)
+        self.field_tolerance = FIELD_TOLERANCE if accuracy is None else self.tolerance
         self.run_tolerance = RUN_TOLERANCE, FINER * RUN_TOLERANCE
         if accuracy is not None:
             self.run_tolerance = tuple(max(share * accuracy, LEAST_TOLERANCE) for share in SURER_IN_RUNS)

@@ -211,7 +211,7 @@ class RegimeMotion:
             shaft = self._number("from_shaft_speed", run.variants, 0.0) / sides.coupling.ratio
             standing = standing._replace(coupled=standing.coupled._replace(speed=shaft))
         along = CoupledFields(sides, standing.clock, self.loads)
-        watch = FieldWatch(along, self.fields if record is None else (), self._asked.tolerance)
+        watch = FieldWatch(along, self.fields if record is None else (), self._asked.field_tolerance)
         observers = watch.observers if record is None else record(along)
         outcome = run_coupled(sides, standing, run.ends, self._stepping(longer), observers)
         return outcome, watch.answers()
@@ -264,7 +264,7 @@ class RegimeMotion:
         """Observers of a steady cycle for the requested fields, kept at equal steps."""
         asked = [*self.fields, *([Asked("", HELD, "peak")] if isinstance(along, HeldFields) else ())]
         turned = self.reduction.cycle / self._asked.steps * np.arange(self._asked.steps)
-        return FieldWatch(along, asked, self._asked.tolerance, turned, averaged=True)
+        return FieldWatch(along, asked, self._asked.field_tolerance, turned)
 
     @staticmethod
     def _over_cycle(watch: FieldWatch, who: np.ndarray, count: int, compared: FieldWatch | None = None) -> FieldAnswers:
@@ -338,7 +338,7 @@ class RegimeMotion:
     def _along_run(self, run: "_Ready", longer: float) -> tuple[FieldAnswers, np.ndarray]:
         """Requested fields of a run, and whether its errors are known."""
         at = () if self._at is None else (self._at.values, self._at.over_time)
-        watch = FieldWatch(self._along(run), self.fields, self._asked.tolerance, *at)
+        watch = FieldWatch(self._along(run), self.fields, self._asked.field_tolerance, *at)
         outcome = run_to_end(self.dynamics, *run.begin, self._asked.steps, self._stepping(longer), watch.observers)
         if watch.instants is not None:
             watch.instants.finish(outcome.verdict == Verdict.OK, *outcome.state[:3])

@@ -58,6 +58,8 @@ def weights_at(share: np.ndarray, slope: bool = False) -> np.ndarray:
     """Weights of a step's samples in its value, or its slope, at fractions of its length, (SHOWN, …)."""
     if slope:
         return np.array([polynomial(share) for polynomial in SLOPES])
+    if share.shape[-1] > 1 and (share == share[..., :1]).all():
+        return weights_at(share[..., :1])
     weights = np.array([polynomial(share) for polynomial in LAGRANGE])
     # Exact at the ends.
     for end, row in ((0.0, 0), (1.0, -1)):

@@ -13,7 +13,8 @@ from engine.laws.rounding import EPS
 
 # Number of last coefficients by which convergence is judged.
 _LAST = 3
-_SHARES_OF = {degree: shares_of(degree) for degree in (COARSE, DEGREE)}
+_SHARES_OF = {degree: shares_of(degree) for degree in (COARSE // 2, COARSE, DEGREE)}
+_FINER = np.polynomial.chebyshev.chebvander(PLACES, COARSE) @ _SHARES_OF[COARSE]
 _K = np.arange(POSITIONS)
 _OF_T = np.where(_K % 2 == 0, 2.0 / (1.0 - np.where(_K % 2 == 0, _K, 0) ** 2.0), 0.0)
 _WEIGHTS = (_OF_T @ SHARES)[None]
@@ -42,9 +43,14 @@ def tails(values: np.ndarray, degree: int = DEGREE) -> np.ndarray:
     ----------
     values : ndarray (…, degree + 1)
     degree : int
-        DEGREE or COARSE.
+        DEGREE, COARSE, or half of this.
     """
     return np.abs(_weighted(_SHARES_OF[degree][-_LAST:], values)).max(axis=0)
+
+
+def finer(values: np.ndarray) -> np.ndarray:
+    """Polynomials of degree COARSE (…, COARSE + 1) at all POSITIONS."""
+    return np.moveaxis(_weighted(_FINER, values), 0, -1)
 
 
 def panel_integrals(values: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ import numpy as np
 from engine.motion.coupled.two_sides import TOGETHER, CoupledSides, Joined, TwoSides, coupling_pull, faced_ways
 from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, TURNED
 from engine.motion.fields.motion_fields import MotionFields, motion_rows, power_rows
-from engine.motion.fields.recorded_motion import TIME, Snapshots, inward
+from engine.motion.fields.recorded_motion import TIME, Snapshots, inward, turn_inwards
 from engine.motion.loads import WITH_FLYWHEEL, PairLoads
 from engine.motion.quantities import INSTANT
 from engine.motion.quantities import TURNED as ANGLE
@@ -79,9 +79,7 @@ class CoupledMotion:
         time, *moving, moment = weighted(weights_at(share), self.samples[..., step])
         states = CoupledSnapshots(self.who[step], time, np.array(moving), moment, some(self._joined, step))
         inwards = states.joined.crank_way * inward(share, self.samples[1 + TURNED][:, step])
-        if inwards.any():
-            crank = self._sides.crank
-            states.moving[TURNED] += inwards * crank.of(states.who).beside(states.turned)
+        turn_inwards(states.turned, inwards, self._sides.crank.of(states.who))
         return states
 
     def durations(self, step: np.ndarray, states: CoupledSnapshots) -> np.ndarray:

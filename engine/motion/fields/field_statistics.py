@@ -6,13 +6,13 @@ rounding is left. What the series leave out gives the error estimates.
 Source: L. N. Trefethen, Approximation Theory and Approximation Practice (2013), ch. 4, 8, 19.
 """
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from typing import NamedTuple
 
 import numpy as np
 
-from engine.cycle.panels.chebyshev import COARSE, PLACES, POSITIONS
-from engine.cycle.panels.sampled import panel_integrals, tails, tops
+from engine.cycle.panels.chebyshev import COARSE, DEGREE, PLACES
+from engine.cycle.panels.sampled import finer, panel_integrals, tails, tops
 from engine.laws.rounding import EPS
 from engine.motion.fields.field_instants import Fields
 from engine.motion.fields.recorded_motion import RecordedMotion
@@ -23,11 +23,14 @@ from engine.stepping.records import on_arrays, over_all, some
 # that are rounding, or of a jump, a halving doesn't reduce either.
 HALVINGS, REDUCED = 6, 0.5
 # Limits of the sum of all coefficients left out, relative to the last ones: of a smooth curve, whose coefficients fall
-# at least as k⁻⁶, and of one with a kink, whose coefficients fall as k⁻² and may by chance be small.
-LEAST_LEFT, MOST_LEFT, SMOOTH = 2.0, 2.0 * POSITIONS, 6.0
+# at least as k⁻⁶; and of one with a kink, relative to n of them, which fall as k⁻² and may by chance be small.
+LEAST_LEFT, MOST_LEFT, SMOOTH = 2.0, 2.0, 6.0
+# Tolerance from which half as many positions are tried first.
+COARSELY = 1e-8
 # A series exceeds its samples by at most this fraction of their range: half the excess over 1 of the Lebesgue constant
 # of 17 Chebyshev points, 2.40.
 EXCEEDS = 0.71
+MEANS = ("mean", "rms")
 # Differences of both extremes, as shares of the range.
 RANGES = {"range": 1.0, "amplitude": 0.5}
 _SHARES = 0.5 + 0.5 * PLACES[:, None]
@@ -94,12 +97,13 @@ class FieldStatistics:
         Names of fields.
     tolerance : float
         Left coefficients that are small enough, relative to the greatest magnitude of a field.
-    averaged : bool
-        Whether means are requested.
+    averaged : collection of str
+        Fields whose means are requested.
     """
 
-    def __init__(self, fields: Fields, names: Iterable[str], tolerance: float, averaged: bool = False) -> None:
-        self.fields, self.names, self._averaged = fields, tuple(dict.fromkeys(names)), averaged
+    def __init__(self, fields: Fields, names: Iterable[str], tolerance: float, averaged: Collection[str] = ()) -> None:
+        self.fields, self.names = fields, tuple(dict.fromkeys(names))
+        self._averaged = np.array([name in averaged for name in self.names], bool)[:, None]
         self._tolerance, shape = tolerance, (len(self.names), fields.variants.count)
         self._size, self._lost = np.zeros(shape), np.zeros(shape, bool)
         self._best, self._tops = np.full(2 * self._size.size, -np.inf), _Tops(np.zeros(0, int), *np.zeros((7, 0)))
@@ -109,54 +113,84 @@ class FieldStatistics:
     def see(self, motion: RecordedMotion) -> None:
         """Evaluate a part of the motion."""
         step, low, high, made = np.arange(motion.who.size), np.zeros(motion.who.size), np.ones(motion.who.size), []
-        for halvings in range(HALVINGS, -1, -1):
+        first = COARSE if self._tolerance >= COARSELY else DEGREE
+        for degree in [first, *([DEGREE] if first == COARSE else ()), *[DEGREE] * HALVINGS]:
             if not step.size:
                 break
-            states = motion.at(step, low + (high - low) * _SHARES)
-            rows = self.fields(states)
-            curves = np.array([rows[name] for name in self.names])
-            sampled = curves.swapaxes(1, 2)
-            for size, curve in zip(self._size, curves, strict=True):
-                np.fmax.at(size, states.who, np.abs(curve).max(axis=0))
-            left, reduces = _left_out(np.where(np.isfinite(curves).all(axis=1)[..., None], sampled, 0.0))
-            rough = left > self._tolerance * self._size[:, states.who]
-            divided = (rough & reduces).any(axis=0) & (halvings > 0)
-            pace = 0.5 * (high - low) * motion.durations(step, states)
-            panels = _Panels(step, low, high, states.who, pace, curves, left)
+            panels, rough = self._panels(motion, step, low, high, degree)
+            divided = rough.any(axis=0) & (len(made) < HALVINGS + (first == COARSE))
             made.append(some(panels, ~divided))
-            step, low, high = (np.repeat(row[divided], 2) for row in (step, low, high))
-            middle = 0.5 * (low + high)
-            high[::2], low[1::2] = middle[::2], middle[1::2]
+            parts = 1 if degree == COARSE else 2
+            step, low, high = (np.repeat(row[divided], parts) for row in (step, low, high))
+            if parts == 2:
+                middle = 0.5 * (low + high)
+                high[::2], low[1::2] = middle[::2], middle[1::2]
         if made:
             self._take(motion, on_arrays(lambda *rows: np.concatenate(rows, axis=-1), *made))
+
+    def _panels(
+        self, motion: RecordedMotion, step: np.ndarray, low: np.ndarray, high: np.ndarray, degree: int
+    ) -> tuple[_Panels, np.ndarray]:
+        """Evaluate parts of steps, and whether more positions are worth while for fields, (fields, panels)."""
+        states = motion.at(step, low + (high - low) * _SHARES[:: DEGREE // degree])
+        who, rows = states.who, self.fields(states)
+        curves = np.array([rows[name] for name in self.names])
+        sampled = curves.swapaxes(1, 2)
+        finite = np.isfinite(sampled).all(axis=2)
+        for size, curve in zip(self._size, np.abs(sampled).max(axis=2), strict=True):
+            np.fmax.at(size, who, curve)
+        left, reduces = _left_out(np.where(finite[..., None], sampled, 0.0), degree)
+        rough = (reduces | (degree == COARSE)) & (left > self._tolerance * self._size[:, who])
+        rough &= self._averaged | self._may_hold(sampled, who, left).any(axis=0)
+        pace = 0.5 * (high - low) * motion.durations(step, states)
+        if degree == COARSE:
+            curves, pace = (np.moveaxis(finer(np.moveaxis(row, -2, -1)), -1, -2) for row in (curves, pace))
+            sampled = curves.swapaxes(1, 2)
+        field, panel = np.nonzero(rough & ~self._averaged)
+        size = self._size[field, who[panel]]
+        rough[field, panel] = ~_squared(sampled[field, panel], left[field, panel], size, self._tolerance)[0]
+        return _Panels(step, low, high, who, pace, curves, left), rough
 
     def _take(self, motion: RecordedMotion, panels: _Panels) -> None:
         """Count all panels of a part of the motion."""
         curves, who, pace = panels.curves.swapaxes(1, 2), panels.who, panels.pace.T
         for lost, curve in zip(self._lost, curves, strict=True):
             np.logical_or.at(lost, who, ~np.isfinite(curve).all(axis=1))
-        if self._averaged:
-            np.add.at(self._time, who, panel_integrals(pace))
-            first = curves * pace
-            missed = 2.0 * pace.max(axis=1) * panels.left
-            squares = 2.0 * missed * np.abs(curves).max(axis=2)
-            for sums, parts in zip(
-                self._sums, (panel_integrals(first), panel_integrals(curves * first), missed, squares), strict=True
+        np.add.at(self._time, who, panel_integrals(pace))
+        for i in np.flatnonzero(self._averaged):
+            first, missed = curves[i] * pace, 2.0 * pace.max(axis=1) * panels.left[i]
+            parts = panel_integrals(first), panel_integrals(curves[i] * first)
+            for total, part in zip(
+                self._sums[:, i], (*parts, missed, 2.0 * missed * np.abs(curves[i]).max(axis=1)), strict=True
             ):
-                for total, part in zip(sums, parts, strict=True):
-                    np.add.at(total, who, part)
+                np.add.at(total, who, part)
         self._find_tops(motion, panels, curves)
+
+    def _owners(self, who: np.ndarray) -> np.ndarray:
+        """Numbers of the extremes of variants, (2, fields, …)."""
+        fields, count = self._size.shape
+        return count * np.arange(2 * fields).reshape(2, fields, 1) + who
+
+    def _may_hold(self, curves: np.ndarray, who: np.ndarray, left: np.ndarray) -> np.ndarray:
+        """Which panels may hold −minimum and maximum of fields, (2, fields, panels).
+
+        Parameters
+        ----------
+        curves : ndarray (fields, panels, POSITIONS)
+        who : ndarray (panels,) of int
+        left : ndarray (fields, panels)
+        """
+        high, low, owner = curves.max(axis=2), curves.min(axis=2), self._owners(who)
+        highest = np.array([-low, high])
+        np.fmax.at(self._best, owner.ravel(), highest.ravel())
+        return highest + EXCEEDS * (high - low) + left >= self._best[owner]
 
     def _find_tops(self, motion: RecordedMotion, panels: _Panels, curves: np.ndarray) -> None:
         """Add the panels that may hold an extreme to the candidates, and drop those that no longer may."""
-        (fields, count), signs = self._size.shape, np.array([-1.0, 1.0])
-        high, low = curves.max(axis=2), curves.min(axis=2)
-        highest, lowest = np.array([-low, high]), np.array([-high, low])
-        owner = count * np.arange(2 * fields).reshape(2, fields, 1) + panels.who
-        np.fmax.at(self._best, owner.ravel(), highest.ravel())
-        may = highest + EXCEEDS * (highest - lowest) + panels.left >= self._best[owner]
+        may, signs = self._may_hold(curves, panels.who, panels.left), np.array([-1.0, 1.0])
         side, field, panel = np.nonzero(may)
-        curve, owner = signs[side, None] * curves[field, panel], owner[may]
+        owner = self._owners(panels.who)[may]
+        curve = signs[side, None] * curves[field, panel]
         peaks = _peaks(curve, panels.left[field, panel], self._size[field, panels.who[panel]], self._tolerance)
         low, high = panels.low[panel], panels.high[panel]
         x = peaks.place + np.array([[0.0], [-1.0], [1.0]]) * peaks.apart
@@ -205,7 +239,7 @@ class FieldStatistics:
             values |= {"min": low, "max": high, "range": high - low, "amplitude": (high - low) / 2, "peak": peak}
             missed |= {"min": below, "max": above, "range": below + above, "amplitude": (below + above) / 2}
             missed["peak"] = (np.abs(most) + beyond).max(axis=0) - peak
-            if self._averaged:
+            if self._averaged[i]:
                 total, squares, off, off_squares = np.where(self._lost[i], np.nan, self._sums[:, i]) / self._time
                 rms = np.sqrt(np.maximum(squares, 0.0))
                 values |= {"mean": total, "rms": rms}
@@ -242,27 +276,40 @@ class _Peaks(NamedTuple):
     apart: np.ndarray
 
 
-def _left_out(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _left_out(values: np.ndarray, degree: int = DEGREE) -> tuple[np.ndarray, np.ndarray]:
     """Bounds of the sums of all coefficients that series leave out, and whether more positions would reduce them, (…).
 
     Coefficients that fall as k⁻ᵖ leave out n/(p − 1) times the last ones; half as many positions give p.
 
     Parameters
     ----------
-    values : ndarray (…, POSITIONS)
+    values : ndarray (…, degree + 1)
+    degree : int
     """
-    last, coarse = tails(values), tails(values[..., ::2], COARSE)
+    last, coarse = tails(values, degree), tails(values[..., ::2], degree // 2)
     with np.errstate(divide="ignore", invalid="ignore"):
         order = np.log2(coarse / last)
-        share = np.where(order > SMOOTH, np.maximum(POSITIONS / (order - 1.0), LEAST_LEFT), MOST_LEFT)
+        share = np.where(order > SMOOTH, np.maximum(degree / (order - 1.0), LEAST_LEFT), MOST_LEFT * degree)
     return np.where(last > 0.0, share * last, 0.0), last <= REDUCED * coarse
+
+
+def _squared(
+    curve: np.ndarray, left: np.ndarray, size: np.ndarray, tolerance: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Which curves are followed by their signed squares, these, and bounds of what the series of these leave out.
+
+    Those of one sign whose series doesn't converge, but that of the square does: the magnitude of a vector has a kink
+    where it vanishes, its square doesn't. Parameters as for `_peaks`.
+    """
+    squares = curve * np.abs(curve)
+    left_of_squares, _ = _left_out(squares)
+    one_sign = (curve <= 0.0).all(axis=1) | (curve >= 0.0).all(axis=1)
+    converges = (left > tolerance * size) & (left_of_squares <= tolerance * size * size)
+    return one_sign & converges, squares, left_of_squares
 
 
 def _peaks(curve: np.ndarray, left: np.ndarray, size: np.ndarray, tolerance: float) -> _Peaks:
     """Maxima of curves on panels.
-
-    A curve of one sign whose series doesn't converge is followed by its signed square where that of this does: the
-    magnitude of a vector has a kink where it vanishes, its square doesn't.
 
     Parameters
     ----------
@@ -273,16 +320,13 @@ def _peaks(curve: np.ndarray, left: np.ndarray, size: np.ndarray, tolerance: flo
         Greatest magnitudes of the curves.
     tolerance : float
     """
-    squares = curve * np.abs(curve)
-    left_of_squares, _ = _left_out(squares)
-    falls, rises = (curve <= 0.0).all(axis=1), (curve >= 0.0).all(axis=1)
-    squared = (falls | rises) & (left > tolerance * size) & (left_of_squares <= tolerance * size * size)
+    squared, squares, left_of_squares = _squared(curve, left, size, tolerance)
     followed = np.where(squared[:, None], squares, curve)
     left, size = np.where(squared, left_of_squares, left), np.where(squared, size * size, size)
     found = tops(followed, np.zeros(len(curve)))
     # At a kink the series may exceed the curve.
     top = np.where(left <= tolerance * size, found.values, followed.max(axis=1))
-    top = np.where(falls, np.minimum(top, 0.0), top)
+    top = np.where((curve <= 0.0).all(axis=1), np.minimum(top, 0.0), top)
     unsure = left + (tolerance + 8.0 * EPS) * size
     apart = np.where(found.bends < 0.0, np.sqrt(2.0 * unsure / -found.bends), 2.0)
     limits = found.values + left, top, top - left

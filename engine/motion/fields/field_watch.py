@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from engine.motion.fields.field_instants import FieldInstants, Fields
-from engine.motion.fields.field_statistics import FieldStatistics
+from engine.motion.fields.field_statistics import MEANS, FieldStatistics
 from engine.motion.fields.recorded_motion import Observer
 from engine.motion.quantities import Asked, FieldAnswers
 
@@ -23,8 +23,6 @@ class FieldWatch:
         Times [s] or angles turned [rad] at which fields are kept.
     over_time : bool
         Whether these are times.
-    averaged : bool
-        As for `FieldStatistics`.
 
     Attributes
     ----------
@@ -40,11 +38,11 @@ class FieldWatch:
         tolerance: float,
         at: np.ndarray | None = None,
         over_time: bool = False,
-        averaged: bool = False,
     ) -> None:
         self.fields, self._asked = fields, [one for one in asked if one.statistic]
         kept = [one.field for one in asked if not one.statistic]
         names = [one.field for one in self._asked]
+        averaged = {one.field for one in self._asked if one.statistic in MEANS}
         self._statistics = FieldStatistics(fields, names, tolerance, averaged)
         self.instants = FieldInstants(fields, kept, at, over_time) if kept else None
         self.observers: list[Observer] = [self._statistics] if names else []

@@ -106,10 +106,7 @@ class OneSpeedMotion:
         """States at fractions (instants, columns) of the length of steps (columns,)."""
         samples, who, facing = self.samples[..., step], self.who[step], self._facing[step]
         time, turned, drive = weighted(weights_at(share), samples)
-        inwards = inward(share, samples[TURNED])
-        if inwards.any():
-            at_end = np.where(inwards < 0.0, samples[TURNED, -1], samples[TURNED, 0])
-            turned = turned + inwards * facing * self._equation.of(who).beside(at_end)
+        turn_inwards(turned, facing * inward(share, samples[TURNED]), self._equation.of(who))
         moment = np.full_like(turned, np.nan)
         if self._lengths is None:
             return Snapshots(who, time, turned, facing, facing * drive, moment)
@@ -140,6 +137,23 @@ def inward(share: np.ndarray, turned: np.ndarray) -> np.ndarray:
     """
     long = np.abs(turned[-1] - turned[0]) > LEAST_REACH
     return np.where(long, (share == 0.0) * 1.0 - (share == 1.0), 0.0)
+
+
+def turn_inwards(turned: np.ndarray, inwards: np.ndarray, equation: EquationOfMotion) -> None:
+    """Move the ends of steps at jumps into the steps, in place.
+
+    Parameters
+    ----------
+    turned : ndarray (instants, columns)
+        Angles turned [rad].
+    inwards : ndarray (instants, columns)
+        +1 or −1 at ends, else 0.
+    equation : EquationOfMotion
+        Of the columns.
+    """
+    ends = np.flatnonzero(inwards.any(axis=1))
+    if ends.size:
+        turned[ends] += inwards[ends] * equation.beside(turned[ends])
 
 
 def at_instant(equation: EquationOfMotion, time: np.ndarray, turned: np.ndarray, omega: np.ndarray) -> OneSpeedMotion:
