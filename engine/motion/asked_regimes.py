@@ -29,7 +29,7 @@ from engine.scene.scene import Numbers, SceneError
 # Tolerance of a step in steady running, relative to the maximum work in a step: default, fraction of the requested
 # accuracy, minimum.
 TOLERANCE, SURER, LEAST_TOLERANCE = 1e-9, 0.1, 1e-13
-# Default tolerance of the series of fields, relative to the greatest magnitude of each.
+# Default tolerance of the series of fields, relative to the peak of each.
 FIELD_TOLERANCE = 1e-8
 # Tolerances of a step in time and of a step over the angle, whose errors are known, relative to the requested accuracy;
 # default tolerance over the angle, relative to that in time.

@@ -49,8 +49,11 @@ def tails(values: np.ndarray, degree: int = DEGREE) -> np.ndarray:
 
 
 def finer(values: np.ndarray) -> np.ndarray:
-    """Polynomials of degree COARSE (…, COARSE + 1) at all POSITIONS."""
-    return np.moveaxis(_weighted(_FINER, values), 0, -1)
+    """Polynomials of degree COARSE (…, COARSE + 1) at all POSITIONS, those known and constants exactly."""
+    first = values[..., :1]
+    found = first + np.moveaxis(_weighted(_FINER, values - first), 0, -1)
+    found[..., ::2] = values
+    return found
 
 
 def panel_integrals(values: np.ndarray) -> np.ndarray:

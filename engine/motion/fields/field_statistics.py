@@ -25,6 +25,8 @@ HALVINGS, REDUCED = 6, 0.5
 # Limits of the sum of all coefficients left out, relative to the last ones: of a smooth curve, whose coefficients fall
 # at least as k⁻⁶; and of one with a kink, relative to n of them, which fall as k⁻² and may by chance be small.
 LEAST_LEFT, MOST_LEFT, SMOOTH = 2.0, 2.0, 6.0
+# Rounding of values at one position, relative to the peak of a field.
+ROUNDED = 16.0 * EPS
 # Tolerance from which half as many positions are tried first.
 COARSELY = 1e-8
 # A series exceeds its samples by at most this fraction of their range: half the excess over 1 of the Lebesgue constant
@@ -50,7 +52,7 @@ class _Panels(NamedTuple):
         Time per unit of the position on [−1, 1] [s].
     curves : ndarray (fields, POSITIONS, panels)
     left : ndarray (fields, panels)
-        Bounds of what the fields' series leave out.
+        Bounds of the sums of all coefficients left out.
     """
 
     step: np.ndarray
@@ -96,7 +98,7 @@ class FieldStatistics:
     names : iterable of str
         Names of fields.
     tolerance : float
-        Left coefficients that are small enough, relative to the greatest magnitude of a field.
+        Left coefficients that are small enough, relative to the peak of a field.
     averaged : collection of str
         Fields whose means are requested.
     """
@@ -107,9 +109,11 @@ class FieldStatistics:
         self._tolerance, shape = tolerance, (len(self.names), fields.variants.count)
         self._size, self._lost = np.zeros(shape), np.zeros(shape, bool)
         self._best, self._tops = np.full(2 * self._size.size, -np.inf), _Tops(np.zeros(0, int), *np.zeros((7, 0)))
-        # ∫f dt and ∫f² dt, and what the series leave out of both.
+        # ∫f dt and ∫f² dt, and error estimates of both.
         self._sums, self._time = np.zeros((4, *shape)), np.zeros(shape[1])
 
+    # A field may be infinite or NaN.
+    @np.errstate(all="ignore")
     def see(self, motion: RecordedMotion) -> None:
         """Evaluate a part of the motion."""
         step, low, high, made = np.arange(motion.who.size), np.zeros(motion.who.size), np.ones(motion.who.size), []
@@ -183,7 +187,7 @@ class FieldStatistics:
         high, low, owner = curves.max(axis=2), curves.min(axis=2), self._owners(who)
         highest = np.array([-low, high])
         np.fmax.at(self._best, owner.ravel(), highest.ravel())
-        return highest + EXCEEDS * (high - low) + left >= self._best[owner]
+        return highest + EXCEEDS * (high - low) + left + ROUNDED * self._size[:, who] >= self._best[owner]
 
     def _find_tops(self, motion: RecordedMotion, panels: _Panels, curves: np.ndarray) -> None:
         """Add the panels that may hold an extreme to the candidates, and drop those that no longer may."""
@@ -287,16 +291,15 @@ def _left_out(values: np.ndarray, degree: int = DEGREE) -> tuple[np.ndarray, np.
     degree : int
     """
     last, coarse = tails(values, degree), tails(values[..., ::2], degree // 2)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        order = np.log2(coarse / last)
-        share = np.where(order > SMOOTH, np.maximum(degree / (order - 1.0), LEAST_LEFT), MOST_LEFT * degree)
+    order = np.log2(coarse / last)
+    share = np.where(order > SMOOTH, np.maximum(degree / (order - 1.0), LEAST_LEFT), MOST_LEFT * degree)
     return np.where(last > 0.0, share * last, 0.0), last <= REDUCED * coarse
 
 
 def _squared(
     curve: np.ndarray, left: np.ndarray, size: np.ndarray, tolerance: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Which curves are followed by their signed squares, these, and bounds of what the series of these leave out.
+    """Which curves are followed by their signed squares, these, and bounds of all coefficients that they leave out.
 
     Those of one sign whose series doesn't converge, but that of the square does: the magnitude of a vector has a kink
     where it vanishes, its square doesn't. Parameters as for `_peaks`.
@@ -315,11 +318,12 @@ def _peaks(curve: np.ndarray, left: np.ndarray, size: np.ndarray, tolerance: flo
     ----------
     curve : ndarray (panels, POSITIONS)
     left : ndarray (panels,)
-        Bounds of what the series leave out.
+        Bounds of the sums of all coefficients left out.
     size : ndarray (panels,)
-        Greatest magnitudes of the curves.
+        Peaks of the fields.
     tolerance : float
     """
+    rounding = ROUNDED * size
     squared, squares, left_of_squares = _squared(curve, left, size, tolerance)
     followed = np.where(squared[:, None], squares, curve)
     left, size = np.where(squared, left_of_squares, left), np.where(squared, size * size, size)
@@ -327,9 +331,9 @@ def _peaks(curve: np.ndarray, left: np.ndarray, size: np.ndarray, tolerance: flo
     # At a kink the series may exceed the curve.
     top = np.where(left <= tolerance * size, found.values, followed.max(axis=1))
     top = np.where((curve <= 0.0).all(axis=1), np.minimum(top, 0.0), top)
-    unsure = left + (tolerance + 8.0 * EPS) * size
+    unsure = left + (tolerance + ROUNDED) * size
     apart = np.where(found.bends < 0.0, np.sqrt(2.0 * unsure / -found.bends), 2.0)
     limits = found.values + left, top, top - left
     bound, value, least = (np.where(squared, np.sign(row) * np.sqrt(np.abs(row)), row) for row in limits)
-    bound = np.maximum(bound, value)
+    bound = np.maximum(bound, value) + rounding
     return _Peaks(value, bound, np.maximum(bound - value, value - least), found.places, np.minimum(apart, 2.0))
