@@ -327,7 +327,7 @@ def _peaks(curve: np.ndarray, left: np.ndarray, size: np.ndarray, tolerance: flo
     squared, squares, left_of_squares = _squared(curve, left, size, tolerance)
     followed = np.where(squared[:, None], squares, curve)
     left, size = np.where(squared, left_of_squares, left), np.where(squared, size * size, size)
-    found = tops(followed, np.zeros(len(curve)))
+    found = tops(followed, ROUNDED * size)
     # At a kink the series may exceed the curve.
     top = np.where(left <= tolerance * size, found.values, followed.max(axis=1))
     top = np.where((curve <= 0.0).all(axis=1), np.minimum(top, 0.0), top)
