@@ -25,8 +25,9 @@ from engine.words.verdicts import Verdict
 
 # Nodes of a history whose fields are computed together.
 MOST_TOGETHER = 50_000
-# Minimum number of intervals between nodes in a step; instants that differ by this fraction are one.
-LEAST_INTERVALS, SAME_TIME = 8, 1e-13
+# Minimum number of intervals between nodes in a step over time; multiples of the spacing are met this closely; instants
+# that differ by this fraction are one.
+LEAST_INTERVALS, AT_MULTIPLE, SAME_TIME = 8, 1e-9, 1e-13
 # Sources and sinks of power.
 SOURCES = ("motors", *CHANNELS, "coupling")
 # Quantities that the two sides of a coupling have separately.
@@ -226,24 +227,31 @@ def _first_rows(column: np.ndarray | dict[str, np.ndarray] | Verdict, count: int
 def _of_part(part: _Part, fields: Iterable[str], steps: int) -> Iterator[dict[str, np.ndarray]]:
     """Columns of a regime, in groups of nodes."""
     name, begun, along, motions, sides = part
-    sense, before = along.variants.direction[0], None
+    sense, before = along.variants.direction[0], -np.inf
     low, high = along.dynamics.reduction.range_of(along.variants.numbers, 1)
     for motion in motions:
-        step, share = _nodes(motion, (high[0] - low[0]) / steps)
+        step, share, own_nodes = _nodes(motion, (high[0] - low[0]) / steps)
+        turned = motion.samples[TURNED][:, step]
+        ends = np.where(share == 0.0, turned[0], turned[-1])
+        if motion is motions[-1]:
+            own_nodes[-1] = True
         for some in np.array_split(np.arange(step.size), -(-step.size // MOST_TOGETHER)):
             states = motion.at(step[some], share[None, some])
             time, turned = states.time[0], states.turned[0]
-            new = ~_repeats(share[some], time, turned, before)
-            before = time[-1], turned[-1]
-            rows = {key: row[0, new] for key, row in along(states).items()}
-            none = np.full(new.sum(), np.nan)
+            at_end = np.isin(share[some], (0.0, 1.0))
+            # On either side of a jump, and after a rest.
+            new = own_nodes[some] | (at_end & (np.abs(turned - ends[some]) > 0.5 * JUMP))
+            new |= (share[some] == 0.0) & ~(np.diff(time, prepend=before) <= SAME_TIME * time)
+            before = time[-1]
+            count, rows = new.sum(), {key: row[0, new] for key, row in along(states).items()}
+            none = np.full(count, np.nan)
             own = {
-                "regime": np.full(new.sum(), name),
+                "regime": np.full(count, name),
                 "time": begun + time[new],
-                "angle": along.start[0] + sense * turned[new],
+                "angle": along.start[0] + sense * np.where(own_nodes[some] & at_end, ends[some], turned)[new],
                 "shaft_speed": none if sides is None else sides.coupling.ratio * rows["speed"],
                 "coupling_moment": none,
-                "coupling power": np.zeros(new.sum()),
+                "coupling power": np.zeros(count),
             }
             moments = (rows["motor_moment"], *(rows[channel] for channel in CHANNELS))
             # The moments of a regime that can't start may be NaN.
@@ -255,21 +263,23 @@ def _of_part(part: _Part, fields: Iterable[str], steps: int) -> Iterator[dict[st
             yield own | {"energy": rows["kinetic_energy"]} | {key: rows[key] for key in kept}
 
 
-def _nodes(motion: RecordedMotion, spacing: float) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes of steps, at their ends and about as densely as those of a cycle within: steps and fractions of these."""
-    turned = motion.samples[TURNED]
-    intervals = np.maximum(LEAST_INTERVALS, np.ceil(np.abs(turned[-1] - turned[0]) / spacing)).astype(int)
-    step, k = elements_of_counts(intervals + 1)
-    return step, k / intervals[step]
+def _nodes(motion: RecordedMotion, spacing: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Nodes of steps: the steps, fractions of these, and whether a node is shown even if nothing jumps there.
 
-
-def _repeats(
-    share: np.ndarray,
-    time: np.ndarray,
-    turned: np.ndarray,
-    before: tuple[float, float] | None,
-) -> np.ndarray:
-    """Which nodes are the ends of the steps before them; on either side of a jump there are two."""
-    last = (np.nan, np.nan) if before is None else before
-    later, farther = (np.abs(np.diff(row, prepend=end)) for row, end in zip((time, turned), last, strict=True))
-    return (share == 0.0) & (later <= SAME_TIME * np.abs(time)) & (farther < JUMP)
+    Steps over the angle have nodes at multiples of `spacing`, others about as densely; all have nodes at both ends.
+    """
+    time, turned = motion.samples[TIME], motion.samples[TURNED]
+    reach, multiple = turned[-1] - turned[0], turned[0] / spacing
+    counts = np.maximum(LEAST_INTERVALS, np.ceil(np.abs(reach) / spacing)) + 1
+    if motion.over_angle:
+        before = np.floor(multiple + AT_MULTIPLE)
+        counts = np.maximum(np.ceil(turned[-1] / spacing - AT_MULTIPLE) - before - 1, 0) + 2
+    # A step may be as short as its rounding.
+    counts[(time[-1] == time[0]) | (motion.over_angle & (reach == 0.0))] = 1
+    step, k = elements_of_counts(counts.astype(int))
+    last = counts[step] - 1
+    if not motion.over_angle:
+        return step, k / np.maximum(last, 1), (k > 0) | (last == 0)
+    inner = ((before[step] + k) * spacing - turned[0, step]) / np.where(last > 0, reach[step], 1.0)
+    shown = np.where(k == 0, np.abs(multiple - np.round(multiple))[step] <= AT_MULTIPLE, k < last) | (last == 0)
+    return step, np.where(k == 0, 0.0, np.where(k == last, 1.0, inner)), shown

@@ -71,6 +71,8 @@ class CoupledMotion:
         Time, angles and speeds of both sides, and torque of the coupling, as in `CoupledSnapshots`.
     """
 
+    over_angle = False
+
     def __init__(self, sides: CoupledSides, who: np.ndarray, joined: Joined, samples: np.ndarray) -> None:
         self.who, self.samples, self._sides, self._joined = who, samples, sides, joined
 

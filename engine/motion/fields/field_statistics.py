@@ -24,7 +24,7 @@ from engine.stepping.records import on_arrays, over_all, some
 HALVINGS, REDUCED = 6, 0.5
 # Limits of the sum of all coefficients left out, relative to the last ones: of a smooth curve, whose coefficients fall
 # at least as k⁻⁶; and of one with a kink, relative to n of them, which fall as k⁻² and may by chance be small.
-LEAST_LEFT, MOST_LEFT, SMOOTH = 2.0, 2.0, 6.0
+LEAST_LEFT, MOST_LEFT, SMOOTH = 2.0, 4.0, 6.0
 # Rounding of values at one position, relative to the peak of a field.
 ROUNDED = 16.0 * EPS
 # Tolerance from which half as many positions are tried first.
@@ -53,6 +53,8 @@ class _Panels(NamedTuple):
     curves : ndarray (fields, POSITIONS, panels)
     left : ndarray (fields, panels)
         Bounds of the sums of all coefficients left out.
+    known : ndarray of bool
+        Whether the fields were evaluated at all positions, not at half of them.
     """
 
     step: np.ndarray
@@ -62,6 +64,7 @@ class _Panels(NamedTuple):
     pace: np.ndarray
     curves: np.ndarray
     left: np.ndarray
+    known: np.ndarray
 
 
 class _Tops(NamedTuple):
@@ -149,11 +152,12 @@ class FieldStatistics:
         pace = 0.5 * (high - low) * motion.durations(step, states)
         if degree == COARSE:
             curves, pace = (np.moveaxis(finer(np.moveaxis(row, -2, -1)), -1, -2) for row in (curves, pace))
-            sampled = curves.swapaxes(1, 2)
-        field, panel = np.nonzero(rough & ~self._averaged)
-        size = self._size[field, who[panel]]
-        rough[field, panel] = ~_squared(sampled[field, panel], left[field, panel], size, self._tolerance)[0]
-        return _Panels(step, low, high, who, pace, curves, left), rough
+        else:
+            field, panel = np.nonzero(rough & ~self._averaged)
+            squared, _, left_of_squares = _squared(sampled[field, panel], left[field, panel])
+            enough = np.sqrt(left_of_squares) <= self._tolerance * self._size[field, who[panel]]
+            rough[field, panel] = ~(squared & enough)
+        return _Panels(step, low, high, who, pace, curves, left, np.full(step.size, degree == DEGREE)), rough
 
     def _take(self, motion: RecordedMotion, panels: _Panels) -> None:
         """Count all panels of a part of the motion."""
@@ -195,7 +199,8 @@ class FieldStatistics:
         side, field, panel = np.nonzero(may)
         owner = self._owners(panels.who)[may]
         curve = signs[side, None] * curves[field, panel]
-        peaks = _peaks(curve, panels.left[field, panel], self._size[field, panels.who[panel]], self._tolerance)
+        size, left = self._size[field, panels.who[panel]], panels.left[field, panel]
+        peaks = _peaks(curve, left, panels.known[panel], size, self._tolerance)
         low, high = panels.low[panel], panels.high[panel]
         x = peaks.place + np.array([[0.0], [-1.0], [1.0]]) * peaks.apart
         states = motion.at(panels.step[panel], low + (high - low) * (0.5 + 0.5 * np.clip(x, -1.0, 1.0)))
@@ -296,22 +301,25 @@ def _left_out(values: np.ndarray, degree: int = DEGREE) -> tuple[np.ndarray, np.
     return np.where(last > 0.0, share * last, 0.0), last <= REDUCED * coarse
 
 
-def _squared(
-    curve: np.ndarray, left: np.ndarray, size: np.ndarray, tolerance: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _squared(curve: np.ndarray, left: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Which curves are followed by their signed squares, these, and bounds of all coefficients that they leave out.
 
-    Those of one sign whose series doesn't converge, but that of the square does: the magnitude of a vector has a kink
-    where it vanishes, its square doesn't. Parameters as for `_peaks`.
+    Those of one sign that the squares follow more closely: the magnitude of a vector has a kink where it vanishes, its
+    square doesn't.
+
+    Parameters
+    ----------
+    curve : ndarray (panels, POSITIONS)
+    left : ndarray (panels,)
+        Bounds of the sums of all coefficients that the curves themselves leave out.
     """
     squares = curve * np.abs(curve)
     left_of_squares, _ = _left_out(squares)
     one_sign = (curve <= 0.0).all(axis=1) | (curve >= 0.0).all(axis=1)
-    converges = (left > tolerance * size) & (left_of_squares <= tolerance * size * size)
-    return one_sign & converges, squares, left_of_squares
+    return one_sign & (np.sqrt(left_of_squares) < left), squares, left_of_squares
 
 
-def _peaks(curve: np.ndarray, left: np.ndarray, size: np.ndarray, tolerance: float) -> _Peaks:
+def _peaks(curve: np.ndarray, left: np.ndarray, known: np.ndarray, size: np.ndarray, tolerance: float) -> _Peaks:
     """Maxima of curves on panels.
 
     Parameters
@@ -319,17 +327,20 @@ def _peaks(curve: np.ndarray, left: np.ndarray, size: np.ndarray, tolerance: flo
     curve : ndarray (panels, POSITIONS)
     left : ndarray (panels,)
         Bounds of the sums of all coefficients left out.
+    known : ndarray (panels,) of bool
+        As in `_Panels`; squares of series have no coefficients of their own.
     size : ndarray (panels,)
         Peaks of the fields.
     tolerance : float
     """
     rounding = ROUNDED * size
-    squared, squares, left_of_squares = _squared(curve, left, size, tolerance)
+    squared, squares, left_of_squares = _squared(curve, left)
+    squared &= known
     followed = np.where(squared[:, None], squares, curve)
     left, size = np.where(squared, left_of_squares, left), np.where(squared, size * size, size)
     found = tops(followed, ROUNDED * size)
     # At a kink the series may exceed the curve.
-    top = np.where(left <= tolerance * size, found.values, followed.max(axis=1))
+    top = np.where(squared | (left <= tolerance * size), found.values, followed.max(axis=1))
     top = np.where((curve <= 0.0).all(axis=1), np.minimum(top, 0.0), top)
     unsure = left + (tolerance + ROUNDED) * size
     apart = np.where(found.bends < 0.0, np.sqrt(2.0 * unsure / -found.bends), 2.0)

@@ -51,10 +51,13 @@ class RecordedMotion(Protocol):
         Variants, ascending.
     samples : ndarray (states, SHOWN, steps)
         Time and angle turned from the start of the run [s], [rad], and other states at the fractions SHOWN.
+    over_angle : bool
+        Whether the angle turned is linear in the fraction, not the time.
     """
 
     who: np.ndarray
     samples: np.ndarray
+    over_angle: bool
 
     def at(self, step: np.ndarray, share: np.ndarray) -> Snapshots:
         """States at fractions (instants, columns) of the length of steps (columns,)."""
@@ -100,6 +103,7 @@ class OneSpeedMotion:
         steep: np.ndarray | bool = False,
     ) -> None:
         self.who, self.samples, self._equation = who, samples, equation
+        self.over_angle = lengths is not None
         self._facing, self._lengths, self._steep = facing, lengths, np.broadcast_to(steep, who.shape)
 
     def at(self, step: np.ndarray, share: np.ndarray) -> Snapshots:
@@ -108,7 +112,7 @@ class OneSpeedMotion:
         time, turned, drive = weighted(weights_at(share), samples)
         turn_inwards(turned, facing * inward(share, samples[TURNED]), self._equation.of(who))
         moment = np.full_like(turned, np.nan)
-        if self._lengths is None:
+        if not self.over_angle:
             return Snapshots(who, time, turned, facing, facing * drive, moment)
         steep = np.flatnonzero(self._steep[step])
         if steep.size:
@@ -120,7 +124,7 @@ class OneSpeedMotion:
 
     def durations(self, step: np.ndarray, states: Snapshots) -> np.ndarray:
         """Time per fraction of the steps [s], as the states."""
-        if self._lengths is None:
+        if not self.over_angle:
             lengths = self.samples[TIME, -1] - self.samples[TIME, 0]
             return np.broadcast_to(lengths[step], states.time.shape)
         return self._lengths[step] / states.omega

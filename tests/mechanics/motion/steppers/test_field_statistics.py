@@ -109,7 +109,7 @@ def test_sharp_peak__of_an_exponential(edges, tolerance, phase, steepness, sign)
 def test_constant_field__its_extremes_are_anywhere():
     found = measured(lambda x: np.full_like(x, 3.0), 1e-8, np.linspace(0.0, TURN, 9))
     assert found["min"][0] == found["max"][0] == 3.0
-    assert found["max"][1] <= 1e-14
+    assert found["max"][1] <= 1e-13
     assert found["max_at"][1] >= math.pi
 
 
