@@ -31,7 +31,7 @@ class Tops(NamedTuple):
     bends: np.ndarray
 
 
-def _weighted(weights: np.ndarray, values: np.ndarray) -> np.ndarray:
+def weighted_sums(weights: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Weighted sums over the positions (weights, …), in their order for any number of panels."""
     return sum(np.multiply.outer(weights[:, j], values[..., j]) for j in range(weights.shape[1]))
 
@@ -45,13 +45,13 @@ def tails(values: np.ndarray, degree: int = DEGREE) -> np.ndarray:
     degree : int
         DEGREE, COARSE, or half of this.
     """
-    return np.abs(_weighted(_SHARES_OF[degree][-_LAST:], values)).max(axis=0)
+    return np.abs(weighted_sums(_SHARES_OF[degree][-_LAST:], values)).max(axis=0)
 
 
 def finer(values: np.ndarray) -> np.ndarray:
     """Polynomials of degree COARSE (…, COARSE + 1) at all POSITIONS, those known and constants exactly."""
     first = values[..., :1]
-    found = first + np.moveaxis(_weighted(_FINER, values - first), 0, -1)
+    found = first + np.moveaxis(weighted_sums(_FINER, values - first), 0, -1)
     found[..., ::2] = values
     return found
 
@@ -63,7 +63,7 @@ def panel_integrals(values: np.ndarray) -> np.ndarray:
     ----------
     values : ndarray (…, POSITIONS)
     """
-    return _weighted(_WEIGHTS, values)[0]
+    return weighted_sums(_WEIGHTS, values)[0]
 
 
 def root_inside(values: np.ndarray) -> np.ndarray:
@@ -78,7 +78,7 @@ def root_inside(values: np.ndarray) -> np.ndarray:
     inner = values[:, 1:-1]
     k = 1 + np.argmax(inner[:, :-1] * inner[:, 1:] < 0.0, axis=1)
     here, after = (np.take_along_axis(values, i[:, None], axis=1)[:, 0] for i in (k, k + 1))
-    series = _weighted(SHARES, values)
+    series = weighted_sums(SHARES, values)
     x = regula_falsi(lambda x: _at(x, series), PLACES[k], PLACES[k + 1])
     follows = tails(values) <= _ROUNDING * np.abs(values).max(axis=1)
     return np.where(follows & (here * after < 0.0), x, 0.0)
@@ -98,7 +98,7 @@ def tops(values: np.ndarray, noise: np.ndarray) -> Tops:
     noise : ndarray (panels,)
         Values that differ by less are equal.
     """
-    series = _weighted(SHARES, values)
+    series = weighted_sums(SHARES, values)
     k = np.argmax(values >= (values.max(axis=1) - noise)[:, None], axis=1)
     x, low, high = PLACES[k], PLACES[np.maximum(k - 1, 0)], PLACES[np.minimum(k + 1, DEGREE)]
     slope, bend = (np.polynomial.chebyshev.chebder(series, m) for m in (1, 2))

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from engine.cycle.panels.chebyshev import PLACES
-from engine.cycle.panels.sampled import tops
+from engine.cycle.panels.sampled import tops, weighted_sums
 from engine.elements.elastic_drives.elastic_cycle import GAUSS, ElasticCycle
 
 # Values at the positions of a panel of the polynomial through a step's points: its ends and the Gauss points.
@@ -28,7 +28,7 @@ def _top(curve: np.ndarray) -> np.ndarray:
     variants, count, _ = curve.shape
     who, highest = np.arange(variants), curve.max(axis=2).argmax(axis=1)
     # The peak may lie in the step with the highest point or in either neighbour.
-    near = (curve[who, (highest + beside) % count] @ _THROUGH.T for beside in (-1, 0, 1))
+    near = (weighted_sums(_THROUGH, curve[who, (highest + beside) % count]).T for beside in (-1, 0, 1))
     return np.fmax.reduce([tops(values, np.zeros(variants)).values for values in near])
 
 

@@ -32,9 +32,9 @@ from engine.motion.coupled.two_sides import OnElasticShaft
 from engine.motion.fields.field_instants import FieldInstants
 from engine.motion.fields.motion_fields import MotionFields
 from engine.motion.fields.recorded_motion import Observer, Snapshots
+from engine.motion.moments.breaks import GAP, JUMP
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion
-from engine.motion.moments.grid import GAP
 from engine.motion.one_speed import MachineSystem
 from engine.motion.regimes_in_order import RegimesInOrder
 from engine.motion.runs.run_progress import ADAPTIVE, Stepping
@@ -418,6 +418,20 @@ def _at_middle(values: np.ndarray) -> np.ndarray:
     return values[..., 0] + (values[..., last] - values[..., 0]) * (0.5 / GAUSS.nodes[last - 1])
 
 
+def _steps_of(variants: Variants, cycle: float, count: int) -> np.ndarray:
+    """Steps of a cycle, (steps, variants) [rad]: equal ones with nodes on both sides of every break between.
+
+    A force may jump where its torque has only a kink, as at a dead centre, where the velocity is zero.
+    """
+    at_breaks = variants.direction * variants.breaks.angles
+    # For a break at the start of the cycle, one side is at the end.
+    sides = np.mod(np.concatenate((at_breaks - JUMP, at_breaks + JUMP)), cycle)
+    # A variant without this break gets the end of the cycle again.
+    sides = np.where(sides > 0.0, sides, cycle)
+    equal = np.arange(count + 1)[:, None] / count * np.full(variants.count, cycle)
+    return np.diff(np.sort(np.concatenate((equal, sides)), axis=0), axis=0)
+
+
 class _Energy(MotionFields):
     """Kinetic energy alone, as a field of a motion."""
 
@@ -430,8 +444,7 @@ class _Energy(MotionFields):
 def _machine_over_cycle(ready: Ready, count: int) -> tuple[DrivenMachine, np.ndarray, RigidCycle]:
     """Machines over a cycle of `count` steps, an initial guess of their motion, and their motion on a rigid shaft."""
     dynamics, bare, own = ready.dynamics, ready.bare, ready.given[:, 2]
-    grid = dynamics.grid(bare, np.zeros(bare.count), count)
-    steps, variants = grid.steps, bare.count
+    steps, variants = _steps_of(bare, dynamics.cycle, count), bare.count
     turned = np.concatenate([np.zeros((1, variants)), np.cumsum(steps, axis=0)])
     within = turned[:-1, None] + steps[:, None] * np.array([0.0, *GAUSS.nodes])[:, None]
     every = np.concatenate([within.reshape(-1, variants), turned[-1:]])

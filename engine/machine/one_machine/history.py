@@ -171,7 +171,10 @@ class _Record:
         self.motions: list[RecordedMotion] = []
 
     def see(self, motion: RecordedMotion) -> None:
-        """Keep a part of the motion."""
+        """Keep a part of the motion; its first step replaces a state at one instant, where it begins at once."""
+        if self.motions and np.ptp(self.motions[-1].samples[TIME]) == 0.0:
+            if self.motions[-1].samples[TIME, 0, 0] == motion.samples[TIME, 0, 0]:
+                self.motions.pop()
         self.motions.append(motion)
 
     def observers(self, who: np.ndarray) -> "list[_Record]":
@@ -227,7 +230,7 @@ def _first_rows(column: np.ndarray | dict[str, np.ndarray] | Verdict, count: int
 def _of_part(part: _Part, fields: Iterable[str], steps: int) -> Iterator[dict[str, np.ndarray]]:
     """Columns of a regime, in groups of nodes."""
     name, begun, along, motions, sides = part
-    sense, before = along.variants.direction[0], -np.inf
+    sense, before = along.variants.direction[0], (-np.inf, np.inf)
     low, high = along.dynamics.reduction.range_of(along.variants.numbers, 1)
     for motion in motions:
         step, share, own_nodes = _nodes(motion, (high[0] - low[0]) / steps)
@@ -240,9 +243,10 @@ def _of_part(part: _Part, fields: Iterable[str], steps: int) -> Iterator[dict[st
             time, turned = states.time[0], states.turned[0]
             at_end = np.isin(share[some], (0.0, 1.0))
             # On either side of a jump, and after a rest.
-            new = own_nodes[some] | (at_end & (np.abs(turned - ends[some]) > 0.5 * JUMP))
-            new |= (share[some] == 0.0) & ~(np.diff(time, prepend=before) <= SAME_TIME * time)
-            before = time[-1]
+            later, apart = (np.diff(row, prepend=end) for row, end in zip((time, turned), before, strict=True))
+            new = own_nodes[some] | (at_end & (np.abs(turned - ends[some]) > 0.5 * JUMP) & (np.abs(apart) > JUMP))
+            new |= (share[some] == 0.0) & ~(later <= SAME_TIME * time)
+            before = time[-1], turned[-1]
             count, rows = new.sum(), {key: row[0, new] for key, row in along(states).items()}
             none = np.full(count, np.nan)
             own = {

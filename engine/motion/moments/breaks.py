@@ -18,6 +18,8 @@ from engine.scene.scene import Numbers, Scene
 
 # Half the width of a jump [rad], with a node on either side: above the rounding of the angle, far below all else.
 JUMP = 1e-10
+# Steps up to this length are within a jump [rad].
+GAP = 4.0 * JUMP
 # Half the width of a jump in time, relative to the times of its table.
 INSTANT = 8.0 * EPS
 # Minimum of that width, for a jump at time 0 [s].
@@ -67,6 +69,46 @@ class Breaks(NamedTuple):
         kept = ~np.isnan(angles).all(axis=1)
         actions = tuple(self.actions[i] for i in chosen)
         return Breaks(angles[kept], actions, acting[:, kept])
+
+
+def edges_of(
+    direction: np.ndarray,
+    breaks: Breaks,
+    cycle: float,
+    begin: float | np.ndarray = 0.0,
+    bounds: np.ndarray | None = None,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Angles turned at jumps and kinks of torques, with both ends of the cycle or of the range, ascending.
+
+    Parameters
+    ----------
+    direction : ndarray (variants,)
+        +1 or −1.
+    breaks : Breaks
+    cycle : float
+        [rad].
+    begin : float or ndarray (variants,)
+        Crank angle at which the angle turned is 0 [rad].
+    bounds : ndarray (2, variants), optional
+        Angles turned at the ends of the range of an input without a cycle.
+
+    Returns
+    -------
+    edges, sides : ndarray (edges, variants)
+        The angles, and the offset from each at which torques are evaluated, at most to the middle of an interval [rad].
+    """
+    count = direction.size
+    if bounds is not None:
+        turned = np.nan_to_num(direction * (breaks.angles - begin), nan=np.inf)
+        edges = np.concatenate((bounds[:1], np.sort(np.clip(turned, *bounds), axis=0), bounds[1:]))
+        return edges, np.where((edges > bounds[0]) & (edges < bounds[1]), JUMP, 0.0)
+    turned = np.nan_to_num(np.mod(direction * (breaks.angles - begin), cycle), nan=cycle)
+    # Rounding may move a break across the start.
+    at_begin = ((turned <= GAP) | (turned >= cycle - GAP)) & ~np.isnan(breaks.angles)
+    ends = np.where(at_begin.any(axis=0), JUMP, 0.0)
+    edges = np.concatenate((np.zeros((1, count)), np.sort(turned, axis=0), np.full((1, count), cycle)))
+    sides = np.where((edges > 0.0) & (edges < cycle), JUMP, ends)
+    return edges, sides
 
 
 def watches_of(crossings: Iterable[Crossing], loads: Sequence[Load]) -> list[Watch]:

@@ -15,7 +15,6 @@ from engine.mechanism.friction import relative_motion, rolling_rate
 from engine.mechanism.link_loads import Grip, Load
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.breaks import Breaks, instants_of
-from engine.motion.moments.grid import Grid, make_grid
 from engine.motion.moments.landmarks import Landmarks
 from engine.motion.moments.own_drives import loads_of
 from engine.motion.moments.tabulation import Ends, Tabulation
@@ -375,10 +374,6 @@ class Dynamics:
         motors, squares = (rows[names[name]] if name in names else nothing for name in ("motors", "squares"))
         loads = [rows[names[name]] for name in self.channels] if self.works else [change + sign * motors]
         return np.stack([motors, *loads]), squares
-
-    def grid(self, variants: Variants, start: np.ndarray, steps: int) -> Grid:
-        """Grid over a cycle from a start angle, with nodes at every break."""
-        return make_grid(start, variants.direction, steps, self.cycle, variants.breaks)
 
     def inertia(self, variants: Variants, places: np.ndarray, who: np.ndarray | slice = slice(None)) -> np.ndarray:
         """Reduced inertia with the flywheel at crank angles (…, variants) of all variants, or of some [kg·m²]."""

@@ -8,8 +8,8 @@ import numpy as np
 
 from engine.graph.nodes import Given
 from engine.motion.fields.recorded_motion import Observer, RecordedMotion
+from engine.motion.moments.breaks import edges_of
 from engine.motion.moments.equation_of_motion import EquationOfMotion
-from engine.motion.moments.grid import edges_of
 from engine.motion.one_speed import Sizes
 from engine.stepping.runs import WalkedRuns
 from engine.stepping.walk_task import Why

@@ -14,9 +14,9 @@ import numpy as np
 
 from engine.compiling.packed import Packed
 from engine.motion.fields.recorded_motion import Observer, OneSpeedMotion
+from engine.motion.moments.breaks import edges_of
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion
-from engine.motion.moments.grid import edges_of
 from engine.stepping.closed_cycle import TOO_STEEP
 from engine.stepping.methods import EIGHT, NINE
 from engine.stepping.recorded import RECORDED, made_steps
