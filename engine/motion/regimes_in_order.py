@@ -1,9 +1,9 @@
 """The regimes of a scene in order, for many variants, with an error estimate for every number.
 
 Runs over the crank angle and steady running propagate the errors of their steps; fields of steady running, and what
-follows a run, are evaluated again with these errors added, fields at half the positions. All other motions run three
-times, twice for comparison. The error estimate is the larger of the propagated error and the range of the results, plus
-the rounding of the energies.
+follows a run, are evaluated again with these errors added. All other motions run three times, twice for comparison.
+The error estimate is the larger of the propagated error and the range of the results, plus the rounding of the
+energies.
 """
 
 from typing import NamedTuple
@@ -39,7 +39,7 @@ STEPS_OF_ROUNDING = 32
 def share_of_change(name: str) -> float:
     """Factor from the change with coarser steps to the error estimate of a result."""
     last = name.rpartition(".")[2]
-    # Two positions may share an extreme; the estimate of a position is one step instead.
+    # Two positions may share an extreme; the estimate of a position covers its rivals instead.
     if last in ("min_at", "max_at", "min_time", "max_time"):
         return 0.0
     # Means over time and extremes converge without an order if a steep motor recovers from a jump within a step.

@@ -172,9 +172,8 @@ class _Record:
 
     def see(self, motion: RecordedMotion) -> None:
         """Keep a part of the motion; its first step replaces a state at one instant, where it begins at once."""
-        if self.motions and np.ptp(self.motions[-1].samples[TIME]) == 0.0:
-            if self.motions[-1].samples[TIME, 0, 0] == motion.samples[TIME, 0, 0]:
-                self.motions.pop()
+        if self.motions and (self.motions[-1].samples[TIME] == motion.samples[TIME, 0, 0]).all():
+            self.motions.pop()
         self.motions.append(motion)
 
     def observers(self, who: np.ndarray) -> "list[_Record]":
