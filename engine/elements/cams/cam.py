@@ -106,7 +106,7 @@ class CamElement(CamProgram, Element):
             if at in values:
                 k = np.argmax([values[sought] for sought in of], axis=0)
                 blurs = found.places.blurs[[self._sought.index(sought) for sought in of]]
-                off = np.sqrt([errors[sought] for sought in of]) * blurs
+                off = np.where(blurs > 0.0, np.sqrt([errors[sought] for sought in of]) * blurs, 0.0)
                 errors[at] = errors[at] + ROUNDING * EPS * TURN + np.choose(k, off)
         return self._answers(n, (values, errors), found.verdicts)
 

@@ -413,6 +413,18 @@ def test_face_length__is_as_sure_as_its_ends():
         within(values["face_length"], errors["face_length"], float(abs(ends[1] - ends[0])))
 
 
+def test_arm_all_but_in_line__has_estimates():
+    """A rounding changes the angle by the root of its share; a larger change and the arm doesn't reach the cam."""
+    base, arm, d = 0.002 * (1 + 1e-9), 0.07, 0.08
+    values, errors, _ = cam_answers(ARM, "rise_pressure_angle", "convex_radius_at", base_radius=base)
+    with mpmath.workdps(30):
+        prime, a, d = mpmath.mpf(base) + mpmath.mpf(0.008), mpmath.mpf(arm), mpmath.mpf(d)
+        cosine = (a * a + d * d - prime * prime) / (2 * a * d)
+        true = mpmath.atan2(a - d * cosine, d * mpmath.sqrt(1 - cosine * cosine))
+        within(values["rise_pressure_angle"], errors["rise_pressure_angle"], abs(float(true)))
+    assert max(errors.values()) < 1e-3
+
+
 def test_needed_preload__does_not_depend_on_that_given():
     mass = 0.5
     values, errors, _ = cam_answers(ROLLER, follower__stiffness=0, follower__mass=mass, follower__preload=1e9)
