@@ -2,6 +2,7 @@
 
 import math
 
+import mpmath
 import numpy as np
 import pytest
 from each_case import refusals
@@ -59,6 +60,30 @@ def test_tilted_cloud_of_points__has_the_sums_over_the_turned_points(seed, yaw, 
     couple = np.cross(turned, forces).sum(axis=0)
     assert found[9][0] == pytest.approx(np.hypot(*couple[:2]), rel=1e-9, abs=1e-11 * size)
     assert found[10][0] == pytest.approx(np.hypot(*forces.sum(axis=0)[:2]), rel=1e-9, abs=1e-11 * size)
+
+
+@some
+@given(st.floats(1e-6, 1.0), st.floats(0.1, 1.0), angles, angles, angles, st.floats(-1e3, 1e3))
+def test_slender_body__is_as_sure_as_its_terms_that_cancel(least, middle, yaw, pitch, roll, x):
+    """By many digits: of moments that nearly cancel, a tilted needle or a point far away leave few."""
+    axes, names = (least, middle, 1.0), [*FIXED, *PRINCIPAL, "principal_tilt"]
+    body = {"type": "tilted_body", "mass": 2.0, "yaw": yaw, "pitch": pitch, "roll": roll, "x": x}
+    found = figures(body | {f"semi_axis_{k}": axis for k, axis in zip("xyz", axes, strict=True)}, *names)
+    with mpmath.workdps(40):
+        a, b, c = (mpmath.mpf(axis) ** 2 for axis in axes)
+        turned = mpmath.eye(3)
+        for angle, (i, j) in ((yaw, (0, 1)), (pitch, (2, 0)), (roll, (1, 2))):
+            about = mpmath.eye(3)
+            about[i, i] = about[j, j] = mpmath.cos(angle)
+            about[j, i], about[i, j] = mpmath.sin(angle), -mpmath.sin(angle)
+            turned = turned * about
+        fixed = turned * (mpmath.mpf(2) / 5 * mpmath.diag([b + c, c + a, a + b])) * turned.T
+        fixed += 2 * mpmath.mpf(x) ** 2 * mpmath.diag([0, 1, 1])
+        principal, own = mpmath.eigsy(fixed)
+        tilt = min(mpmath.acos(abs(own[2, k])) for k in range(3))
+        wanted = [*(fixed[k, k] for k in range(3)), -fixed[0, 1], -fixed[1, 2], -fixed[2, 0]]
+        for (value, error), there in zip(found, [*wanted, *sorted(principal, reverse=True), tilt], strict=True):
+            assert abs(value - there) <= error
 
 
 def test_ellipsoid__has_its_moments_and_a_disc_askew_on_its_shaft_the_textbooks_couple():
