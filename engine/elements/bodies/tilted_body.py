@@ -23,7 +23,7 @@ MOMENTS = ("inertia_x", "inertia_y", "inertia_z")
 SEMI_AXES = ("semi_axis_x", "semi_axis_y", "semi_axis_z")
 _PRODUCTS = ("product_xy", "product_yz", "product_zx")
 _PLACES_OF_PRODUCTS = ((0, 1), (1, 2), (2, 0))
-# Roundings of a term of the matrices, and of the greatest principal moment.
+# Roundings of a term of the matrices, and of the maximum principal moment.
 _ROUNDINGS = 8.0
 # Relative amount by which a plate's moment may exceed the sum of the two others: input numbers are rounded.
 _GREATEST_INERTIA = 1e150

@@ -139,6 +139,39 @@ def test_body_on_a_lever__moves_as_integrated_in_fixed_axes(speed, velocity, fri
         assert value == pytest.approx(there, rel=1e-6, abs=error + 1e-9), name
 
 
+@some
+@given(st.floats(-9, 2), st.floats(-6, 2), st.floats(-6, 1))
+def test_short_way_on_the_lever__keeps_its_digits(way, velocity, friction):
+    """By many digits: over a short way all exponentials cancel."""
+    radius, speed, mass = 0.1, 20.0, 0.5
+    length, velocity, friction = radius * (1 + 10**way), 10**velocity, 10**friction
+    lever = {"mass": mass, "speed": speed, "start_radius": radius, "length": length, "start_velocity": velocity}
+    lever |= {"type": "rotating_guide", "friction": friction}
+    found = figures(lever, "turned_angle", "relative_speed", "friction_work")
+    with mpmath.workdps(50):
+        f, r, v = mpmath.mpf(friction), mpmath.mpf(radius), mpmath.mpf(velocity) / speed
+        root = mpmath.sqrt(1 + f * f)
+        out, back = root - f, -(root + f)
+        first = (v - back * r) / (2 * root)
+
+        def slid(x):
+            return first * mpmath.expm1(out * x) + (r - first) * mpmath.expm1(back * x)
+
+        def rate(x):
+            return first * out * mpmath.exp(out * x) + (r - first) * back * mpmath.exp(back * x)
+
+        x = mpmath.mpf(found[0][0])
+        x -= (slid(x) - (mpmath.mpf(length) - r)) / rate(x)
+        parts = first * out, (r - first) * back
+        work = parts[0] ** 2 * mpmath.expm1(2 * out * x) / (2 * out) + parts[1] ** 2 * mpmath.expm1(2 * back * x) / (
+            2 * back
+        )
+        work += 2 * parts[0] * parts[1] * mpmath.expm1(-2 * f * x) / (-2 * f)
+        wanted = x, speed * rate(x), 2 * f * mass * speed**2 * work
+        for (value, error), there in zip(found, wanted, strict=True):
+            assert abs(value - there) <= error
+
+
 def test_lever_without_friction__is_the_hyperbolic_cosine():
     time, turned, rate = one(LEVER, "time", "turned_angle", "relative_speed")
     assert time == pytest.approx(math.acosh(5.0) / 20.0, rel=1e-14)
