@@ -195,6 +195,21 @@ def test_layers_one_by_one__press_the_ring_as_the_winding_does():
     assert found == pytest.approx([bore, at_ring], rel=1e-6)
 
 
+@pytest.mark.parametrize(("bore", "edge"), [(1e-3, 1.002e-3), (4e-3, 4.1e-3), (0.5, 0.52)])
+def test_peak_tension_of_the_winding__is_that_of_its_layers(bore, edge):
+    """Next to a small bore it is a narrow peak, which closely spaced samples show."""
+    speed, density, nu, tension, b = 500.0, 1000.0, 0.3, 1e6, 1.0
+    wheel = {"bore": bore, "winding_diameter": edge, "diameter": 2 * b, "poisson_ratio": nu, "speed": speed}
+    wheel |= {"winding_stress": tension, "density": density}
+    ((value, error),) = figures(WOUND | wheel, "layer_stress")
+    a, c = bore / 2, edge / 2
+    r = a + (c - a) * ((b - a) / (c - a)) ** np.linspace(0.0, 1.0, 400_001)
+    spin = (3 + nu) / 8 * density * speed**2
+    stress = tension * (1 - (r * r + a * a) / (2 * r * r) * np.log((b * b - a * a) / (r * r - a * a)))
+    stress += spin * (a * a + b * b + (a * b / r) ** 2 - (1 + 3 * nu) / (3 + nu) * r * r)
+    assert value == pytest.approx(stress[:-1].max(), rel=1e-8, abs=error)
+
+
 @some
 @given(st.floats(0.02, 0.6), st.floats(0.05, 0.9), st.floats(0.0, 0.49), st.floats(0.0, 5e8), st.floats(10.0, 3000.0))
 def test_stresses_of_the_spinning_wheel__carry_its_centrifugal_forces(bore, share, nu, tension, speed):
