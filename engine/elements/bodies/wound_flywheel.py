@@ -93,7 +93,7 @@ class WoundFlywheel(Element):
         # Next to a small bore the stresses fall off with the distance from it.
         places = np.clip(a + (c - a) * ((b - a) / (c - a)) ** np.linspace(0.0, 1.0, _PLACES)[:, None], c, b)
         stress, _ = sampled_peak(lambda r: layer(r)[0], lambda r: layer(r)[1], places)
-        about = np.log((b - a) * (b + a) / ((c - a) * (c + a)))
+        about = np.log1p((b - c) * (b + c) / ((c - a) * (c + a)))
         hollow = (c - a) * (c + a) / c**2
         pressure = 0.5 * tension * hollow * about
         spun = 2.0 * spin * (b**2 + (1.0 - nu) / (3.0 + nu) * a**2)
