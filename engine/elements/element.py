@@ -31,6 +31,8 @@ from engine.words.verdicts import Verdict
 Numbers = Mapping[str, np.ndarray]
 Columns = dict[str, np.ndarray]
 
+# Relative change of numbers so close to a limit that the usual one exceeds it.
+LEAST_NUDGE = 2.0**-13 * NUDGE
 # Rounding units of a result's size that its error estimate contains.
 ROUNDING = 16
 # Samples of a curve over an input number, and the most diagrams drawn for an element that defines none.
@@ -297,23 +299,26 @@ def _with_tag(problem: Mapping[str, Any], tag: str) -> InitErrorDetails:
 MachineElement = SerializeAsAny[Annotated[Element, WrapValidator(_of_its_kind)]]
 
 
-def nudged(values: Callable[[Numbers], Columns], n: Numbers) -> tuple[Columns, Columns]:
+def nudged(values: Callable[[Numbers], Columns], n: Numbers, nudge: float = NUDGE) -> tuple[Columns, Columns]:
     """Results with error estimates from the relative change of each number in turn.
 
-    An estimate sums the rounding of each number, propagated through the law, and the rounding of the result.
+    An estimate sums the rounding of each number, propagated through the law, and the rounding of the result. Where a
+    changed number leaves a result undefined, it is changed by less.
 
     Parameters
     ----------
     values : callable
         Returns the results by name for the numbers of all variants.
     n : mapping of str to ndarray (variants,)
+    nudge : float
+        The relative change.
     """
     table = np.array(list(n.values()))
     count, variants = table.shape
     # One call for all, as additional variants; the first copy is unchanged.
     every = np.repeat(table[:, None, :], count + 1, axis=1)
     k = np.arange(count)
-    every[k, k + 1] *= 1.0 + NUDGE
+    every[k, k + 1] *= 1.0 + nudge
     found, errors = {}, {}
     for name, rows in values(dict(zip(n, every.reshape(count, -1), strict=True))).items():
         parts = np.broadcast_to(rows, every[0].size).reshape(count + 1, variants)
@@ -322,5 +327,9 @@ def nudged(values: Callable[[Numbers], Columns], n: Numbers) -> tuple[Columns, C
             steeper = np.where(parts[1:] != 0.0, np.fmax(np.abs(parts[0] / parts[1:]), 1.0), 1.0)
             moved = np.abs(parts[1:] - parts[0]) * steeper
         moved = np.where(np.isnan(moved), math.inf, moved).sum(axis=0)
-        found[name], errors[name] = parts[0], ROUNDING * EPS * (np.abs(parts[0]) + moved / (NUDGE * ROUNDING))
+        found[name], errors[name] = parts[0], ROUNDING * EPS * (np.abs(parts[0]) + moved / (nudge * ROUNDING))
+    lost = {name for name, row in errors.items() if (np.isinf(row) & np.isfinite(found[name])).any()}
+    if lost and nudge == NUDGE:
+        closer = nudged(values, n, LEAST_NUDGE)[1]
+        errors |= {name: np.where(np.isinf(errors[name]), closer[name], errors[name]) for name in lost}
     return found, errors

@@ -12,6 +12,7 @@ from engine.compiling.decorators import driver, routine
 from engine.compiling.kept_code import load_printed
 from engine.compiling.running import spread
 from engine.compiling.tiles import TypedFunction, field_signature
+from engine.cycle.measures.angles import SHARP
 from engine.graph.functions import Functions, field_function
 from engine.graph.nodes import Node
 from engine.laws.elementary import angle_or_zero, direction_of
@@ -19,6 +20,8 @@ from engine.quantities.expressions import Angle
 
 # Rows of the ends of each variant's range, if the positions are the same for all variants.
 NONE = (-1, -1)
+# Shortest step, as a fraction of the distance of two positions, in which a direction that turns sharply is followed.
+LEAST_STEP = 2.0**-40
 
 
 def field_node(curve: Node | Angle) -> Node:
@@ -81,30 +84,59 @@ class KeptFields:
         kept = _Kept(table, memory, places, positions, ends, self._followed)
 
         def arguments() -> tuple:
-            return self._function, kept, fields, finite, _new_scratch(len(table), positions)
+            return self._function, kept, fields, finite, _new_scratch(len(table), positions, fields)
 
         spread(_fill, -(-table.shape[1] // LANES), arguments)
         return finite
 
 
 @routine
-def _follow(row: np.ndarray) -> None:
-    """Unwrap angles between −π and π of a direction that turns by less than π between positions."""
-    jumps = False
+def _follow(function: Callable, memory: np.ndarray, scratch: "_Scratch", row: np.ndarray, i: int) -> None:
+    """Unwrap angles between −π and π of a direction, field `i`."""
+    sharp = False
     for k in range(1, row.shape[0]):
-        jumps |= abs(row[k] - row[k - 1]) > math.pi
-    if not jumps:
+        sharp |= abs(row[k] - row[k - 1]) > SHARP
+    if not sharp:
         return
     before, turns = row[0], 0.0
     for k in range(1, row.shape[0]):
         here = row[k]
         step = here - before
-        if step > math.pi:
-            turns -= 1.0
-        elif step < -math.pi:
-            turns += 1.0
-        row[k] = here + turns * (2.0 * math.pi)
+        if abs(step) > SHARP:
+            turned = _turned(function, memory, scratch, i, (k, before, here))
+            # Positions without a value keep the turns so far.
+            turns += np.rint((turned - step) / math.tau) if abs(turned) < math.inf else 0.0
+        row[k] = here + turns * math.tau
         before = here
+
+
+@routine
+def _turned(
+    function: Callable, memory: np.ndarray, scratch: "_Scratch", i: int, ends: tuple[int, float, float]
+) -> float:
+    """Angle by which the direction turns before position k, from one angle to another: `ends` are k and both.
+
+    It is followed in steps that turn it by at most SHARP, halved and doubled as required, unless it jumps.
+    """
+    k, here, last = ends
+    q, stop = scratch.at[0, k - 1], scratch.at[0, k]
+    total, least, step = 0.0, LEAST_STEP * abs(stop - q), stop - q
+    while q != stop:
+        ahead, angle = q + step, last
+        if abs(stop - q) <= abs(step):
+            ahead = stop
+        else:
+            scratch.near[0, 0] = ahead
+            scratch.near[1, 0], scratch.near[2, 0] = direction_of(ahead)
+            function(scratch.p, memory, scratch.near[0], scratch.near[1], scratch.near[2], 0, scratch.found)
+            angle = float(scratch.found[i, 0, 0])
+        by = angle - here
+        by -= math.tau * np.rint(by / math.tau)
+        if abs(by) > SHARP and abs(step) > least:
+            step *= 0.5
+            continue
+        total, here, q, step = total + by, angle, ahead, 2.0 * step
+    return total
 
 
 @routine
@@ -151,15 +183,22 @@ class _Scratch(NamedTuple):
         Numbers of one of them.
     at : ndarray (3, positions)
         Input positions of one variant, with cosine and sine.
+    near : ndarray (3, 1)
+        The same of a position between two of them.
+    found : ndarray (fields, 1, 1)
+        Fields there.
     """
 
     block: np.ndarray
     p: np.ndarray
     at: np.ndarray
+    near: np.ndarray
+    found: np.ndarray
 
 
-def _new_scratch(numbers: int, positions: np.ndarray) -> _Scratch:
-    return _Scratch(np.empty((numbers, LANES)), np.empty(numbers), positions.copy())
+def _new_scratch(numbers: int, positions: np.ndarray, fields: np.ndarray) -> _Scratch:
+    found = np.empty((len(fields), 1, 1), fields.dtype)
+    return _Scratch(np.empty((numbers, LANES)), np.empty(numbers), positions.copy(), np.empty((3, 1)), found)
 
 
 @driver
@@ -190,7 +229,7 @@ def _fill(
                     cos_q[k], sin_q[k] = direction_of(here)
             function(p, kept.memory, q, cos_q, sin_q, place, fields)
             for i in kept.followed:
-                _follow(fields[i, place])
+                _follow(function, kept.memory, scratch, fields[i, place], i)
             every = True
             for i in range(fields.shape[0]):
                 every &= _is_finite(fields[i, place])

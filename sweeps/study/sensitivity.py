@@ -142,7 +142,7 @@ class Sensitivity:
             by = along(asked.by, True)
             found |= {asked.name: by.values[asked.of], f"{asked.name}_error": by.errors[asked.of]}
             found[f"status_by.{asked.by}"] = by.status
-        return found | self._bands(known, along) if self.tolerances else found
+        return found | self._bands(known, along) if self._summaries else found
 
     # Moves
 
@@ -175,40 +175,42 @@ class Sensitivity:
         self, known: Mapping[str, np.ndarray], along: Callable[[str, bool], engine.Derivatives]
     ) -> dict[str, np.ndarray]:
         slopes = [along(tolerance.path, False) for tolerance in self.tolerances]
-        widths, ends = np.array([[t.half_width] for t in self.tolerances]), self._ends(known)
-        first, second = np.triu_indices(len(self.tolerances), 1)
+        widths, count = np.array([[t.half_width] for t in self.tolerances]), len(slopes)
+        shares = {name: np.stack([s.values[name] for s in slopes]) * widths for name in self._summaries}
+        each, (first, second) = np.eye(count), np.triu_indices(count, 1)
+        up = np.vstack([each, each[first] + each[second]])
+        # Where all tolerances add up, the furthest of all machines.
+        corners = np.concatenate([[sign * np.copysign(1.0, rows) for sign in (1, -1)] for rows in shares.values()])
+        around = np.broadcast_to(np.stack([up, -up])[..., None], (2, *up.shape, corners.shape[-1]))
+        changes = self._changes(known, np.concatenate([*around, corners]))
         found = {}
-        for name in self._summaries:
-            parts, slips = (
-                np.stack(rows) * widths for rows in ([s.values[name] for s in slopes], [s.errors[name] for s in slopes])
-            )
+        for k, (name, parts) in enumerate(shares.items()):
+            near, far = changes[name][: 2 * len(up)].reshape(2, len(up), -1), changes[name][2 * len(up) :][2 * k :][:2]
+            alone, paired = near[:, :count], near[:, count:]
             # What is nonlinear in one number adds to the error of its slope; a product of two is linear in each.
-            alone, paired = ends[name]
-            slips += np.abs(alone - np.stack([parts, -parts])).max(axis=0)
+            of_slopes = np.stack([s.errors[name] for s in slopes]) * widths
+            slips = of_slopes + np.abs(alone - np.stack([parts, -parts])).max(axis=0)
             both = MARGIN * np.abs(paired - alone[:, first] - alone[:, second]).max(axis=0)
+            beyond = of_slopes.sum(axis=0) + np.abs(np.abs(far) - np.abs(parts).sum(axis=0)).max(axis=0)
             doubts = np.vstack([slips, both])
-            parts = np.where(np.isfinite(doubts).all(axis=0), parts, np.nan)
+            parts = np.where(np.isfinite(doubts).all(axis=0) & np.isfinite(beyond), parts, np.nan)
             for ending, added in ((WORST_CASE, np.sum), (RSS, np.linalg.norm)):
                 found[f"{name}.{ending}"] = added(np.abs(parts), axis=0)
-                found[f"{name}.{ending}_error"] = added(doubts, axis=0)
+                found[f"{name}.{ending}_error"] = np.maximum(added(doubts, axis=0), beyond * (ending == WORST_CASE))
         return found
 
-    def _ends(self, known: Mapping[str, np.ndarray]) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        """Changes of each summary at both ends (2, tolerances, variants) of every tolerance, and of every pair at once.
+    def _changes(self, known: Mapping[str, np.ndarray], offsets: np.ndarray) -> dict[str, np.ndarray]:
+        """Changes of each summary (offsets, variants), NaN if no machine can be built there.
 
-        NaN if no machine can be built there.
+        The offsets (offsets, tolerances, variants) are multiples of the tolerances.
         """
-        count = known[self.tolerances[0].path].size
-        each = np.eye(len(self.tolerances))
-        up = np.vstack([each, *(each[i] + each[i + 1 :] for i in range(len(each)))])
-        offsets = np.vstack([0.0 * each[:1], up, -up])
-        places = {path: np.broadcast_to(known[path], (len(offsets), count)) for path in self.machine.varied}
-        for tolerance, offset in zip(self.tolerances, offsets.T, strict=True):
-            places[tolerance.path] = places[tolerance.path] + tolerance.half_width * offset[:, None]
+        offsets = np.concatenate([0.0 * offsets[:1], offsets])
+        shape = len(offsets), offsets.shape[-1]
+        places = {path: np.broadcast_to(known[path], shape) for path in self.machine.varied}
+        for k, tolerance in enumerate(self.tolerances):
+            places[tolerance.path] = places[tolerance.path] + tolerance.half_width * offsets[:, k]
         outcome = self.machine.evaluate({path: values.ravel() for path, values in places.items()})
-        found = {}
-        for name, values in outcome.summaries.items():
-            built = np.where(outcome.status == engine.Verdict.OK, values, np.nan).reshape(-1, count)
-            changes = (built[1:] - built[0]).reshape(2, len(up), count)
-            found[name] = changes[:, : len(each)], changes[:, len(each) :]
-        return found
+        built = {
+            name: np.where(outcome.status == engine.Verdict.OK, row, np.nan) for name, row in outcome.summaries.items()
+        }
+        return {name: row.reshape(shape)[1:] - row.reshape(shape)[:1] for name, row in built.items()}

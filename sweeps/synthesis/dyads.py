@@ -140,7 +140,7 @@ def dyads_of_turn(positions: Sequence[PlanePosition], turn: float) -> list[Plane
 def _turned_to_close(rest: complex, d3: complex, d4: complex, side: float) -> complex | None:
     """exp(iβ₃) with Δ₃ exp(iβ₃) + Δ₄ exp(iβ₄) = rest, for one of the two triangles."""
     a, b, c = abs(d3), abs(d4), abs(rest)
-    if not a > 0.0 or not c > 0.0:
+    if not a * c > 0.0:
         return None
     cosine = (a * a + c * c - b * b) / (2.0 * a * c)
     if abs(cosine) > 1.0:

@@ -75,7 +75,8 @@ D = {{ x = "{_length(found.frame)}", y = 0 }}           # bearing of the rocker
 def lever_text(found: QuickLever, stroke: float, ratio: float, speed: str) -> str:
     """Scene of a crank-shaper: a slotted lever drives a ram through a drag link.
 
-    The ram's guide is at mid-height of the lever end's rise, where the drag link tilts least.
+    The ram's guide is at mid-height of the lever end's rise, where the drag link tilts least. A drag link shorter than
+    half that rise over cos ψ/2 would turn the ram back before the lever's swing ψ ends.
 
     Parameters
     ----------
@@ -85,10 +86,12 @@ def lever_text(found: QuickLever, stroke: float, ratio: float, speed: str) -> st
     speed : str
         Of the crank, with its unit.
     """
-    height = 0.5 * found.lever * (1.0 + math.cos(0.5 * found.swing))
+    cosine = math.cos(0.5 * found.swing)
+    height = 0.5 * found.lever * (1.0 + cosine)
+    drag_link = found.lever * max(0.4, 0.625 * (1.0 - cosine) / cosine)
     return f"""\
 # Crank-shaper with a stroke of {quantity_text(stroke, "m")} and a quick-return ratio of {ratio!r}.
-# The lever swings by {_deg(found.swing)}. The drag link's length doesn't affect stroke and ratio.
+# The lever swings by {_deg(found.swing)}. A longer drag link doesn't affect stroke and ratio.
 {_NEXT}
 title = "Crank-shaper, quick-return ratio {ratio!r}"
 
@@ -110,7 +113,7 @@ second = {{ link = "lever", joint = "D" }}
 [groups.drive]
 type = "RRP"
 inner = "B"
-first = {{ link = "drag_link", joint = "P", length = "{_length(0.4 * found.lever)}" }}
+first = {{ link = "drag_link", joint = "P", length = "{_length(drag_link)}" }}
 second = {{ link = "ram", guide = "way" }}
 """
 

@@ -19,12 +19,17 @@ _K = np.arange(POSITIONS)
 _OF_T = np.where(_K % 2 == 0, 2.0 / (1.0 - np.where(_K % 2 == 0, _K, 0) ** 2.0), 0.0)
 _WEIGHTS = (_OF_T @ SHARES)[None]
 _NEWTON_STEPS = 6
+# Second derivatives below this multiple of the noise are rounding.
+_BENT = 1024
 # Last coefficients of a curve resolved to rounding, relative to its magnitude.
 _ROUNDING = 64 * EPS
 
 
 class Tops(NamedTuple):
-    """Maxima of polynomials (panels,), their positions on [−1, 1], and the second derivatives there."""
+    """Maxima of polynomials (panels,), their positions on [−1, 1], and the magnitudes of the second derivatives.
+
+    A second derivative is infinite at an end where the curve is steep or constant: the position is sharp.
+    """
 
     values: np.ndarray
     places: np.ndarray
@@ -108,4 +113,6 @@ def tops(values: np.ndarray, noise: np.ndarray) -> Tops:
     found, sampled = _at(x, series), np.take_along_axis(values, k[:, None], axis=1)[:, 0]
     better = found > sampled + noise
     x = np.where(better, x, PLACES[k])
-    return Tops(np.where(better, found, sampled), x, _at(x, bend))
+    rate, turn = np.abs(_at(x, slope)), np.abs(_at(x, bend))
+    sharp = (np.abs(x) == 1.0) & ((rate * rate > 2.0 * turn * noise) | (turn < _BENT * noise))
+    return Tops(np.where(better, found, sampled), x, np.where(sharp, np.inf, turn))

@@ -25,6 +25,9 @@ from engine.parts.skeleton import AngularSpeed, Length, Mass, Number, Speed
 
 # Samples of a curve; number of lever positions drawn.
 _SHOWN, _LEVERS = 721, 8
+# Range of the logarithm of the angle in which the end of the lever is sought; terms of the series for small angles;
+# nodes of the quadrature, and the largest exponent for which it is used.
+_FAR, _TERMS, _NODES, _NEAR = 200.0, 20, 24, 4.0
 
 
 class RotatingGuide(Element):
@@ -63,25 +66,20 @@ class RotatingGuide(Element):
         mass, w, start = n["mass"], n["speed"], n["start_radius"]
         velocity, length, friction = n["start_velocity"], n["length"], n["friction"]
         there = np.where(length > start, length, math.nan)
-        root = np.hypot(1.0, friction)
-        out = w / (root + friction)
-        first = (velocity + w * (root + friction) * start) / (out + w * (root + friction))
-        back, second = -w * (root + friction), start - first
+        own = start, velocity / w, friction
+        first, second, root = _exponentials(*own)
         # The growing exponential exceeds the distance by the decaying one, which may be negative and delay the body.
-        high = np.log((there + np.abs(second)) / first) / out + 1.0 / w
-        time = regula_falsi(lambda t: slides_out(w, start, velocity, friction, t)[0] - there, 0.0 * w, high)
-        radius, rate = slides_out(w, start, velocity, friction, time)
-        time = time - (radius - there) / rate
-        _, rate = slides_out(w, start, velocity, friction, time)
-        slowing = -2.0 * friction * w
-        with np.errstate(all="ignore"):
-            both = np.where(-slowing * time > 1e-18, np.expm1(slowing * time) / slowing, time)
-        squares = 0.5 * out * first**2 * np.expm1(2.0 * out * time)
-        squares = squares + 0.5 * back * second**2 * np.expm1(2.0 * back * time)
-        squares = squares + 2.0 * out * back * first * second * both
+        high = np.log((there + np.abs(second)) / first) * (root + friction) + 1.0
+        way = there - start
+        turned = np.log(high)
+        turned = np.exp(regula_falsi(lambda y: np.log(slides_out(*own, np.exp(y))[0] / way), turned - _FAR, turned))
+        slid, rate = slides_out(*own, turned)
+        turned = turned - (slid - way) / rate
+        rate = w * slides_out(*own, turned)[1]
+        squares, time = w * _squares(*own, turned), turned / w
         return {
             "time": time,
-            "turned_angle": w * time,
+            "turned_angle": turned,
             "relative_speed": rate,
             "absolute_speed": np.hypot(rate, w * there),
             "leaving_angle": np.arctan2(w * there, rate),
@@ -97,8 +95,9 @@ class RotatingGuide(Element):
         """The path seen from above; distance from the axis and reaction over the time to the end of the lever."""
         end = self.own_values()["time"]
         time = np.linspace(0.0, end, _SHOWN)
-        given = (np.full(time.shape, v) for v in (self.speed, self.start_radius, self.start_velocity, self.friction))
-        radius, rate = slides_out(*given, time)
+        given = (np.full(time.shape, v) for v in (self.start_radius, self.start_velocity / self.speed, self.friction))
+        slid, rate = slides_out(*given, self.speed * time)
+        radius, rate = self.start_radius + slid, self.speed * rate
         reaction = 2.0 * self.mass * self.speed * rate
         rows = (PanelAxis("distance", "m", "r"), radius), (PanelAxis("reaction", "N", "R"), reaction)
         over_time = (Panel(TIME, y, time, (Curve("", row),), (Mark("", end, row[-1]),)) for y, row in rows)
@@ -112,29 +111,62 @@ class RotatingGuide(Element):
 
 
 def slides_out(
-    speed: np.ndarray, radius: np.ndarray, velocity: np.ndarray, friction: np.ndarray, time: np.ndarray
+    radius: np.ndarray, reach: np.ndarray, friction: np.ndarray, turned: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Distance from the axis and velocity along the lever after a given time.
+    """Displacement along the lever and its derivative by the lever's angle.
 
     Parameters
     ----------
-    speed : ndarray
-        Angular speed of the lever [rad/s].
-    radius, velocity : ndarray
-        Initial values [m], [m/s].
+    radius : ndarray
+        Initial distance from the axis [m].
+    reach : ndarray
+        Initial derivative [m].
     friction : ndarray
         Coefficient of friction.
-    time : ndarray
-        [s].
+    turned : ndarray
+        Angle of the lever [rad].
 
     Returns
     -------
-    radius, velocity : ndarray
-        [m], [m/s].
+    displacement, derivative : ndarray
+        [m].
     """
     root = np.hypot(1.0, friction)
-    out, back = speed / (root + friction), -speed * (root + friction)
-    first = (velocity - back * radius) / (out - back)
-    second = radius - first
-    growing, fading = first * np.exp(out * time), second * np.exp(back * time)
-    return growing + fading, out * growing + back * fading
+    back = root + friction
+    a, b = turned / back, -back * turned
+    # For a small angle the exponentials cancel: the divided difference of (exp(z) − 1)/z from its series.
+    small_a, small_b = np.minimum(a, 1.0), np.maximum(b, -1.0)
+    term, power, series = np.ones_like(a), np.ones_like(a), 0.0
+    for k in range(_TERMS):
+        series = series + term / math.factorial(k + 2)
+        power = power * small_b
+        term = term * small_a + power
+    far = 0.5 * (np.expm1(a) * back + np.expm1(b) / back) / root
+    pushed = np.where(back * turned < 1.0, turned * turned * series, far)
+    grown = -0.5 * np.exp(a) * np.expm1(-2.0 * root * turned) / root
+    kept = 0.5 * (np.exp(a) / back + np.exp(b) * back) / root
+    return radius * pushed + reach * grown, radius * grown + reach * kept
+
+
+def _exponentials(
+    radius: np.ndarray, reach: np.ndarray, friction: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Factors C₁ and C₂ of the growing and the decaying exponential [m], and √(1 + f²)."""
+    root = np.hypot(1.0, friction)
+    first = 0.5 * (reach + (root + friction) * radius) / root
+    return first, 0.5 * (radius / (root + friction) - reach) / root, root
+
+
+def _squares(radius: np.ndarray, reach: np.ndarray, friction: np.ndarray, turned: np.ndarray) -> np.ndarray:
+    """Integral of the squared derivative of `slides_out` over the lever's angle [m²]."""
+    first, second, root = _exponentials(radius, reach, friction)
+    back = root + friction
+    with np.errstate(all="ignore"):
+        both = np.where(friction * turned > 1e-18, -0.5 * np.expm1(-2.0 * friction * turned) / friction, turned)
+        far = 0.5 * first**2 / back * np.expm1(2.0 * turned / back)
+        far = far - 0.5 * back * second**2 * np.expm1(-2.0 * back * turned) - 2.0 * first * second * both
+    # For a small angle they cancel.
+    places, weights = np.polynomial.legendre.leggauss(_NODES)
+    rates = (slides_out(radius, reach, friction, 0.5 * (1.0 + y) * turned)[1] for y in places)
+    near = 0.5 * turned * sum(weight * rate**2 for weight, rate in zip(weights, rates, strict=True))
+    return np.where(back * turned < _NEAR, near, far)

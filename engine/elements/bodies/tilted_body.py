@@ -14,7 +14,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Columns, Element, ElementResult, Numbers
+from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers, nudged
 from engine.elements.panels import Panel, path, plan
 from engine.laws.rounding import EPS
 from engine.parts.skeleton import Angle, AngularSpeed, Faults, Inertia, Length, Mass, Positive
@@ -22,6 +22,9 @@ from engine.parts.skeleton import Angle, AngularSpeed, Faults, Inertia, Length, 
 MOMENTS = ("inertia_x", "inertia_y", "inertia_z")
 SEMI_AXES = ("semi_axis_x", "semi_axis_y", "semi_axis_z")
 _PRODUCTS = ("product_xy", "product_yz", "product_zx")
+_PLACES_OF_PRODUCTS = ((0, 1), (1, 2), (2, 0))
+# Roundings of a term of the matrices, and of the maximum principal moment.
+_ROUNDINGS = 8.0
 # Relative amount by which a plate's moment may exceed the sum of the two others: input numbers are rounded.
 _GREATEST_INERTIA = 1e150
 _PLATE = 1e-6
@@ -84,19 +87,14 @@ class TiltedBody(Element):
 
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name; NaN if no body has such moments of inertia."""
-        mass = n["mass"]
-        away = np.stack([n["x"], n["y"], n["z"]], axis=1)
-        square = (away**2).sum(axis=1)[:, None, None] * np.eye(3) - away[:, :, None] * away[:, None, :]
-        fixed = _about_centre(n) + mass[:, None, None] * square
-        # LAPACK abandons the whole batch if the squares of one matrix overflow.
-        usable = np.abs(fixed).max(axis=(1, 2)) < _GREATEST_INERTIA
-        principal, axes = np.linalg.eigh(np.where(usable[:, None, None], fixed, np.eye(3)))
+        mass, (fixed, rounding) = n["mass"], _about_fixed_axes(n)
+        usable, principal, axes = _principal(fixed)
         # Take the end of an axis that points along z; use the tangent, as a cosine near 1 is inaccurate.
-        across = np.hypot(axes[:, 0], axes[:, 1])
-        tilt = np.arctan2(across, np.abs(axes[:, 2])).min(axis=1)
-        products = [-fixed[:, 0, 1], -fixed[:, 1, 2], -fixed[:, 2, 0]]
-        # A product is a difference of terms of the size of the largest moment; below their rounding it is 0.
-        products = [np.where(np.abs(p) < 16.0 * EPS * principal[:, 2], 0.0, p) for p in products]
+        tilt = _tilts(axes).min(axis=1)
+        # A product below the rounding of its terms is 0.
+        products = [
+            np.where(np.abs(fixed[:, i, j]) < rounding[:, i, j], 0.0, -fixed[:, i, j]) for i, j in _PLACES_OF_PRODUCTS
+        ]
         # No body has a moment greater than the sum of the two others; a plate reaches it.
         sound = usable & (principal[:, 0] + principal[:, 1] >= principal[:, 2] * (1.0 - _PLATE))
         speed = n.get("speed", np.full(mass.shape, math.nan))
@@ -111,6 +109,24 @@ class TiltedBody(Element):
             "centrifugal_force": mass * speed**2 * np.hypot(n["x"], n["y"]),
         }
         return {name: np.where(sound, row, math.nan) for name, row in found.items()}
+
+    def evaluate(self, n: Numbers) -> Answers:
+        """Results with error estimates, which contain the rounding of the terms that cancel in them, and verdicts."""
+        found, errors = nudged(self.values, n)
+        fixed, rounding = _about_fixed_axes(n)
+        _, principal, axes = _principal(fixed)
+        off = np.linalg.norm(rounding, axis=(1, 2)) + _ROUNDINGS * EPS * principal[:, 2]
+        apart = np.abs(principal[:, :, None] - principal[:, None, :]) + np.where(np.eye(3), np.inf, 0.0)
+        nearest = np.take_along_axis(apart.min(axis=2), _tilts(axes).argmin(axis=1)[:, None], axis=1)[:, 0]
+        added = {f"fixed_inertia_{axis}": rounding[:, i, i] for i, axis in enumerate("xyz")}
+        added |= {f"fixed_{key}": rounding[:, *at] for key, at in zip(_PRODUCTS, _PLACES_OF_PRODUCTS, strict=True)}
+        added |= dict.fromkeys(("greatest_inertia", "middle_inertia", "least_inertia"), off)
+        # An axis turns by the rounding over the distance of its moment from the next.
+        with np.errstate(divide="ignore", invalid="ignore"):
+            added["principal_tilt"] = np.fmin(off / nearest, 0.5 * math.pi)
+        if self.speed is not None:
+            added["tilting_couple"] = n["speed"] ** 2 * np.hypot(rounding[:, 1, 2], rounding[:, 2, 0])
+        return Answers(found, {name: row + added.get(name, 0.0) for name, row in errors.items()})
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Three views, in fixed axes, of the uniform ellipsoid with the body's inertia; none if it does not exist."""
@@ -157,7 +173,7 @@ def body_ellipsoid(element: TiltedBody) -> tuple[np.ndarray, np.ndarray]:
     axes : ndarray (3, 3)
         Directions of the semi-axes as columns, in fixed coordinates.
     """
-    inertia = _about_centre(element.own_numbers())[0]
+    inertia = _about_centre(element.own_numbers())[0][0]
     moments, axes = np.linalg.eigh(inertia)
     squares = 2.5 / element.mass * (moments.sum() - 2.0 * moments)
     if squares.min() < -5.0 * _PLATE * moments.max() / element.mass:
@@ -165,13 +181,35 @@ def body_ellipsoid(element: TiltedBody) -> tuple[np.ndarray, np.ndarray]:
     return np.sqrt(np.maximum(squares, 0.0)), axes
 
 
-def _about_centre(n: Numbers) -> np.ndarray:
-    """Inertia matrices about fixed directions through the centre of mass, (variants, 3, 3)."""
+def _tilts(axes: np.ndarray) -> np.ndarray:
+    """Angles between the fixed z axis and principal axes (variants, 3)."""
+    return np.arctan2(np.hypot(axes[:, 0], axes[:, 1]), np.abs(axes[:, 2]))
+
+
+def _principal(fixed: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Whether matrices can be used (variants,); principal moments (variants, 3) and axes as columns."""
+    # LAPACK abandons the whole batch if the squares of one matrix overflow.
+    usable = np.abs(fixed).max(axis=(1, 2)) < _GREATEST_INERTIA
+    return usable, *np.linalg.eigh(np.where(usable[:, None, None], fixed, np.eye(3)))
+
+
+def _about_fixed_axes(n: Numbers) -> tuple[np.ndarray, np.ndarray]:
+    """Inertia matrices about the fixed axes (variants, 3, 3), and the rounding of their entries."""
+    x, y, z = away = n["x"], n["y"], n["z"]
+    square = -np.array([[i * j for j in away] for i in away])
+    square[np.arange(3), np.arange(3)] = y * y + z * z, z * z + x * x, x * x + y * y
+    moved = (n["mass"] * square).transpose(2, 0, 1)
+    centred, size = _about_centre(n)
+    return centred + moved, _ROUNDINGS * EPS * (size + np.abs(moved))
+
+
+def _about_centre(n: Numbers) -> tuple[np.ndarray, np.ndarray]:
+    """Inertia matrices about fixed directions through the centre of mass (variants, 3, 3), and sums of their terms."""
     mass = n["mass"]
     own = np.zeros((mass.size, 3, 3))
     if "inertia_x" in n:
         moments = [n[key] for key in MOMENTS]
-        for (i, j), key in zip(((0, 1), (1, 2), (2, 0)), _PRODUCTS, strict=True):
+        for (i, j), key in zip(_PLACES_OF_PRODUCTS, _PRODUCTS, strict=True):
             own[:, i, j] = own[:, j, i] = -n[key]
     else:
         a, b, c = (n[key] ** 2 for key in SEMI_AXES)
@@ -179,4 +217,5 @@ def _about_centre(n: Numbers) -> np.ndarray:
     for i in range(3):
         own[:, i, i] = moments[i]
     turned = _turned(n["yaw"], n["pitch"], n["roll"])
-    return turned @ own @ turned.transpose(0, 2, 1)
+    size = np.abs(turned) @ np.abs(own) @ np.abs(turned).transpose(0, 2, 1)
+    return turned @ own @ turned.transpose(0, 2, 1), size

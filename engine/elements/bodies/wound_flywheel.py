@@ -29,7 +29,7 @@ from engine.elements.sampled_peak import sampled_peak
 from engine.laws.masses.link_inertia import ring_inertia
 from engine.parts.skeleton import AngularSpeed, Number, Positive, Pressure, quantity
 
-_PLACES, _SHOWN = 65, 721
+_PLACES, _SHOWN = 257, 721
 
 
 class WoundFlywheel(Element):
@@ -90,10 +90,12 @@ class WoundFlywheel(Element):
             slope = slope - 2.0 * spin * ((a * b) ** 2 / r**3 + (1.0 + 3.0 * nu) / (3.0 + nu) * r)
             return wound_stresses(n, r, speed)[1], slope
 
-        places = c + (b - c) * np.linspace(0.0, 1.0, _PLACES)[:, None]
+        # Next to a small bore the stresses fall off with the distance from it.
+        places = np.clip(a + (c - a) * ((b - a) / (c - a)) ** np.linspace(0.0, 1.0, _PLACES)[:, None], c, b)
         stress, _ = sampled_peak(lambda r: layer(r)[0], lambda r: layer(r)[1], places)
-        about = np.log((b - a) * (b + a) / ((c - a) * (c + a)))
-        pressure = 0.5 * tension * (1.0 - (a / c) ** 2) * about
+        about = np.log1p((b - c) * (b + c) / ((c - a) * (c + a)))
+        hollow = (c - a) * (c + a) / c**2
+        pressure = 0.5 * tension * hollow * about
         spun = 2.0 * spin * (b**2 + (1.0 - nu) / (3.0 + nu) * a**2)
         parting = np.sqrt(4.0 * tension / ((3.0 + nu) * n["density"] * (b - a) * (b + a)))
         greatest = np.maximum(stress, spun - tension * about)
@@ -108,7 +110,7 @@ class WoundFlywheel(Element):
             "bore_stress": spun - tension * about,
             "plain_bore_stress": spun,
             "layer_stress": stress,
-            "pressure": pressure - spin * (b - c) * (b + c) * (1.0 - (a / c) ** 2),
+            "pressure": pressure - spin * (b - c) * (b + c) * hollow,
             "parting_speed": parting,
             "parts": (speed > parting).astype(float),
             "strength_share": greatest / n.get("strength", math.nan),

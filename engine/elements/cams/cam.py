@@ -11,7 +11,7 @@ from engine.elements.cams.cam_curves import cam_curves
 from engine.elements.cams.followers import CamLimits, LineContact, OscillatingFollower, TranslatingFollower
 from engine.elements.cams.least_base_circle import least_arm_angles, point_angle, room_at
 from engine.elements.cams.over_turn import Measures, PeakPlaces, Sought, measure
-from engine.elements.cams.positions import at_positions, cam_variants, limit_radius, with_roundings
+from engine.elements.cams.positions import PEAK_FACTOR, at_positions, cam_variants, limit_radius, with_roundings
 from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, Rank, nudged
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.laws.cams.hertz_contact import pressure_of_lines
@@ -98,12 +98,15 @@ class CamElement(CamProgram, Element):
             most, off = (np.abs([part[end] for end in ends]).max(axis=0) for part in (values, errors))
             size = np.where(most > 0.0, found.moment_size * (ROUNDING * EPS + off / most), 0.0)
             values["mean_moment"], errors["mean_moment"] = found.moment, size + found.moment_missed
+        if "face_length" in values:
+            # Both ends are rounded separately; changing a number moves them together.
+            errors["face_length"] = errors["face_from"] + errors["face_to"]
         for result, _, _, of in made:
             at = f"{result.name}_at"
             if at in values:
                 k = np.argmax([values[sought] for sought in of], axis=0)
                 blurs = found.places.blurs[[self._sought.index(sought) for sought in of]]
-                off = np.sqrt([errors[sought] for sought in of]) * blurs
+                off = np.where(blurs > 0.0, np.sqrt([errors[sought] for sought in of]) * blurs, 0.0)
                 errors[at] = errors[at] + ROUNDING * EPS * TURN + np.choose(k, off)
         return self._answers(n, (values, errors), found.verdicts)
 
@@ -142,10 +145,11 @@ class CamElement(CamProgram, Element):
         """Extremes, signed, at the given positions, and the cam angles there."""
         cams = cam_variants(self, n)
         variants = cams.lowest.size
-        p, u = (np.tile(part, variants // part.shape[1]) for part in places[:2])
+        p, u, _, missed = (np.tile(part, variants // part.shape[1]) for part in places)
         v = np.broadcast_to(np.arange(variants), p.shape)
         found, angle = at_positions(cams, p, v, u), cams.turn.cam_angle(p, v, u)
-        rows = {sought: sought.sign * found[sought.quantity][k] for k, sought in enumerate(self._sought)}
+        higher = missed * ((n[PEAK_FACTOR] - 1.0) / EPS)
+        rows = {sought: sought.sign * found[sought.quantity][k] + higher[k] for k, sought in enumerate(self._sought)}
         return rows, dict(zip(self._sought, angle, strict=True))
 
     def _values(

@@ -71,7 +71,7 @@ def least_arm_angles(cams: CamVariants, begin: np.ndarray) -> tuple[np.ndarray, 
     """
     flat = cams.cam.follower.contact == "flat"
     sought, limit = [Sought("radius", -1) if flat else Sought("curvature", 1)], limit_radius(cams.n)
-    psi, at = begin.copy(), PeakPlaces(np.zeros(begin.size, int), *np.full((2, begin.size), np.nan))
+    psi, at = begin.copy(), PeakPlaces(np.zeros(begin.size, int), *np.full((3, begin.size), np.nan))
     left = np.flatnonzero(np.isfinite(begin) & (flat | (limit > 0.0)))
     # Forces and limits do not affect the curvature.
     follower = cams.cam.follower.model_copy(update={"inertia": None})

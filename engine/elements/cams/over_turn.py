@@ -22,7 +22,7 @@ _TOLERANCE, _HALVINGS, _MOST_HALVINGS = 1e-12, 10, 20
 # Most panels halved at once, in addition to two for each piece: more are due to rounding, not to peaks or kinks.
 _CROWD = 64
 # Values that differ by fewer rounding units of the peak are equal.
-_EQUAL = 64
+_EQUAL = 16
 # How far a polynomial may exceed its samples, relative to their range.
 _BEYOND = 0.25
 
@@ -38,12 +38,14 @@ class Sought(NamedTuple):
 class PeakPlaces(NamedTuple):
     """Positions of extremes (sought, variants): piece and local variable u, NaN if there is none.
 
-    `blurs` times the square root of a value's error estimate is the error estimate of its position [rad].
+    `blurs` times the square root of a value's error estimate is the error estimate of its position [rad]. The true
+    extremes exceed the values there by up to `missed`.
     """
 
     pieces: np.ndarray
     u: np.ndarray
     blurs: np.ndarray
+    missed: np.ndarray
 
 
 class Measures(NamedTuple):
@@ -125,8 +127,8 @@ def measure(cams: CamVariants, sought: Sequence[Sought]) -> Measures:
 
 def _greatest(
     cams: CamVariants, panels: _Panels, s: Sought, which: tuple[int, np.ndarray]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Piece, u and blur of an extreme (variants,); the first over the turn if several are equal."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Piece, u, blur and missed of an extreme (variants,); the first over the turn if several are equal."""
     quantity, scale = which
     directions = cams.turn.directions[panels.p]
     some = np.flatnonzero((directions == s.direction) | (s.direction == 0))
@@ -137,7 +139,8 @@ def _greatest(
     np.maximum.at(best, v, high)
     near = ~(high + _BEYOND * (high - values.min(axis=1)) < best[v]) & ~np.isnan(high)
     p, v, left, right = (part[near] for part in (p, v, left, right))
-    noise = _EQUAL * EPS * np.where(np.isfinite(scale), scale, 0.0)[v]
+    equal = _EQUAL * EPS * np.where(np.isfinite(scale), scale, 0.0)
+    noise = equal[v]
     found = tops(values[near], noise)
     # Near a jump the polynomial overshoots.
     rough, high = tails(values[near]) > _TOLERANCE * scale[v], values[near].argmax(axis=1)
@@ -149,7 +152,8 @@ def _greatest(
     variants, first = np.unique(v[order], return_index=True)
     k = order[first]
     angles = cams.turn.angle[p, v] * 0.5 * (right - left)
-    blurs = np.where(np.abs(found.places) < 1.0, angles * np.sqrt(2.0 / np.abs(found.bends)), 0.0)
+    blurs = angles * np.sqrt(2.0 / found.bends)
     pieces, places, blur = np.zeros(scale.size, int), *np.full((2, scale.size), np.nan)
     pieces[variants], places[variants], blur[variants] = p[k], u[k], blurs[k]
-    return pieces, places, blur
+    # A sample may be taken for its peak, and a peak for a higher one.
+    return pieces, places, blur, 2.0 * equal

@@ -12,6 +12,8 @@ from engine.laws.cams import profiles
 from engine.parts.motion_programs import CamProgram
 
 _ORDERS = range(4)
+# Key of a unit factor that is nudged for the shares by which extremes are missed.
+PEAK_FACTOR = "factor of peaks"
 
 
 class CamVariants(NamedTuple):
@@ -56,8 +58,8 @@ def cam_variants(cam: CamProgram, n: Numbers) -> CamVariants:
 
 
 def with_roundings(n: Numbers) -> Numbers:
-    """Numbers, and unit factors of the follower's motion, which are nudged for the rounding of its law."""
-    return {**n, **{f"factor of order {k}": np.ones_like(n["speed"]) for k in _ORDERS}}
+    """Numbers, and unit factors, which are nudged for the rounding of the law of motion and for missed extremes."""
+    return {**n, **{key: np.ones_like(n["speed"]) for key in (PEAK_FACTOR, *(f"factor of order {k}" for k in _ORDERS))}}
 
 
 @np.errstate(all="ignore")
@@ -134,7 +136,8 @@ def _forces(
     (cam, n, turn, _), (sine, cosine, leverage) = some, normal
     s, s1, speed = found["s"], found["s1"], n["speed"][v]
     preload, load, stiffness = (n[f"follower.{key}"][v] for key in ("preload", "load", "stiffness"))
-    still = preload + stiffness * s + load
+    unsprung = stiffness * s + load
+    still = preload + unsprung
     impelled = n["follower.mass" if cam.translating else "follower.inertia"][v] * found["s2"]
     total, share = still + impelled * speed**2, cosine
     if "follower.friction" in n:
@@ -145,7 +148,7 @@ def _forces(
         found["kinks"] = sine, overhang - s, total
         share = cosine - flank * turn.directions[p] * n["follower.friction"][v] * leans * np.abs(sine)
     force = np.where(share > 0.0, total / (share * leverage), np.where(np.isnan(share), np.nan, np.inf))
-    rows = {"force": force, "moment": total * s1 * (cosine / share), "shortfall": preload - total}
+    rows = {"force": force, "moment": total * s1 * (cosine / share), "shortfall": -unsprung - impelled * speed**2}
     # Relative decrease of the contact force with the square of the speed.
     rows["growth"] = np.where(still > 0.0, -impelled / still, np.inf)
     if cam.follower.contact == "flat":

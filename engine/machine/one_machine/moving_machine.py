@@ -54,6 +54,8 @@ from engine.words.verdicts import Verdict
 
 # Positions between which angles are unwrapped, and at which failures are searched.
 _LOOKED_AT = 720
+# Turn between two positions [rad] above which an angle is followed between them, and most halvings of their distance.
+_SHARP, _HALVINGS = 0.5, 40
 # Relative error of results from series.
 _SERIES = 1e-9
 # Results of a steady cycle, from the cycle and its mean speed.
@@ -287,11 +289,19 @@ class MovingMachine:
         return of.values([curve], self.q)[0]
 
     def _followed(self, angle: Node) -> np.ndarray:
-        """An angle, unwrapped from the first position; it turns by less than π between the examined positions."""
-        grid, places = np.unique(np.concatenate([self._spaced(_LOOKED_AT), self.q]), return_inverse=True)
-        forwards = slice(None, None, 1 if self._variant.last > self._variant.first else -1)
+        """An angle, unwrapped from the first position; positions are added where it turns sharply."""
+        grid = np.unique(np.concatenate([self._spaced(_LOOKED_AT), self.q]))
         row = self._variant.values([angle], grid)[0]
-        return np.unwrap(row[forwards])[forwards][places[-self.q.size :]]
+        for _ in range(_HALVINGS):
+            turned = np.diff(row)
+            sharp = np.flatnonzero(np.abs(turned - math.tau * np.rint(turned / math.tau)) > _SHARP)
+            if not sharp.size:
+                break
+            between = 0.5 * (grid[sharp] + grid[sharp + 1])
+            grid = np.insert(grid, sharp + 1, between)
+            row = np.insert(row, sharp + 1, self._variant.values([angle], between)[0])
+        forwards = slice(None, None, 1 if self._variant.last > self._variant.first else -1)
+        return np.unwrap(row[forwards])[forwards][np.searchsorted(grid, self.q)]
 
     def _measured(self, asked: Measurement) -> Measured:
         match asked:

@@ -394,6 +394,61 @@ def test_peaks_of_a_table__are_those_of_its_exact_cubics(gaps, interpolation):
                     assert gaps != "even" or errors[name] < 1e-10 * float(true), name
 
 
+def test_face_length__is_as_sure_as_its_ends():
+    """Under a face that hardly swings the ends of the contact all but coincide."""
+    swing, half = 1e-7, "180 deg"
+    sections = {
+        "out": {"type": "rise", "law": "harmonic", "angle": half, "swing": swing},
+        "back": {"type": "return", "law": "harmonic"},
+    }
+    values, errors, status = cam_answers(FACE, sections=sections)
+    assert status == Verdict.OK
+    with mpmath.workdps(30):
+        d, psi, h = mpmath.mpf(0.08), mpmath.asin(mpmath.mpf(0.04) / mpmath.mpf(0.08)), mpmath.mpf(swing) / 2
+
+        def contact(phi):
+            return d * mpmath.cos(psi + h * (1 - mpmath.cos(phi))) / (1 + h * mpmath.sin(phi))
+
+        ends = [contact(mpmath.findroot(lambda phi: mpmath.diff(contact, phi), x)) for x in (2.0, 5.0)]
+        within(values["face_length"], errors["face_length"], float(abs(ends[1] - ends[0])))
+
+
+def test_arm_all_but_in_line__has_estimates():
+    """A rounding changes the angle by the root of its share; a larger change and the arm doesn't reach the cam."""
+    base, arm, d = 0.002 * (1 + 1e-9), 0.07, 0.08
+    values, errors, _ = cam_answers(ARM, "rise_pressure_angle", "convex_radius_at", base_radius=base)
+    with mpmath.workdps(30):
+        prime, a, d = mpmath.mpf(base) + mpmath.mpf(0.008), mpmath.mpf(arm), mpmath.mpf(d)
+        cosine = (a * a + d * d - prime * prime) / (2 * a * d)
+        true = mpmath.atan2(a - d * cosine, d * mpmath.sqrt(1 - cosine * cosine))
+        within(values["rise_pressure_angle"], errors["rise_pressure_angle"], abs(float(true)))
+    assert max(errors.values()) < 1e-3
+
+
+def test_needed_preload__does_not_depend_on_that_given():
+    mass = 0.5
+    values, errors, _ = cam_answers(ROLLER, follower__stiffness=0, follower__mass=mass, follower__preload=1e9)
+    true, slack = mass * values["greatest_deceleration"], mass * errors["greatest_deceleration"]
+    within(values["needed_preload"], errors["needed_preload"], true, slack)
+
+
+@pytest.mark.parametrize("growth", [1e-7, 3e-7, 1e-6])
+def test_peak_next_to_a_sample__is_not_that_of_the_sample(growth):
+    """A spring whose force grows by a small share moves the peak torque from the middle of a cycloidal rise."""
+    lift, force = 0.02, 100.0
+    forces = {"follower__mass": 0, "follower__preload": force, "follower__stiffness": growth * force / lift}
+    values, errors, _ = cam_answers(FLAT, **forces, sections__out__law="cycloidal")
+    with mpmath.workdps(30):
+        turn = 2 * mpmath.pi
+
+        def moment(u):
+            s = u - mpmath.sin(turn * u) / turn
+            return force * lift * (1 + growth * s) * (1 - mpmath.cos(turn * u)) / mpmath.radians(100)
+
+        peak = moment(mpmath.findroot(lambda u: mpmath.diff(moment, u), 0.5))
+        within(values["greatest_moment"], errors["greatest_moment"], float(peak))
+
+
 def test_sections_of_variants__that_make_no_turn_are_outside_limits():
     scene = cam_scene(ROLLER)
     alone = ElementsAlone(scene, ["cam.greatest_velocity"], varied=["elements.cam.sections.out.angle"])

@@ -2,6 +2,7 @@
 
 import math
 
+import mpmath
 import numpy as np
 import pytest
 from each_case import refusals
@@ -61,6 +62,30 @@ def test_tilted_cloud_of_points__has_the_sums_over_the_turned_points(seed, yaw, 
     assert found[10][0] == pytest.approx(np.hypot(*forces.sum(axis=0)[:2]), rel=1e-9, abs=1e-11 * size)
 
 
+@some
+@given(st.floats(1e-6, 1.0), st.floats(0.1, 1.0), angles, angles, angles, st.floats(-1e3, 1e3))
+def test_slender_body__is_as_sure_as_its_terms_that_cancel(least, middle, yaw, pitch, roll, x):
+    """By many digits: of moments that nearly cancel, a tilted needle or a point far away leave few."""
+    axes, names = (least, middle, 1.0), [*FIXED, *PRINCIPAL, "principal_tilt"]
+    body = {"type": "tilted_body", "mass": 2.0, "yaw": yaw, "pitch": pitch, "roll": roll, "x": x}
+    found = figures(body | {f"semi_axis_{k}": axis for k, axis in zip("xyz", axes, strict=True)}, *names)
+    with mpmath.workdps(40):
+        a, b, c = (mpmath.mpf(axis) ** 2 for axis in axes)
+        turned = mpmath.eye(3)
+        for angle, (i, j) in ((yaw, (0, 1)), (pitch, (2, 0)), (roll, (1, 2))):
+            about = mpmath.eye(3)
+            about[i, i] = about[j, j] = mpmath.cos(angle)
+            about[j, i], about[i, j] = mpmath.sin(angle), -mpmath.sin(angle)
+            turned = turned * about
+        fixed = turned * (mpmath.mpf(2) / 5 * mpmath.diag([b + c, c + a, a + b])) * turned.T
+        fixed += 2 * mpmath.mpf(x) ** 2 * mpmath.diag([0, 1, 1])
+        principal, own = mpmath.eigsy(fixed)
+        tilt = min(mpmath.acos(abs(own[2, k])) for k in range(3))
+        wanted = [*(fixed[k, k] for k in range(3)), -fixed[0, 1], -fixed[1, 2], -fixed[2, 0]]
+        for (value, error), there in zip(found, [*wanted, *sorted(principal, reverse=True), tilt], strict=True):
+            assert abs(value - there) <= error
+
+
 def test_ellipsoid__has_its_moments_and_a_disc_askew_on_its_shaft_the_textbooks_couple():
     ellipsoid = {"type": "tilted_body", "mass": 5.0, "semi_axis_x": 1.0, "semi_axis_y": 2.0, "semi_axis_z": 3.0}
     assert one(ellipsoid, *FIXED) == pytest.approx([13.0, 10.0, 5.0, 0.0, 0.0, 0.0], rel=1e-14)
@@ -114,6 +139,39 @@ def test_body_on_a_lever__moves_as_integrated_in_fixed_axes(speed, velocity, fri
         assert value == pytest.approx(there, rel=1e-6, abs=error + 1e-9), name
 
 
+@some
+@given(st.floats(-9, 2), st.floats(-6, 2), st.floats(-6, 1))
+def test_short_way_on_the_lever__keeps_its_digits(way, velocity, friction):
+    """By many digits: over a short way all exponentials cancel."""
+    radius, speed, mass = 0.1, 20.0, 0.5
+    length, velocity, friction = radius * (1 + 10**way), 10**velocity, 10**friction
+    lever = {"mass": mass, "speed": speed, "start_radius": radius, "length": length, "start_velocity": velocity}
+    lever |= {"type": "rotating_guide", "friction": friction}
+    found = figures(lever, "turned_angle", "relative_speed", "friction_work")
+    with mpmath.workdps(50):
+        f, r, v = mpmath.mpf(friction), mpmath.mpf(radius), mpmath.mpf(velocity) / speed
+        root = mpmath.sqrt(1 + f * f)
+        out, back = root - f, -(root + f)
+        first = (v - back * r) / (2 * root)
+
+        def slid(x):
+            return first * mpmath.expm1(out * x) + (r - first) * mpmath.expm1(back * x)
+
+        def rate(x):
+            return first * out * mpmath.exp(out * x) + (r - first) * back * mpmath.exp(back * x)
+
+        x = mpmath.mpf(found[0][0])
+        x -= (slid(x) - (mpmath.mpf(length) - r)) / rate(x)
+        parts = first * out, (r - first) * back
+        work = parts[0] ** 2 * mpmath.expm1(2 * out * x) / (2 * out) + parts[1] ** 2 * mpmath.expm1(2 * back * x) / (
+            2 * back
+        )
+        work += 2 * parts[0] * parts[1] * mpmath.expm1(-2 * f * x) / (-2 * f)
+        wanted = x, speed * rate(x), 2 * f * mass * speed**2 * work
+        for (value, error), there in zip(found, wanted, strict=True):
+            assert abs(value - there) <= error
+
+
 def test_lever_without_friction__is_the_hyperbolic_cosine():
     time, turned, rate = one(LEVER, "time", "turned_angle", "relative_speed")
     assert time == pytest.approx(math.acosh(5.0) / 20.0, rel=1e-14)
@@ -135,6 +193,21 @@ def test_layers_one_by_one__press_the_ring_as_the_winding_does():
     at_ring = np.sum(pressures * middles**2 * (1 - (a / c) ** 2) / (middles**2 - a * a))
     found = one(WOUND, "rest_bore_stress", "winding_pressure")
     assert found == pytest.approx([bore, at_ring], rel=1e-6)
+
+
+@pytest.mark.parametrize(("bore", "edge"), [(1e-3, 1.002e-3), (4e-3, 4.1e-3), (0.5, 0.52)])
+def test_peak_tension_of_the_winding__is_that_of_its_layers(bore, edge):
+    """Next to a small bore it is a narrow peak, which closely spaced samples show."""
+    speed, density, nu, tension, b = 500.0, 1000.0, 0.3, 1e6, 1.0
+    wheel = {"bore": bore, "winding_diameter": edge, "diameter": 2 * b, "poisson_ratio": nu, "speed": speed}
+    wheel |= {"winding_stress": tension, "density": density}
+    ((value, error),) = figures(WOUND | wheel, "layer_stress")
+    a, c = bore / 2, edge / 2
+    r = a + (c - a) * ((b - a) / (c - a)) ** np.linspace(0.0, 1.0, 400_001)
+    spin = (3 + nu) / 8 * density * speed**2
+    stress = tension * (1 - (r * r + a * a) / (2 * r * r) * np.log((b * b - a * a) / (r * r - a * a)))
+    stress += spin * (a * a + b * b + (a * b / r) ** 2 - (1 + 3 * nu) / (3 + nu) * r * r)
+    assert value == pytest.approx(stress[:-1].max(), rel=1e-8, abs=error)
 
 
 @some

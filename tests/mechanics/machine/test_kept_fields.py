@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from machines import crank, frame, rrp, rrr
 
-from engine import Machine, Scene, set_threads
+from engine import Machine, MovingMachine, Scene, set_threads
 from engine.words.verdicts import Verdict
 
 EPS = np.finfo(float).eps
@@ -82,6 +82,23 @@ def test_angles__go_on_through_all_turns(dtype, revolutions):
     along = np.arctan2(f["B.y"] - f["A.y"], f["B.x"] - f["A.x"])
     # Joints at a distance of 0.2 known to some roundings of 0.4.
     np.testing.assert_allclose(f["rod.angle"], np.unwrap(along.astype(float)), rtol=0, atol=64 * np.finfo(dtype).eps)
+
+
+@pytest.mark.parametrize("short", [1e-2, 1e-4, 1e-8])
+def test_lever_near_a_change_point__turns_on_in_its_sense(short):
+    """The crank pin passes next to the lever's bearing, halfway between two positions: it turns by more than π."""
+    bearing = (1 - short) * 0.1 * np.exp(2j * np.pi / 128)
+    lever = {"type": "RPR", "first": {"link": "block", "joint": "A"}, "second": {"link": "lever", "joint": "D"}}
+    scene = {"points": {"O": frame(0.0, 0.0), "D": frame(bearing.real, bearing.imag)}, "groups": {"g": lever}}
+    scene = Scene.model_validate(scene | {"input": crank(length=0.1, speed=12.0)})
+    pin = 0.1 * np.exp(2j * np.pi * np.arange(64) / 64) - bearing
+    # From the bearing's direction both turn by half together, between positions 32 and 33.
+    true = np.angle(pin / bearing) + np.where(np.arange(64) > 32, 2 * np.pi, 0.0)
+    for found in (
+        Machine(scene, [], ["lever.angle"], [], 64).evaluate({}).fields["lever.angle"][0],
+        MovingMachine(scene, positions=64).fields(["lever.angle"])["lever.angle"],
+    ):
+        np.testing.assert_allclose(found - found[0], true - true[0], rtol=0, atol=64 * EPS / short)
 
 
 def test_ranges_of_variants_own__are_those_of_the_slide():

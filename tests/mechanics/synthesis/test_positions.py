@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from commands import refused, said
 from each_case import refusals
-from hypothesis import assume, given
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from engine import MovingMachine
@@ -56,6 +56,7 @@ def test_circle_point_and_centre_point__belong_to_each_other():
 
 
 @given(positions=st.lists(POSITIONS, min_size=4, max_size=4), turn=st.floats(0.1, 6.2))
+@example([PlanePosition(1e-170 * k * k + 2e-170j * k, 0.4 * k) for k in range(4)], 1.0)
 def test_dyads_through_four_positions__have_one_length_and_turn_as_asked(positions, turn):
     for dyad in dyads_of_turn(positions, turn):
         first, second = (dyad.joint(place) - dyad.centre for place in positions[:2])

@@ -150,6 +150,11 @@ def measured(*asked):
             (0.3, 1.6),
         ),
         (
+            ("shaper", "--stroke", "300 mm", "--ratio", "20", "--frame", "240 mm"),
+            ("ram.stroke", "ram.stroke_time_ratio"),
+            (0.3, 20.0),
+        ),
+        (
             ("slider-crank", "--stroke", "12 in", "--ratio", "1.4"),
             ("slider.stroke", "slider.stroke_time_ratio"),
             (12 * 0.0254, 1.4),

@@ -191,6 +191,21 @@ def test_product_of_numbers__error_of_the_band_holds_their_joint_effect(tmp_path
     assert most - given - band <= error <= 0.05 * given
 
 
+@pytest.mark.parametrize("half", [20, 43, 45])
+def test_three_tolerances__error_of_the_band_holds_their_joint_effect(half, tmp_path):
+    """Of the 130 mm by which the rod is longer than crank and offset, three tolerances leave little, or nothing."""
+    three = one_tolerance("guides.way.y", f"{half} mm").replace("ram.stroke", "drive.transmission_angle")
+    three += f'"input.length" = "{half} mm"\n"groups.drive.first.length" = "{half} mm"\n'
+    study = study_of(tmp_path, three, SCENE.replace('way = {y = "0 mm"}', 'way = {y = "20 mm"}'))
+    c = SweepResult(run_study(study, tmp_path / "study.h5")).columns
+    band, error = (c[f"drive.transmission_angle.tolerance_worst_case{end}"][0] for end in ("", "_error"))
+    if 3 * half > 130:
+        assert np.isnan(band)
+    else:
+        change = math.acos(0.07 / 0.2) - math.acos((0.07 + 2e-3 * half) / (0.2 - 1e-3 * half))
+        assert abs(change - band) <= error <= 1.5 * abs(change - band)
+
+
 def test_tolerance_beyond_what_can_be_assembled__no_band(tmp_path):
     found = swept(tmp_path, one_tolerance("guides.way.y", "160 mm")).columns
     assert found["ram.stroke"][0] == pytest.approx(0.1)
