@@ -343,7 +343,7 @@ def _peaks(curve: np.ndarray, left: np.ndarray, known: np.ndarray, size: np.ndar
     top = np.where(squared | (left <= tolerance * size), found.values, followed.max(axis=1))
     top = np.where((curve <= 0.0).all(axis=1), np.minimum(top, 0.0), top)
     unsure = left + (tolerance + ROUNDED) * size
-    apart = np.where(found.bends < 0.0, np.sqrt(2.0 * unsure / -found.bends), 2.0)
+    apart = np.sqrt(2.0 * unsure / found.bends)
     limits = found.values + left, top, top - left
     bound, value, least = (np.where(squared, np.sign(row) * np.sqrt(np.abs(row)), row) for row in limits)
     bound = np.maximum(bound, value) + rounding
