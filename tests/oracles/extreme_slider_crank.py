@@ -73,7 +73,6 @@ def usual(**changes: float) -> dict[str, float]:
 # Each with what is meant to be hard about it.
 CASES = {
     "usual": {},
-    "rod longer by a tenth": {"l": 0.055},
     "rod longer by 1e-6": {"l": 0.05 * (1 + 1e-6)},
     "rod longer by 1e-12": {"l": 0.05 * (1 + 1e-12)},
     "rod a million cranks long": {"l": 5e4},
@@ -83,10 +82,8 @@ CASES = {
     "ram of 1e-12 kg": {"m": 1e-12},
     "ram of 1e9 kg": {"m": 1e9},
     "all masses of 1e-12 kg": {"m": 1e-12, "me": 1e-12, "J": 1e-14},
-    "all masses of 1e9 kg": {"m": 1e9, "me": 1e9, "J": 1e7},
     "ram of 1e-3 kg on a rotor of 1e9 kg·m²": {"m": 1e-3, "J": 1e9},
     "1e-9 rad/s": {"w": 1e-9},
-    "a million revolutions a minute": {"w": 1e5},
     "a million revolutions a minute backwards": {"w": -1e5},
     "fluctuation of 1e-8": {"d": 1e-8},
     "fluctuation of 1.9": {"d": 1.9},
@@ -94,8 +91,6 @@ CASES = {
     "kilometres, 1e9 kg, 1e-9 rad/s": {"r": 1e3, "l": 1.001e3, "e": 1.0, "m": 1e9, "me": 1e9, "J": 1e15, "w": 1e-9},
     "no load": {"F": 0.0, "c": 0.0, "g": 0.0},
     "drag alone, 1e-12 N·s/m": {"F": 0.0, "g": 0.0, "c": 1e-12},
-    "force of 1e12 N": {"F": 1e12},
-    "crank of a millimetre, rod of a metre": {"r": 1e-3, "l": 1.0, "e": 1e-4},
     "guide a fifth of the rod off": {"h": 0.04, "c": 0.0},
     "rod longer than crank and offset by 1e-8": {"h": 0.03, "l": 0.08 * (1 + 1e-8), "c": 0.0},
     "rod longer than crank and offset by 1e-4, the other way": {"h": -0.03, "l": 0.08 * (1 + 1e-4), "c": 0.0},

@@ -180,7 +180,7 @@ def test_steady_motion__is_that_of_shooting_in_time(machine, drive, peak):
 
 def test_power__is_balanced_over_the_cycle_and_error_figures_hold(machine):
     rng = np.random.default_rng(5)
-    numbers = [10.0 ** rng.uniform(*ends, 20) for ends in ((2.0, 7.0), (-3.0, 0.5), (-2.0, 1.0))]
+    numbers = [10.0 ** rng.uniform(*ends, 12) for ends in ((2.0, 7.0), (-3.0, 0.5), (-2.0, 1.0))]
     status, values, errors = answers(machine, *numbers)
     found = status == Verdict.OK
     assert found.mean() > 0.5
@@ -206,15 +206,15 @@ def test_stiff_drive_of_three_times_the_size__rounds_within_the_estimates():
         "moments.motor.stall_moment": STALL,
     }
     rng = np.random.default_rng(5)
-    drawn = [10.0 ** rng.uniform(*ends, 12) for ends in ((5.5, 7.0), (-3.0, 0.5), (-2.0, 1.0))]
-    varied = {path: np.full(12, size) for path, size in sizes.items()}
+    drawn = [10.0 ** rng.uniform(*ends, 8) for ends in ((5.5, 7.0), (-3.0, 0.5), (-2.0, 1.0))]
+    varied = {path: np.full(8, size) for path, size in sizes.items()}
     varied |= {
         f"elements.d.{key}": row for key, row in zip(("stiffness", "damping", "motor_inertia"), drawn, strict=True)
     }
     machine = Machine(yoke(), [f"d.{name}" for name in STEADY], varied=list(varied))
     (status, one, off), (others, three, more) = (answers(machine, *(k * r for r in varied.values())) for k in (1, 3))
     found = (status == Verdict.OK) & (others == Verdict.OK)
-    assert found.sum() > 9
+    assert found.sum() > 6
     for name in STEADY:
         factor = 3.0 if name.endswith(("moment", "power")) else 1.0
         apart = np.abs(three[name] - factor * one[name])[found]

@@ -10,9 +10,9 @@ import math
 
 import numpy as np
 import pytest
-from machines import crank, frame, on, rpr, rrp, rrr
+from machines import crank, frame, on, rpr, rrp
 
-from engine import Machine, MovingMachine, Scene
+from engine import Machine, Scene
 from engine.cycle.turning_moment import fluctuation, turning_moment_from_areas, turning_moment_from_table
 
 DEGREE = math.pi / 180
@@ -118,79 +118,6 @@ def test_khurmi_16_12__engine_against_a_varying_load():
     assert excess == pytest.approx(1204, abs=0.5)
     assert delta == pytest.approx(0.061, abs=5e-4)
     assert useful == pytest.approx(5000, rel=1e-9)
-
-
-# Four-bar linkages
-
-
-def four_bar(ground, crank_length, coupler, rocker, mode):
-    return Scene.model_validate(
-        {
-            "points": {"O": frame(0.0, 0.0), "D": frame(ground, 0.0)},
-            "input": crank(length=crank_length, speed=1.0),
-            "groups": {"g": rrr("B", ("coupler", "A", coupler), ("rocker", "D", rocker), mode)},
-        }
-    )
-
-
-def motion(scene, name, degrees, omega, epsilon=0.0):
-    """Position, velocity and acceleration of an angle or slide at a crank angle, at 360 positions."""
-    fields = [name, *(f"{name}_{d}" for d in ("phi", "phiphi"))]
-    value, first, second = (row[degrees] for row in MovingMachine(scene, positions=360).fields(fields).values())
-    return value, first * omega, second * omega**2 + first * epsilon
-
-
-@pytest.mark.parametrize(
-    ("mode", "link", "angle", "omega", "epsilon"),
-    [
-        (1, "coupler", 88.8, -5.99, 26.1),
-        (1, "rocker", 117.3, -3.99, 53.3),
-        (-1, "coupler", -115.2, -0.66, 77.9),
-        (-1, "rocker", -143.6, -2.66, 50.7),
-    ],
-)
-def test_norton_problem_row_a__has_the_printed_answers(mode, link, angle, omega, epsilon):
-    # As given in Norton, tables P4-1, P6-1 and P7-1 row a: 6, 2, 7, 9 at 30°, ω = 10; 143.6596° is printed cut off.
-    found = motion(four_bar(6, 2, 7, 9, mode), f"{link}.angle", 30, 10.0)
-    assert math.remainder(found[0], 2 * math.pi) / DEGREE == pytest.approx(angle, abs=0.06)
-    assert found[1] == pytest.approx(omega, abs=0.005)
-    assert found[2] == pytest.approx(epsilon, abs=0.05)
-
-
-# Slider-cranks
-
-
-def slider_crank(crank_length, rod, offset=0.0):
-    return Scene.model_validate(
-        {
-            "points": {"O": frame(0.0, 0.0)},
-            "guides": {"way": {}},
-            "input": crank(length=crank_length, speed=1.0),
-            "groups": {"g": rrp("B", ("rod", "A", rod), "ram", "way", offset)},
-        }
-    )
-
-
-def test_meriam_5_15__engine_at_60_degrees():
-    # Meriam, sample problem 5/15: 5 in and 14 in at 1500 rpm; printed 67.3 ft/s, 29.5 rad/s, 3310 ft/s², 7740 rad/s²,
-    # a rod angle of 18.02°.
-    scene = slider_crank(5 / 12, 14 / 12)
-    _, velocity, acceleration = motion(scene, "ram.slide", 60, rpm(1500))
-    angle, omega, epsilon = motion(scene, "rod.angle", 60, rpm(1500))
-    assert -velocity == pytest.approx(67.3, abs=0.05)
-    assert -omega == pytest.approx(29.5, abs=0.05)
-    assert -acceleration == pytest.approx(3310, abs=5)
-    assert epsilon == pytest.approx(7740, abs=5)
-    assert -math.remainder(angle, 2 * math.pi) / DEGREE == pytest.approx(18.02, abs=0.005)
-
-
-def test_norton_slider_problem_row_a__has_the_printed_answers():
-    # As given in Norton, tables P4-2 and P6-2 row a: 1.4, 4, offset 1, 45°, ω = 10.
-    scene = slider_crank(1.4, 4.0, 1.0)
-    slide, velocity, _ = motion(scene, "ram.slide", 45, 10.0)
-    assert slide == pytest.approx(4.99, abs=0.005)
-    assert velocity == pytest.approx(-9.87, abs=0.005)
-    assert motion(scene, "rod.angle", 45, 10.0)[1] == pytest.approx(-2.47, abs=0.005)
 
 
 # Quick returns

@@ -72,6 +72,7 @@ def refused(*arguments: str) -> str:
 
 def leave_pictures_blank(patch: pytest.MonkeyPatch) -> None:
     """Write files of pictures without what is drawn, which tests of pictures look at."""
+    patch.setattr("sweeps.pictures.style._lettered", lambda figure: None)
     patch.setattr("sweeps.pictures.style.Sheet.savefig", lambda figure, file, **given: file.write(b"<svg/>"))
 
 

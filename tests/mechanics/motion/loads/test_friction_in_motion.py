@@ -68,10 +68,15 @@ def of(regime: str, names: str) -> str:
     return " ".join(f"{regime}.{name}" for name in names.split())
 
 
+# Asked of every run, so that machines share their functions.
+RUN = "time angle final_speed motor_work useful_work harmful_work other_work energy_change work_residual"
+RUN = of("go", f"{RUN} input.reaction.max drive.inner.reaction.max acceleration.max")
+
+
 def turned(only: str, eccentricity: float = 1e-30, speed: float = 10.0, push: float = 0.0, **regime: object) -> Found:
     """What a rotor in a rough journal does."""
     scene = in_journal({"go": run(only, **regime)}, eccentricity, speed, push={"moment": push})
-    return ask(scene, of("go", "time angle final_speed harmful_work work_residual input.reaction.max"))
+    return ask(scene, RUN)
 
 
 def covered(found: Found, name: str, value: float) -> None:
@@ -156,8 +161,7 @@ def test_steady_motion_through_a_fluid__carries_load_and_friction():
 
 
 def test_start__motors_pay_for_energy_loads_and_friction():
-    names = "go.motor_work go.useful_work go.harmful_work go.other_work go.energy_change go.work_residual go.angle"
-    found = ask(rubbing({"go": run("dc cut gravity", speed=30.0)}), names, 120)
+    found = ask(rubbing({"go": run("dc cut gravity", speed=30.0)}), RUN)
     work = {name.rpartition(".")[2]: found[name] for name in found.values}
     assert work["harmful_work"] > 1.0
     # What the cut takes counts among what is neither useful nor harmful.
@@ -202,11 +206,11 @@ def test_heavy_flywheel__needs_the_moment_of_uniform_speed():
 
 def test_run_that_begins_where_friction_jumps__is_looked_at_behind_the_jump():
     """At the dead centre itself the slider stands, and its guide doesn't rub."""
-    near, found, names = 1e-7, [], "go.acceleration.max go.drive.inner.reaction.max"
+    near, found = 1e-7, []
     for begin in (0.0, near):
         scene = rubbing({"go": run("dc gravity", from_angle=begin, from_speed=5.0, cycles=0.1)})
-        found.append(ask(scene, names))
-    for name in names.split():
+        found.append(ask(scene, RUN))
+    for name in ("go.acceleration.max", "go.drive.inner.reaction.max"):
         # Curves change by a few times themselves, some hundred rad/s² and N, within a radian.
         assert found[0][name] == pytest.approx(found[1][name], abs=1e4 * near), name
 

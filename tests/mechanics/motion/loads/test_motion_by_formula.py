@@ -116,9 +116,9 @@ REGIMES = (
 for name in COURSES:
     REGIMES |= pushed_before(name, 12.0, 1.5)
 VARIED = {
-    "moments.pulse.numbers.t0": np.linspace(1.0, 9.0, 8),
-    "moments.sets_in.numbers.t0": np.resize([0.0, 0.1234, 0.5, 1.4999, 2.0], 8),
-    "moments.push.numbers.push": np.full(8, 9.0),
+    "moments.pulse.numbers.t0": np.linspace(1.0, 9.0, 5),
+    "moments.sets_in.numbers.t0": np.array([0.0, 0.1234, 0.5, 1.4999, 2.0]),
+    "moments.push.numbers.push": np.full(5, 9.0),
 }
 
 

@@ -33,11 +33,7 @@ interpolation = "linear"
 
 # Name | what stands in the press | what stands there instead | words of the message.
 SLIPS = cases(r"""
-no quotes in a table | length = "200 mm" | length = 200 mm | needs quotes: "200 mm"
-decimal comma | "50 mm" | 50,5 mm | use a decimal point | '50.5 mm'
 text without quotes | type = "crank" | type = crank | crank is a text
-nothing after = | pivot = "O" | pivot = | no value
-quote left open | pin = "A" | pin = "A | quotation mark
 from for start | speed = "60 rpm" | speed = "60 rpm"\nfrom = "0 deg" | input.from | did you mean 'start'?
 title with an escape | title = "Crank press" | title = "\u001b[31mpress" | control character
 a limit in degrees | speed = "60 rpm" | speed = "0 rpm" | at rest

@@ -53,7 +53,7 @@ FIELDS = {
 
 
 # Of these all summaries are asked, of each other template those that a test of it needs.
-WHOLE = "cam_roller_follower hybrid_five_bar slider_crank"
+WHOLE = "hybrid_five_bar slider_crank"
 
 
 @functools.cache
