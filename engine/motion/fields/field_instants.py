@@ -24,9 +24,12 @@ class Fields(Protocol):
     Attributes
     ----------
     variants : Variants
+    cycle : float
+        Period of the crank angle [rad]; infinite if there is none.
     """
 
     variants: Variants
+    cycle: float
 
     def __call__(self, states: Snapshots) -> dict[str, np.ndarray]:
         """Fields by name at states of the variants, as these."""

@@ -269,9 +269,11 @@ class FieldStatistics:
         found = over_all(some(tops, order), who[order], count)
         np.maximum.at(found.bound, who, tops.bound)
         np.maximum.at(found.off, who, tops.bound - found.value[who])
-        for row, off in (("turned", "turned_off"), ("time", "time_off")):
-            distance = np.abs(getattr(tops, row) - getattr(found, row)[who])
-            np.maximum.at(getattr(found, off), who, distance + getattr(tops, off))
+        turned = np.abs(tops.turned - found.turned[who])
+        if np.isfinite(self.fields.cycle):
+            turned = np.abs(turned - self.fields.cycle * np.round(turned / self.fields.cycle))
+        np.maximum.at(found.turned_off, who, turned + tops.turned_off)
+        np.maximum.at(found.time_off, who, np.abs(tops.time - found.time[who]) + tops.time_off)
         return on_arrays(lambda row: np.where(self._lost[i], np.nan, row), found)
 
 

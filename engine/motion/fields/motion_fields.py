@@ -28,10 +28,15 @@ class MotionFields:
         self.dynamics, self.variants, self.start, self.clock, self.loads = dynamics, variants, start, clock, loads
         self._parameters: dict[float, np.ndarray] = {}
 
+    @property
+    def cycle(self) -> float:
+        """Period of the crank angle [rad]; infinite if the input does not rotate fully."""
+        return self.dynamics.cycle
+
     def place(self, turned: np.ndarray) -> np.ndarray:
         """Crank angle within its cycle, or position of an input without one, at angles turned (…, variants)."""
         place = self.start + self.variants.direction * turned
-        return np.mod(place, self.dynamics.cycle) if np.isfinite(self.dynamics.cycle) else place
+        return np.mod(place, self.cycle) if np.isfinite(self.cycle) else place
 
     def __call__(self, states: Snapshots) -> dict[str, np.ndarray]:
         """All fields at states, counter-clockwise positive except the speed.

@@ -37,6 +37,8 @@ class Turning:
 class Curve:
     """A field that is a function of the angle."""
 
+    cycle = TURN
+
     def __init__(self, curve) -> None:
         self.variants, self._curve = SimpleNamespace(count=1), curve
 
