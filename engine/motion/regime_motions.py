@@ -465,13 +465,15 @@ class RegimeMotion:
         heat: np.ndarray | float = 0.0,
     ) -> dict[str, np.ndarray]:
         """Results for work and power."""
+        converted = turned_over + np.abs(works).sum(axis=0)
         with np.errstate(all="ignore"):
             found = {
                 "motor_work": works[0],
                 "motor_power": works[0] / time,
                 "motor_moment_rms": np.sqrt(squares / time),
                 "energy_change": change,
-                "work_residual": (works.sum(axis=0) - heat - change) / (turned_over + np.abs(works).sum(axis=0)),
+                # A machine that stands converts nothing.
+                "work_residual": (works.sum(axis=0) - heat - change) / np.where(converted == 0.0, 1.0, converted),
             }
             if self.dynamics.works:
                 by_channel = dict(zip(CHANNELS, works[1:], strict=True))

@@ -204,6 +204,8 @@ def test_standstill__a_machine_that_waits_has_no_speed_and_no_power():
     rows, _ = kept(held, "turned")
     for name in ("speed", "acceleration", "turned", "motors_power"):
         assert np.array_equal(rows[name], [0.0, 0.0, 0.0, np.nan], equal_nan=True), name
+    # It converts no energy, and none of it is missing.
+    assert ask(held, "go.work_residual go.motor_work")["go.work_residual"] == 0.0
 
 
 def test_jump__the_row_on_it_is_that_after_it():
