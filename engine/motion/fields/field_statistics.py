@@ -148,8 +148,9 @@ class FieldStatistics:
         rough &= self._averaged | self._may_hold(sampled, who, left).any(axis=0)
         pace = 0.5 * (high - low) * motion.durations(step, states)
         if degree == COARSE:
+            # The square of a polynomial through so few positions converges whether or not that of the field does.
             curves, pace = (np.moveaxis(finer(np.moveaxis(row, -2, -1)), -1, -2) for row in (curves, pace))
-            sampled = curves.swapaxes(1, 2)
+            return _Panels(step, low, high, who, pace, curves, left), rough
         field, panel = np.nonzero(rough & ~self._averaged)
         size = self._size[field, who[panel]]
         rough[field, panel] = ~_squared(sampled[field, panel], left[field, panel], size, self._tolerance)[0]
@@ -326,7 +327,9 @@ def _peaks(curve: np.ndarray, left: np.ndarray, size: np.ndarray, tolerance: flo
     rounding = ROUNDED * size
     squared, squares, left_of_squares = _squared(curve, left, size, tolerance)
     followed = np.where(squared[:, None], squares, curve)
-    left, size = np.where(squared, left_of_squares, left), np.where(squared, size * size, size)
+    size = np.where(squared, size * size, size)
+    # A small value is lost in the rounding of the squares' series.
+    left = np.where(squared, left_of_squares + ROUNDED * size, left)
     found = tops(followed, ROUNDED * size)
     # At a kink the series may exceed the curve.
     top = np.where(left <= tolerance * size, found.values, followed.max(axis=1))
