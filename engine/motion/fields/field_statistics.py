@@ -15,7 +15,7 @@ from engine.cycle.panels.chebyshev import COARSE, DEGREE, PLACES
 from engine.cycle.panels.sampled import finer, panel_integrals, tails, tops
 from engine.laws.rounding import EPS
 from engine.motion.fields.field_instants import Fields
-from engine.motion.fields.recorded_motion import RecordedMotion
+from engine.motion.fields.recorded_motion import TURNED, RecordedMotion
 from engine.motion.quantities import Asked, FieldAnswers
 from engine.stepping.records import on_arrays, over_all, some
 
@@ -198,10 +198,12 @@ class FieldStatistics:
         curve = signs[side, None] * curves[field, panel]
         peaks = _peaks(curve, panels.left[field, panel], self._size[field, panels.who[panel]], self._tolerance)
         low, high = panels.low[panel], panels.high[panel]
+        beside = _beside_jumps(motion, panels, panel, curve, peaks.place)
         x = peaks.place + np.array([[0.0], [-1.0], [1.0]]) * peaks.apart
         states = motion.at(panels.step[panel], low + (high - low) * (0.5 + 0.5 * np.clip(x, -1.0, 1.0)))
         spread = [np.abs(row[1:] - row[0]).max(axis=0) for row in (states.turned, states.time)]
-        found = peaks.value, peaks.bound, peaks.off, states.turned[0], spread[0], states.time[0], spread[1]
+        bound, off = peaks.bound + beside, peaks.off + beside
+        found = peaks.value, bound, off, states.turned[0], spread[0], states.time[0], spread[1]
         np.fmax.at(self._best, owner, peaks.value)
         every = _Tops(*(np.concatenate(rows) for rows in zip(self._tops, (owner, *found), strict=True)))
         self._tops = some(every, every.bound >= self._best[every.owner])
@@ -279,6 +281,28 @@ class _Peaks(NamedTuple):
     off: np.ndarray
     place: np.ndarray
     apart: np.ndarray
+
+
+def _beside_jumps(
+    motion: RecordedMotion, panels: _Panels, panel: np.ndarray, curve: np.ndarray, place: np.ndarray
+) -> np.ndarray:
+    """Changes up to a jump, beside which curves are evaluated, of extremes (panels,) there.
+
+    Parameters
+    ----------
+    motion, panels
+    panel : ndarray (panels,) of int
+        Numbers of the panels.
+    curve : ndarray (panels, POSITIONS)
+    place : ndarray (panels,)
+        Positions of the extremes.
+    """
+    step, low, high = (row[panel] for row in panels[:3])
+    turned = motion.at(step, low + (high - low) * _SHARES[[0, 1, -2, -1]]).turned
+    slopes = np.diff(curve[:, [0, 1, -2, -1]].T, axis=0)[::2] / np.diff(turned, axis=0)[::2]
+    moved = turned[[0, -1]] - motion.samples[TURNED][[0, -1]][:, step]
+    ends = np.array([(place == -1.0) & (low == 0.0), (place == 1.0) & (high == 1.0)])
+    return np.where(ends & (moved != 0.0), np.abs(slopes * moved), 0.0).sum(axis=0)
 
 
 def _left_out(values: np.ndarray, degree: int = DEGREE) -> tuple[np.ndarray, np.ndarray]:
