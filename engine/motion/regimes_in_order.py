@@ -39,11 +39,10 @@ STEPS_OF_ROUNDING = 32
 def share_of_change(name: str) -> float:
     """Factor from the change with coarser steps to the error estimate of a result."""
     last = name.rpartition(".")[2]
-    # Two positions may share an extreme; the estimate of a position covers its rivals instead.
-    if last in ("min_at", "max_at", "min_time", "max_time"):
-        return 0.0
-    # Means over time and extremes converge without an order if a steep motor recovers from a jump within a step.
-    return 2.0 if last in ("mean", "rms", "mean_speed", "speed_min", "speed_max") else 1.0
+    # Means over time, extremes and their positions converge without an order if a steep motor recovers from a jump
+    # within a step.
+    positions = ("min_at", "max_at", "min_time", "max_time")
+    return 2.0 if last in ("mean", "rms", "mean_speed", "speed_min", "speed_max", *positions) else 1.0
 
 
 class RegimeAnswers(NamedTuple):
@@ -149,6 +148,9 @@ class RegimesInOrder(AskedRegimes):
         for name, row in (values | fine.rows).items():
             size, others = np.abs(row), [each[name] for each in compared]
             change = np.ptp([row, *others], axis=0)
+            if name.endswith("_at"):
+                # Positions recur after a cycle, which is infinite if they do not.
+                change = np.minimum(change, np.abs(self.reduction.cycle - change))
             if row.ndim > 1:
                 size, change = _greatest(size), _greatest(change)
             change = share_of_change(name) * np.where(whole, change, size)

@@ -15,7 +15,8 @@ from engine.cycle.panels.chebyshev import COARSE, DEGREE, PLACES
 from engine.cycle.panels.sampled import finer, panel_integrals, tails, tops
 from engine.laws.rounding import EPS
 from engine.motion.fields.field_instants import Fields
-from engine.motion.fields.recorded_motion import RecordedMotion
+from engine.motion.fields.recorded_motion import TURNED, RecordedMotion
+from engine.motion.moments.breaks import JUMP
 from engine.motion.quantities import Asked, FieldAnswers
 from engine.stepping.records import on_arrays, over_all, some
 
@@ -35,7 +36,7 @@ EXCEEDS = 0.71
 MEANS = ("mean", "rms")
 # Differences of both extremes, as shares of the range.
 RANGES = {"range": 1.0, "amplitude": 0.5}
-_SHARES = 0.5 + 0.5 * PLACES[:, None]
+_SHARES, _FIRST_INTERVAL = 0.5 + 0.5 * PLACES[:, None], PLACES[1] - PLACES[0]
 
 
 class _Panels(NamedTuple):
@@ -151,6 +152,7 @@ class FieldStatistics:
         rough &= self._averaged | self._may_hold(sampled, who, left).any(axis=0)
         pace = 0.5 * (high - low) * motion.durations(step, states)
         if degree == COARSE:
+            # The square of a polynomial through so few positions converges whether or not that of the field does.
             curves, pace = (np.moveaxis(finer(np.moveaxis(row, -2, -1)), -1, -2) for row in (curves, pace))
         else:
             field, panel = np.nonzero(rough & ~self._averaged)
@@ -202,10 +204,16 @@ class FieldStatistics:
         size, left = self._size[field, panels.who[panel]], panels.left[field, panel]
         peaks = _peaks(curve, left, panels.known[panel], size, self._tolerance)
         low, high = panels.low[panel], panels.high[panel]
+        # Ends are evaluated a little inside, beside jumps.
+        reach = np.abs(np.diff(motion.samples[TURNED][[0, -1]], axis=0)[0, panels.step[panel]]) * (high - low)
+        ends = np.where(peaks.place < 0.0, curve[:, 1] - curve[:, 0], curve[:, -1] - curve[:, -2])
+        slope = np.where((np.abs(peaks.place) == 1.0) & (reach > 0.0), ends / (0.5 * reach * _FIRST_INTERVAL), 0.0)
+        beside = JUMP * np.abs(slope)
         x = peaks.place + np.array([[0.0], [-1.0], [1.0]]) * peaks.apart
         states = motion.at(panels.step[panel], low + (high - low) * (0.5 + 0.5 * np.clip(x, -1.0, 1.0)))
         spread = [np.abs(row[1:] - row[0]).max(axis=0) for row in (states.turned, states.time)]
-        found = peaks.value, peaks.bound, peaks.off, states.turned[0], spread[0], states.time[0], spread[1]
+        bound, off = peaks.bound + beside, peaks.off + beside
+        found = peaks.value, bound, off, states.turned[0], spread[0], states.time[0], spread[1]
         np.fmax.at(self._best, owner, peaks.value)
         every = _Tops(*(np.concatenate(rows) for rows in zip(self._tops, (owner, *found), strict=True)))
         self._tops = some(every, every.bound >= self._best[every.owner])
@@ -339,7 +347,9 @@ def _peaks(curve: np.ndarray, left: np.ndarray, known: np.ndarray, size: np.ndar
     squared, squares, left_of_squares = _squared(curve, left)
     squared &= known
     followed = np.where(squared[:, None], squares, curve)
-    left, size = np.where(squared, left_of_squares, left), np.where(squared, size * size, size)
+    size = np.where(squared, size * size, size)
+    # A small value is lost in the rounding of the squares' series.
+    left = np.where(squared, left_of_squares + ROUNDED * size, left)
     found = tops(followed, ROUNDED * size)
     # At a kink the series may exceed the curve.
     top = np.where(squared | (left <= tolerance * size), found.values, followed.max(axis=1))

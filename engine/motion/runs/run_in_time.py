@@ -60,8 +60,7 @@ def set_off(runs: OneSpeedRuns, who: np.ndarray) -> None:
     # moving would do work meanwhile, which no steps gather.
     later = np.minimum(_next_look(runs, stays) - runs.clock[stays], runs.ends.time[stays])
     waits = np.isfinite(later) & (not runs.dynamics.moved)
-    if runs.dynamics.changing:
-        later[waits] = _starts_by(runs, stays[waits], later[waits])
+    later[waits] = _starts_by(runs, stays[waits], later[waits])
     runs.state.time[stays[waits]] = later[waits]
     runs.done[stays[waits & (later >= runs.ends.time[stays])]] = True
     if runs.ends.standing:

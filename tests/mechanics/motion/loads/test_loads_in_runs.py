@@ -65,8 +65,9 @@ def test_extreme_at_a_jump__is_that_of_its_own_side(speed, before):
     scene = rotor({"go": run("by_angle nothing", from_speed=30.0, cycles=1.0)}, speed, by_angle=table)
     found = ask(scene, "go.load_moment.min go.load_moment.max", 240)
     # The table falls by 12 N·m/rad at most, and is read 1e-10 rad beside the jump.
-    assert found["go.load_moment.min"] == pytest.approx(min(before, 7.0 - before), abs=1e-8)
-    assert found["go.load_moment.max"] == pytest.approx(max(before, 7.0 - before), abs=1e-8)
+    for name, value in (("min", min(before, 7.0 - before)), ("max", max(before, 7.0 - before))):
+        covered(found, f"go.load_moment.{name}", value)
+        assert found.figure(f"go.load_moment.{name}") <= 1e-8
 
 
 def test_pendulum_let_go__bears_its_weight_and_twice_the_energy_of_its_fall():
