@@ -359,4 +359,4 @@ def _peaks(curve: np.ndarray, left: np.ndarray, known: np.ndarray, size: np.ndar
     limits = found.values + left, top, top - left
     bound, value, least = (np.where(squared, np.sign(row) * np.sqrt(np.abs(row)), row) for row in limits)
     bound = np.maximum(bound, value) + rounding
-    return _Peaks(value, bound, np.maximum(bound - value, value - least), found.places, np.minimum(apart, 2.0))
+    return _Peaks(value, bound, np.maximum(bound - value, value - least), found.places, np.fmin(apart, 2.0))

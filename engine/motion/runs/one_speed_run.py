@@ -107,10 +107,10 @@ class OneSpeedRuns(MachineRuns):
         """Whether steps end at the extremes of the speed: a speed may be reached within a step and left again."""
         return (self.stepping.extremes and not self.observers) or bool(np.isfinite(self.ends.speed).any())
 
-    def ahead(self, who: np.ndarray) -> np.ndarray:
-        """Distance of variants to the end of the input's range in the direction they face."""
+    def ahead(self, who: np.ndarray, facing: np.ndarray | None = None) -> np.ndarray:
+        """Distance of variants to the end of the input's range in a direction, by default the one they face."""
         (low, high), turned = self.bounds[:, who], self.state.turned[who]
-        return np.where(self.facing[who] < 0.0, turned - low, high - turned)
+        return np.where((self.facing[who] if facing is None else facing) < 0.0, turned - low, high - turned)
 
     def arrive(self, who: np.ndarray) -> None:
         """End the runs of variants at the end of the range that they face."""

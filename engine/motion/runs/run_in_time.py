@@ -99,7 +99,9 @@ def _starts_by(runs: OneSpeedRuns, who: np.ndarray, look: np.ndarray) -> np.ndar
     form, turned = runs.equation(who), runs.state.turned[who]
 
     def start(time: np.ndarray) -> np.ndarray:
-        return form.sets_off(turned, runs.clock[who] + time) != 0.0
+        facing = form.sets_off(turned, runs.clock[who] + time)
+        # A stop holds an input that is pressed against it.
+        return (facing != 0.0) & (runs.ahead(who, facing) > 0.0)
 
     started, low, high = start(look), runs.state.time[who], look
     for _ in range(HALVINGS if started.any() else 0):

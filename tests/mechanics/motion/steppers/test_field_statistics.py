@@ -122,6 +122,14 @@ def test_constant_field__its_extremes_are_anywhere():
     assert found["max_at"][1] >= math.pi
 
 
+def test_field_that_is_zero__at_an_instant_and_over_a_step():
+    statistics = FieldStatistics(Curve(np.zeros_like), ["curve"], 1e-8)
+    for edges in ([0.0, 0.0], [0.0, 1.0]):
+        statistics.see(Turning(np.array(edges)))
+    found = statistics.answers([Asked("", "curve", key) for key in ("max", "max_at", "range")])
+    assert [found.values[f"curve.{key}"][0] for key in ("max", "max_at", "range")] == [0.0, 0.0, 0.0]
+
+
 def test_infinite_value__no_statistics():
     with np.errstate(divide="ignore", invalid="ignore"):
         found = measured(lambda x: 1.0 / (x - math.pi), 1e-8, np.linspace(0.0, TURN, 9))
