@@ -165,6 +165,16 @@ def test_begin_outside_a_varied_range__is_a_verdict(reading):
     assert outcome.status.tolist() == [Verdict.OK, Verdict.OUTSIDE_LIMITS]
 
 
+def test_changing_load__presses_the_input_against_its_stop_until_the_time_is_over(reading):
+    pulse = (
+        "\n[forces.pulse]\ntype = 'formula'\non = 'P'\nangle = '0 deg'\nforce = '100 N * (1 + sin(3 * t / (1 s)))'\n"
+    )
+    scene = reading(scene_of(LEVER + pulse, go="end_of_range = true", stay="time = '1 s'"))
+    outcome, found = answers(scene, ["stay.time", "stay.final_position"])
+    assert outcome.status.tolist() == [Verdict.OK]
+    assert np.ravel(found).tolist() == [1.0, 0.3]
+
+
 def test_history__stands_at_the_end_of_the_range(reading):
     keys = "off = ['valve', 'rub']\n"
     scene = reading(scene_of(RAM, go=keys + "end_of_range = true", stay=keys + "time = '1 s'"))
