@@ -204,15 +204,15 @@ class FieldStatistics:
         size, left = self._size[field, panels.who[panel]], panels.left[field, panel]
         peaks = _peaks(curve, left, panels.known[panel], size, self._tolerance)
         low, high = panels.low[panel], panels.high[panel]
-        # Ends are evaluated a little inside, beside jumps.
+        # Ends at jumps are evaluated a little inside the step.
         reach = np.abs(np.diff(motion.samples[TURNED][[0, -1]], axis=0)[0, panels.step[panel]]) * (high - low)
         ends = np.where(peaks.place < 0.0, curve[:, 1] - curve[:, 0], curve[:, -1] - curve[:, -2])
         slope = np.where((np.abs(peaks.place) == 1.0) & (reach > 0.0), ends / (0.5 * reach * _FIRST_INTERVAL), 0.0)
-        beside = JUMP * np.abs(slope)
+        inside = JUMP * np.abs(slope)
         x = peaks.place + np.array([[0.0], [-1.0], [1.0]]) * peaks.apart
         states = motion.at(panels.step[panel], low + (high - low) * (0.5 + 0.5 * np.clip(x, -1.0, 1.0)))
         spread = [np.abs(row[1:] - row[0]).max(axis=0) for row in (states.turned, states.time)]
-        bound, off = peaks.bound + beside, peaks.off + beside
+        bound, off = peaks.bound + inside, peaks.off + inside
         found = peaks.value, bound, off, states.turned[0], spread[0], states.time[0], spread[1]
         np.fmax.at(self._best, owner, peaks.value)
         every = _Tops(*(np.concatenate(rows) for rows in zip(self._tops, (owner, *found), strict=True)))
