@@ -31,6 +31,9 @@ class Fields(Protocol):
     variants: Variants
     cycle: float
 
+    def place(self, turned: np.ndarray) -> np.ndarray:
+        """Crank angle within its cycle, or position of an input without one, at angles turned (…, variants)."""
+
     def __call__(self, states: Snapshots) -> dict[str, np.ndarray]:
         """Fields by name at states of the variants, as these."""
 

@@ -87,6 +87,9 @@ def test_magnitude_that_vanishes__two_cusps(edges, tolerance, phase, level):
     at = [phase + side * math.acos(level) for side in (-1, 1)]
     assert min(abs(math.remainder(found["min_at"][0] - x, TURN)) for x in at) <= found["min_at"][1]
     assert found["min"][1] <= 0.02
+    # Without the square of one sign, the estimate of a kink has to cover it.
+    lower = measured(lambda x: np.abs(np.cos(x - phase) - level) - 0.5, tolerance, edges)
+    assert abs(lower["min"][0] + 0.5) <= lower["min"][1] + 1e-13
 
 
 @given(edges, tolerances, st.floats(0.0, TURN), st.floats(1e-3, 3.0))
