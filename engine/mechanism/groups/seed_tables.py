@@ -321,9 +321,10 @@ class SeedTables:
     def _carried(self, numbers: Numbers, mode: AssemblyMode) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The scene's mode at the first position of each variant, its transmission index, whether it was reached."""
         rows, count = self._rows(numbers), self.slides.size
+        curves = [*self._curves[:count], *self._curves[3 * count : 3 * count + 2]]
         variants = rows.shape[1]
         unknowns, sines = np.repeat(mode.unknowns[:, None], variants, axis=1), np.full(variants, mode.transmission)
-        own = self._rows(self._own)
+        rates, own = np.zeros_like(unknowns), self._rows(self._own)
         step = np.full(variants, _FIRST_STEP)
         progress = ((rows == own) | np.isnan(own)).all(axis=0).astype(float)
         while True:
@@ -333,15 +334,17 @@ class SeedTables:
             ahead = np.where(going, np.minimum(progress + step, 1.0), progress)
             at = self._at(numbers.on_the_way(ahead if variants > 1 else ahead[0]))
             with np.errstate(all="ignore"):
-                found = at(unknowns)
-                accepted = going & (found[3 * count] <= PROVES)
-                moved = unknowns
+                moved = unknowns + rates * (ahead - progress)
+                *deltas, certificate, sine = at(moved, curves)
+                accepted = going & (certificate <= PROVES)
                 for _ in range(4 if accepted.any() else 0):
-                    moved = moved + found[:count]
-                    found = at(moved)
-                accepted &= (np.abs(found[:count]) < SAME).all(axis=0)
-                accepted &= found[-2] / sines > LEAST_SHARE
-            sines = np.where(accepted, found[-2], sines)
+                    moved = moved + deltas
+                    *deltas, _, sine = at(moved, curves)
+                accepted &= (np.abs(deltas) < SAME).all(axis=0)
+                accepted &= sine / sines > LEAST_SHARE
+                # The next step starts from the secant through the last two places.
+                rates = np.where(accepted, (moved - unknowns) / (ahead - progress), rates)
+            sines = np.where(accepted, sine, sines)
             unknowns = np.where(accepted, moved, unknowns)
             progress = np.where(accepted, ahead, progress)
             step = np.where(accepted, np.minimum(2.0 * step, _LONGEST_STEP), np.where(going, 0.5 * step, step))
