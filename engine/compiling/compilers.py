@@ -76,6 +76,28 @@ class _ListedFlags(Flags):
         return self._listed
 
 
+def _remember_operators() -> None:
+    """Make Numba remember the signatures of calls of its own functions with positional arguments.
+
+    It searches all candidates again when it emits the instructions of an `a * b`: a fifth of the time to compile a
+    printed function.
+    """
+    search = types.Function.get_call_type
+
+    @cache
+    def found(function: types.Function, context: Context, args: tuple) -> Signature:
+        return search(function, context, args, {})
+
+    def get_call_type(function: types.Function, context: Context, args: tuple, kws: dict) -> Signature:
+        """Signature of a call."""
+        return search(function, context, args, kws) if kws else found(function, context, tuple(args))
+
+    types.Function.get_call_type = get_call_type
+
+
+_remember_operators()
+
+
 class _RememberedCalls(Context):
     """Numba's typing context, which remembers the signature of each call of a function with positional arguments.
 

@@ -18,6 +18,9 @@ PARTS = {
     _finalize_final_module _finalize_dynamic_globals _verify_declare_only_symbols get_pointer_to_function codegen""",
     "passes with other flags (decorators)": "numba.core.compiler Compiler define_pipelines",
     "arrays that don't overlap (decorators)": "numba.core.compiler Flags noalias",
+    "flags listed once (compilers)": "numba.core.compiler Flags values",
+    "calls remembered (compilers)": "numba.core.typing Context resolve_function_type",
+    "operators remembered (compilers)": "numba.core.types Function get_call_type",
     "folder of machine code (kept_code)": """numba.core.caching _CacheLocator from_function ensure_cache_path
     get_cache_path get_source_stamp get_disambiguator""",
     "cache of a function (kept_code)": "numba.core.caching FunctionCache _impl_class cache_path",
