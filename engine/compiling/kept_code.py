@@ -129,16 +129,18 @@ def is_kept(function: Callable) -> bool:
     return Path(function._cache._cache_file._index_path).exists()
 
 
-def load_printed(text: str) -> ModuleType:
-    """Load a module from its printed source; its functions are compiled, or read from the cache.
+def load_printed(text: str | None) -> Callable | None:
+    """Load the function `fill` of a module from its printed source, compiled, or read from the cache.
 
     Parameters
     ----------
-    text : str
-        Source of the module.
+    text : str or None
+        Source of the module; None where there is nothing to fill.
     """
+    if text is None:
+        return None
     with compiling():
-        return _load(text)
+        return _load(text).fill
 
 
 @cache

@@ -9,9 +9,11 @@ machine as values:
 - `curves` fills all requested curves.
 
 A fourth, `fields`, fills rows over equally spaced positions, for one variant at a time.
+
+Each is printed as the function `fill` of a module of its own, so equal ones are compiled once.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -35,14 +37,12 @@ from engine.graph.nodes import (
 )
 from engine.graph.printer import in_lanes, over_positions
 
-_HEAD = '''"""{title}"""
-
-import math
+_HEAD = """import math
 
 import numpy as np
 
 {imports}
-'''
+"""
 
 
 class Landmark(NamedTuple):
@@ -59,8 +59,8 @@ class Functions(NamedTuple):
 
     Attributes
     ----------
-    text : str
-        Source of a module with some of `events`, `levels`, `curves`, …
+    texts : dict of str to str
+        Sources of the modules of some of `events`, `levels`, `curves`, …; functions without outputs have none.
     rows : dict of Node to int
         Row of P of each number: the input's range first, then numbers of the variant, the cycle and the panel.
     numbers : tuple of Number or Constant
@@ -81,7 +81,7 @@ class Functions(NamedTuple):
         Number of passes over the events: 2 if some depend on numbers of the cycle, such as extremes of other events.
     """
 
-    text: str
+    texts: Mapping[str, str]
     rows: dict[Node, int]
     numbers: tuple[Number | Constant, ...]
     events: tuple[tuple[Node, Node], ...]
@@ -106,7 +106,6 @@ class Functions(NamedTuple):
 
 def functions_of(
     graph: Graph,
-    title: str,
     first: Number,
     last: Number,
     curves: Sequence[Node],
@@ -118,8 +117,6 @@ def functions_of(
     Parameters
     ----------
     graph : Graph
-    title : str
-        Docstring of the printed module.
     first, last : Number
         Range of the input [rad].
     curves : sequence of Node
@@ -132,7 +129,6 @@ def functions_of(
     plan = _planned(graph, first, last, curves, curves, ends, fields)
     return _printed(
         graph,
-        title,
         plan,
         _events(plan),
         _levels(plan),
@@ -142,7 +138,6 @@ def functions_of(
 
 def functions_at(
     graph: Graph,
-    title: str,
     first: Number,
     last: Number,
     curves: Sequence[Node],
@@ -151,13 +146,11 @@ def functions_at(
 ) -> Functions:
     """Print the functions that compute curves at single positions, with held nodes evaluated at the position itself.
 
-    The text has `curves_at`, and with `watched` also `events` and, if any of them follows from extremes, `levels`.
+    There is `curves_at`, and with `watched` also `events` and, if any of them follows from extremes, `levels`.
 
     Parameters
     ----------
     graph : Graph
-    title : str
-        Docstring of the printed module.
     first, last : Number
         Range of the input [rad].
     curves : sequence of Node
@@ -170,7 +163,6 @@ def functions_at(
     plan = _planned(graph, first, last, curves, [*curves, *(watched or ())], fields=numbers)._replace(held=[])
     return _printed(
         graph,
-        title,
         plan,
         *([] if watched is None else [_events(plan), _levels(plan)]),
         _at_one_position(plan.curves),
@@ -179,7 +171,6 @@ def functions_at(
 
 def functions_in_motion(
     graph: Graph,
-    title: str,
     first: Number,
     last: Number,
     rates: Sequence[Node],
@@ -194,8 +185,6 @@ def functions_in_motion(
     Parameters
     ----------
     graph : Graph
-    title : str
-        Docstring of the printed module.
     first, last : Number
         Range of the input [rad].
     rates, watched : sequence of Node
@@ -210,7 +199,6 @@ def functions_in_motion(
     rows = {node: row for row, node in enumerate([*others, *tail])}
     return _printed(
         graph,
-        title,
         plan._replace(held=[], rows=rows),
         _Part("places", "Nodes of the position that nodes of the state depend on.", places),
         _Part("rates", "Rates of the states and of the integrals.", list(rates), Stage.STATE),
@@ -299,11 +287,11 @@ def _planned(
     return _Plan(curves, held, crossings, found, events, cycle, rows)
 
 
-def _printed(graph: Graph, title: str, plan: _Plan, *parts: _Part) -> Functions:
+def _printed(graph: Graph, plan: _Plan, *parts: _Part) -> Functions:
     rows = plan.rows
     places = {curve: i for i, (curve, _) in enumerate(plan.events)}
     return Functions(
-        _tile_module(title, rows, parts),
+        {part.name: _tile_module(part, rows) for part in parts if part.outputs},
         rows,
         tuple(n for n in rows if isinstance(n, (Number, Constant))),
         tuple(plan.events),
@@ -317,40 +305,31 @@ def _printed(graph: Graph, title: str, plan: _Plan, *parts: _Part) -> Functions:
     )
 
 
-def field_function(title: str, fields: Sequence[Node], rows: dict[Node, int], dtype: np.dtype) -> str:
+def field_function(fields: Sequence[Node], rows: dict[Node, int], dtype: np.dtype) -> str:
     """Print a module with `fields`, which fills rows over equally spaced positions."""
-    text, laws = over_positions("fields", "Rows over the positions of one variant.", fields, rows)
-    head = _head(title, "field_signature", laws)
+    text, laws = over_positions(fields, rows)
+    head = _head("field_signature", laws)
     return f"{head}\n\n@filling(field_signature(np.{np.dtype(dtype).name}))\n{text}"
 
 
-def function_at(title: str, curves: Sequence[Node], rows: dict[Node, int], stage: Stage = Stage.POSITION) -> str:
+def function_at(curves: Sequence[Node], rows: dict[Node, int], stage: Stage = Stage.POSITION) -> str:
     """Print a module with `curves_at` alone, for a layout of numbers.
 
     Parameters
     ----------
-    title : str
-        Docstring of the module.
     curves : sequence of Node
     rows : dict of Node to int
         Row of P of each number.
     stage : Stage
         CYCLE for numbers of the variant and of the cycle, which depend on no position.
     """
-    return _tile_module(title, rows, [_at_one_position(curves, stage)])
+    return _tile_module(_at_one_position(curves, stage), rows)
 
 
-def _tile_module(title: str, rows: dict[Node, int], parts: Iterable[_Part]) -> str:
-    """Print a module of functions that fill tiles; one without outputs is None."""
-    texts, laws = [], []
-    for part in parts:
-        if not part.outputs:
-            texts.append(f"{part.name} = None")
-            continue
-        text, called = in_lanes(part.name, part.doc, part.outputs, rows, part.stage, part.positions, part.inline_held)
-        texts.append(f"@filling(TILE_SIGNATURE)\n{text}")
-        laws += called
-    return "\n\n".join([_head(title, "TILE_SIGNATURE", laws), *texts])
+def _tile_module(part: _Part, rows: dict[Node, int]) -> str:
+    """Print a module with a function that fills a tile."""
+    text, laws = in_lanes(part.doc, part.outputs, rows, part.stage, part.positions, part.inline_held)
+    return f"{_head('TILE_SIGNATURE', laws)}\n\n@filling(TILE_SIGNATURE)\n{text}"
 
 
 def _of_kind(nodes: Iterable[Node], kind: type) -> list:
@@ -395,11 +374,11 @@ def _landmark(curve: Node, found: list[Found], rows: dict[Node, int]) -> Landmar
     return Landmark(*(own.get(which, -1) for which in ("low", "high", "low_at", "high_at")))
 
 
-def _head(title: str, signature: str, laws: list) -> str:
-    """Docstring and imports of a printed module: the signature, and the laws."""
+def _head(signature: str, laws: list) -> str:
+    """Imports of a printed module: the signature, and the laws."""
     by_module: dict[str, set[str]] = {}
     for law in laws:
         by_module.setdefault(law.py_func.__module__, set()).add(law.py_func.__name__)
     lines = [f"from engine.compiling.tiles import {signature}, filling, flat"]
     lines += [f"from {module} import {', '.join(sorted(names))}" for module, names in sorted(by_module.items())]
-    return _HEAD.format(title=title, imports="\n".join(lines))
+    return _HEAD.format(imports="\n".join(lines))

@@ -18,17 +18,16 @@ class NodesOverArrays:
 
     Parameters
     ----------
-    title : str
     given : sequence of Given
         Their rows come first.
     results : sequence of Node
     """
 
-    def __init__(self, title: str, given: Sequence[Given], results: Sequence[Node]) -> None:
+    def __init__(self, given: Sequence[Given], results: Sequence[Node]) -> None:
         self._numbers = [node for node in reached(results) if isinstance(node, Number)]
         rows = {node: row for row, node in enumerate([*given, *self._numbers])}
-        text, self._results = function_at(title, results, rows, Stage.CYCLE), len(results)
-        self._function, self._tables = TileFunction(load_printed(text).curves_at), results[0].graph.all_tables
+        text, self._results = function_at(results, rows, Stage.CYCLE), len(results)
+        self._function, self._tables = TileFunction(load_printed(text)), results[0].graph.all_tables
         self._given = len(given)
 
     def table(self, numbers: Mapping[str, np.ndarray], variants: int) -> np.ndarray:
@@ -66,6 +65,4 @@ def _of_law(law: Callable, count: int) -> NodesOverArrays:
     graph = Graph()
     given = [graph.given(f"number {i}", Stage.VARIANT) for i in range(count)]
     results = graph.apply(law, *given)
-    return NodesOverArrays(
-        f"{law.__name__} over variants.", given, results if isinstance(results, tuple) else (results,)
-    )
+    return NodesOverArrays(given, results if isinstance(results, tuple) else (results,))

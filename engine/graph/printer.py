@@ -224,7 +224,6 @@ def _count_uses(order: Iterable[Node], outputs: Iterable[Node], is_leaf: object)
 
 
 def in_lanes(
-    name: str,
     doc: str,
     outputs: Sequence[Node],
     rows: Mapping[Node, int],
@@ -236,8 +235,8 @@ def in_lanes(
 
     Parameters
     ----------
-    name, doc : str
-        Name and docstring of the function.
+    doc : str
+        Docstring of the function.
     outputs : sequence of Node
         Rows of the tile.
     rows : mapping of Node to int
@@ -262,7 +261,7 @@ def in_lanes(
     used = [which for which in ("q", "cos_q", "sin_q") if which in (*body.positions, *before.positions)]
     places = {node: f"looked_up[{i * LANES} + l]" for i, node in enumerate(looked_up)}
     reads = [f"{text} = {places.get(n) or f'p[{rows[n] * LANES} + l]'}" for n, text in body.reads.items()]
-    lines = [f"def {name}(P, T, q, cos_q, sin_q, tile):", f'    """{doc}"""', "    p = flat(P)"]
+    lines = ["def fill(P, T, q, cos_q, sin_q, tile):", f'    """{doc}"""', "    p = flat(P)"]
     lines += [f"    {which}_at = flat({which})" for which in used]
     at = [f"i = k * {LANES} + l", *(f"{which} = {which}_at[i]" for which in used)]
     if looked_up:
@@ -288,7 +287,7 @@ def in_lanes(
     return "\n".join(lines) + "\n", list(dict.fromkeys([*before.laws, *body.laws]))
 
 
-def over_positions(name: str, doc: str, outputs: Sequence[Node], rows: Mapping[Node, int]) -> tuple[str, list]:
+def over_positions(outputs: Sequence[Node], rows: Mapping[Node, int]) -> tuple[str, list]:
     """Print a function that fills rows over the positions of one variant.
 
     Its arguments are the numbers of the variant, T, the positions with their cosines and sines, the index of the
@@ -298,7 +297,7 @@ def over_positions(name: str, doc: str, outputs: Sequence[Node], rows: Mapping[N
     before = Statements(looked_up, Stage.POSITION)
     body = Statements(outputs, Stage.POSITION, looked_up=looked_up, taken=before.taken if looked_up else ())
     used = dict.fromkeys([*before.positions, *body.positions])
-    lines = [f"def {name}(p, T, q, cos_q, sin_q, v, rows):", f'    """{doc}"""']
+    lines = ["def fill(p, T, q, cos_q, sin_q, v, rows):", '    """Fill rows over the positions of one variant."""']
     lines += ["    p = flat(p)", *(f"    {which}_at = flat({which})" for which in used)]
     places = {node: f"looked_up[{i * CHUNK} + k]" for i, node in enumerate(looked_up)}
     lines += [f"    {text} = p[{rows[node]}]" for node, text in body.reads.items() if node not in places]

@@ -39,8 +39,8 @@ def first_failure(
     """
     functions, variants = measuring.functions, np.arange(table.shape[1])
     numbers = np.ascontiguousarray(table)
-    text = function_at(measuring.title, curves, functions.rows)
-    function = TileFunction(load_printed(text).curves_at)
+    text = function_at(curves, functions.rows)
+    function = TileFunction(load_printed(text))
 
     def failing_at(q: np.ndarray) -> np.ndarray:
         """Which curves fail at positions (positions, variants)."""

@@ -42,18 +42,16 @@ class KeptFields:
         Functions of the machine, with the numbers of these curves' `field_node` in their layout.
     dtype : float64 or float32
         Type in which they are stored; they are computed in double precision.
-    title : str
-        Title of the machine.
     """
 
-    def __init__(self, curves: Sequence[Node | Angle], functions: Functions, dtype: np.dtype, title: str) -> None:
+    def __init__(self, curves: Sequence[Node | Angle], functions: Functions, dtype: np.dtype) -> None:
         self._functions, self._dtype = functions, np.dtype(dtype)
         self._followed = np.array([i for i, curve in enumerate(curves) if isinstance(curve, Angle)], np.intp)
-        self.text = field_function(title, [field_node(curve) for curve in curves], functions.rows, self._dtype)
+        self.text = field_function([field_node(curve) for curve in curves], functions.rows, self._dtype)
 
     @cached_property
     def _function(self) -> TypedFunction:
-        return TypedFunction(load_printed(self.text).fields, field_signature(self._dtype))
+        return TypedFunction(load_printed(self.text), field_signature(self._dtype))
 
     def fill(
         self, table: np.ndarray, q: np.ndarray, fields: np.ndarray, places: np.ndarray, ends: tuple[int, int] = NONE

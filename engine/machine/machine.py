@@ -298,9 +298,7 @@ class Machine:
     @cached_property
     def _kept(self) -> "machine.kept_fields.KeptFields":
         measuring = self._measuring
-        return machine.kept_fields.KeptFields(
-            list(self._kept_curves.values()), measuring.functions, self.dtype, measuring.title
-        )
+        return machine.kept_fields.KeptFields(list(self._kept_curves.values()), measuring.functions, self.dtype)
 
     @cached_property
     def _harmonics(self) -> list[Expression]:
@@ -335,8 +333,8 @@ class Machine:
 
     def source(self) -> str:
         """Source text of the printed functions."""
-        text = self._measuring.functions.text
-        return f"{text}\n\n{self._kept.text}" if self._kept_curves else text
+        texts = self._measuring.functions.texts.values()
+        return "\n\n".join([*texts, self._kept.text] if self._kept_curves else texts)
 
     @property
     def numbers_kept(self) -> int:

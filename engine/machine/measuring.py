@@ -98,8 +98,6 @@ class Measuring:
 
     Attributes
     ----------
-    title : str
-        Docstring of the printed functions.
     functions : Functions
     groups : tuple of str
         Structural groups that take part, in the order of the scene.
@@ -169,10 +167,8 @@ class Measuring:
         numbers += [a.number for a in of[VariantNumber]]
         self._one = mechanics.graph.derived("one", lambda n: 1.0)
         numbers += [self._one] if of[Unbalanced] else []
-        self.title = f"The functions of one machine: {mechanics.scene.title or 'untitled'}."
         self.functions: Functions = functions_of(
             mechanics.graph,
-            self.title,
             mechanics.first,
             mechanics.last,
             curves,
@@ -186,8 +182,8 @@ class Measuring:
         plan = self._plan()
         readers = self._readers(plan, speeds)
         cycle.compile_driver_ahead(plan)
-        module = load_printed(self.functions.text)
-        return _Planned(cycle.CycleMachine(plan, module.curves, module.events, module.levels), readers)
+        functions = (load_printed(self.functions.texts.get(name)) for name in ("curves", "events", "levels"))
+        return _Planned(cycle.CycleMachine(plan, *functions), readers)
 
     def _plan(self) -> Plan:
         """Plan of the cycle, in which nothing is wanted yet."""

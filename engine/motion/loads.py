@@ -72,7 +72,6 @@ class PairLoads:
         self.nodes = [known[name] for name in self.names]
         functions = functions_at(
             graph,
-            "Loads of a machine in motion.",
             mechanics.first,
             mechanics.last,
             self.nodes,

@@ -181,8 +181,7 @@ class PrintedSystem:
         behind = *system.scales, *system.shown.values(), *system.held.values(), *guards
         self.watched = [*before, *system.responses, *system.slopes, *behind]
         self.last = (*system.states, *system.unknown.values())
-        title = f"Motion along {system.along}."
-        self.functions: Functions = functions_in_motion(graph, title, first, last, self.rates, self.watched, self.last)
+        self.functions: Functions = functions_in_motion(graph, first, last, self.rates, self.watched, self.last)
         self.levels = LevelValues(self.functions)
         self._tasks: dict[tuple, Packed] = {}
         self._rated = len(places_of(self.rates))
@@ -385,8 +384,8 @@ class PrintedSystem:
 
     @cached_property
     def _printed(self) -> Printed:
-        module, names = load_printed(self.functions.text), ("places", "rates", "watch")
-        return Printed(*(TileFunction(getattr(module, name)) for name in names), self.functions.memory)
+        texts = map(self.functions.texts.get, ("places", "rates", "watch"))
+        return Printed(*(TileFunction(load_printed(text)) for text in texts), self.functions.memory)
 
     def limited(self, numbers: np.ndarray, limits: Mapping[Given, np.ndarray | float]) -> np.ndarray:
         """Numbers of variants with `limits` set, which only guards use, and with what follows from them."""

@@ -120,7 +120,7 @@ def governor_variants(governor: Element, n: Numbers) -> GovernorVariants:
     graph = Graph()
     x, *stops = given = [graph.given(label, Stage.VARIANT) for label in ("position", "inner stop", "outer stop")]
     found = equilibrium_nodes(governor, graph, x, stops)
-    states = NodesOverArrays("Governors in equilibrium.", given, found)
+    states = NodesOverArrays(given, found)
     datum = np.ones_like(n["ball_mass"])
     return GovernorVariants(governor, n, states, np.zeros(0)).with_numbers(n | {DATUM: datum})
 

@@ -131,8 +131,7 @@ class SeedTables:
     @cached_property
     def _walk(self) -> "mechanism.groups.seed_walk.SeedWalk":
         # Compiled code is loaded on first use.
-        words = f"One correction of the group {self.group.name}."
-        return mechanism.groups.seed_walk.SeedWalk(words, self._given, self._curves, self._span, self.slides)
+        return mechanism.groups.seed_walk.SeedWalk(self._given, self._curves, self._span, self.slides)
 
     @property
     def _own(self) -> Numbers:

@@ -322,8 +322,6 @@ class SeedWalk:
 
     Parameters
     ----------
-    title : str
-        Docstring of the printed module.
     given : sequence of Node
         Given numbers for the values of the unknowns.
     curves : sequence of Node
@@ -335,11 +333,11 @@ class SeedWalk:
     """
 
     def __init__(
-        self, title: str, given: Sequence[Node], curves: Sequence[Node], span: tuple[Node, Node], slides: np.ndarray
+        self, given: Sequence[Node], curves: Sequence[Node], span: tuple[Node, Node], slides: np.ndarray
     ) -> None:
-        self._functions = functions_at(curves[0].graph, title, *span, curves, numbers=given)
-        module = load_printed(self._functions.text)
-        self._fill, self._levels = TileFunction(module.curves_at), LevelValues(self._functions)
+        self._functions = functions_at(curves[0].graph, *span, curves, numbers=given)
+        text = self._functions.texts["curves_at"]
+        self._fill, self._levels = TileFunction(load_printed(text)), LevelValues(self._functions)
         self._given = np.array([self._functions.rows[node] for node in given], np.int64)
         self._slides = slides
 

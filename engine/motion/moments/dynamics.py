@@ -121,8 +121,7 @@ class Reduction:
         self.nodes = [reduced.inertia, reduced.slope, *moments.values()]
         terms = [*self.loads.terms, *_reversals(mechanics), *_jerks(mechanics)]
         watched = [load.characteristic for load in terms]
-        title = "A machine in motion."
-        functions = functions_at(graph, title, mechanics.first, mechanics.last, self.nodes, watched)
+        functions = functions_at(graph, mechanics.first, mechanics.last, self.nodes, watched)
         self.tabulation = Tabulation(functions)
         judged = {action: functions.curves[moment] for action, moment in moments.items()}
         self.has_cycle = mechanics.has_cycle

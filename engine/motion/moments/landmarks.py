@@ -62,8 +62,7 @@ class Landmarks:
             looks=functions.looks,
             turns=self._turns,
         )
-        module = load_printed(functions.text)
-        return CycleMachine(plan, None, module.events, module.levels)
+        return CycleMachine(plan, None, *(load_printed(functions.texts.get(name)) for name in ("events", "levels")))
 
     def __call__(self, numbers: Numbers, direction: np.ndarray) -> tuple[np.ndarray, Ends, Breaks]:
         """Numbers of the printed functions, the ends of strokes among them, and the breaks of all actions.

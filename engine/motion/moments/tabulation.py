@@ -99,5 +99,5 @@ class Tabulation:
     def function(self, name: str) -> TileFunction:
         """One of the printed functions, compiled."""
         if name not in self._compiled:
-            self._compiled[name] = TileFunction(getattr(load_printed(self.functions.text), name))
+            self._compiled[name] = TileFunction(load_printed(self.functions.texts[name]))
         return self._compiled[name]

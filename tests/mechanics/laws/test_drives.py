@@ -146,7 +146,7 @@ def test_curve_of_nodes__is_that_of_numbers(motor):
     speed = graph.given("speed", Stage.VARIANT)
     rows = [*(value for own in curve.constants for value in own), speeds]
     given = [*(node for own in nodes.constants for node in own), speed]
-    found = NodesOverArrays("A motor.", given, [nodes.moment(speed)])(np.array(np.broadcast_arrays(*rows), float))[0]
+    found = NodesOverArrays(given, [nodes.moment(speed)])(np.array(np.broadcast_arrays(*rows), float))[0]
     assert_allclose(found, curve.moment(speeds), rtol=10 * EPS, atol=10 * EPS * np.abs(found).max())
     # Between its peaks a torque rises or falls throughout.
     for low, high in pairwise([-10.0, *sorted(peak for peak in curve.peaks if -10.0 < peak < 80.0), 80.0]):

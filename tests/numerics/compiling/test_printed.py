@@ -46,14 +46,14 @@ def fresh_cache(tmp_path, monkeypatch) -> Path:
     forget()
 
 
-def coupler(title: str = "A coupler.") -> tuple[object, list, str]:
+def coupler(length: float = 0.2) -> tuple[object, list, str]:
     """Functions of a graph that gives the coupler of a four-bar, its nodes, and the text that fills rows with them."""
     graph = Graph()
     first, last = graph.derived("first", lambda n: 0.0), graph.derived("last", lambda n: 6.0)
     r = graph.derived("r", lambda n: 0.05)
-    x, y, *_ = graph.apply(rrr_position, (r * graph.cos_q, r * graph.sin_q), (0.22, 0.01), 0.2, 0.15, 1.0)
-    functions = functions_of(graph, title, first, last, [x, y])
-    return functions, [x, y], field_function(title, [x, y], functions.rows, np.dtype(float))
+    x, y, *_ = graph.apply(rrr_position, (r * graph.cos_q, r * graph.sin_q), (0.22, 0.01), length, 0.15, 1.0)
+    functions = functions_of(graph, first, last, [x, y])
+    return functions, [x, y], field_function([x, y], functions.rows, np.dtype(float))
 
 
 def coupler_rows(text: str, functions: object) -> np.ndarray:
@@ -62,16 +62,16 @@ def coupler_rows(text: str, functions: object) -> np.ndarray:
     p = np.array([n.compute({}) for n in functions.numbers])
     rows = np.empty((2, 1, POSITIONS))
     arguments = p, functions.memory, q, np.cos(q), np.sin(q), 0, rows
-    call_printed(load_printed(text).fields, *arguments, of=field_signature(np.dtype(float)))
+    call_printed(load_printed(text), *arguments, of=field_signature(np.dtype(float)))
     return rows[:, 0]
 
 
-def assert_right(title: str = "A coupler.") -> None:
-    """The coupler's joint lies 0.2 from the crank's pin and 0.15 from the pivot, to some roundings."""
-    functions, _, text = coupler(title)
+def assert_right(length: float = 0.2) -> None:
+    """The coupler's joint lies `length` from the crank's pin and 0.15 from the pivot, to some roundings."""
+    functions, _, text = coupler(length)
     x, y = coupler_rows(text, functions)
     q = np.arange(POSITIONS) * (2 * np.pi / POSITIONS)
-    np.testing.assert_allclose(np.hypot(x - 0.05 * np.cos(q), y - 0.05 * np.sin(q)), 0.2, rtol=1e-14)
+    np.testing.assert_allclose(np.hypot(x - 0.05 * np.cos(q), y - 0.05 * np.sin(q)), length, rtol=1e-14)
     np.testing.assert_allclose(np.hypot(x - 0.22, y - 0.01), 0.15, rtol=1e-14)
 
 
@@ -81,12 +81,12 @@ def test_fields__are_filled_by_packed_instructions(dtype, many, fresh_cache):
     functions, (x, y), _ = coupler()
     # With more rows than the compiler tells apart.
     nodes = [x, y, *(x * (2.0 + i) + y for i in range(many - 1))]
-    module = load_printed(field_function("Rows.", nodes, functions.rows, np.dtype(dtype)))
-    assert_packed(module.fields, 1, ("root", "quotient"))
+    fill = load_printed(field_function(nodes, functions.rows, np.dtype(dtype)))
+    assert_packed(fill, 1, ("root", "quotient"))
 
 
 def test_tiles__are_filled_by_packed_instructions(fresh_cache):
-    assert_packed(load_printed(coupler()[0].text).curves, 1, ("root", "quotient"))
+    assert_packed(load_printed(coupler()[0].texts["curves"]), 1, ("root", "quotient"))
 
 
 def test_tile__is_the_same_to_the_last_bit_in_every_lane_and_at_every_position(fresh_cache):
@@ -94,7 +94,7 @@ def test_tile__is_the_same_to_the_last_bit_in_every_lane_and_at_every_position(f
     numbers = np.repeat(np.array([[n.compute({})] for n in functions.numbers]), LANES, axis=1)
     q = np.full((PANEL_POSITIONS, LANES), 1.234)
     tile = np.empty((2, PANEL_POSITIONS, LANES))
-    call_printed(load_printed(functions.text).curves, numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
+    call_printed(load_printed(functions.texts["curves"]), numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
     assert (tile == tile[:, :1, :1]).all()
 
 
@@ -107,7 +107,7 @@ def test_cache__has_the_text_and_what_was_compiled(fresh_cache):
     folder = fresh_cache / digest_of_text(text)[:32]
     assert list(folder.glob("*.nbc"))
     assert list(folder.glob("*.nbi"))
-    assert load_printed(text).__name__.endswith(folder.name)
+    assert load_printed(text).__module__.endswith(folder.name)
     for made in (fresh_cache, folder):
         assert made.stat().st_mode & 0o777 == 0o700
 
@@ -180,7 +180,7 @@ def test_cache_that_others_may_write_to__is_not_believed(fresh_cache, caplog):
     fresh_cache.chmod(0o770)
     forget()
     assert kept_code.cache_folder() is None
-    assert_right("Another coupler.")
+    assert_right(0.21)
     assert sorted(fresh_cache.rglob("*")) == before
     assert len(caplog.records) == 1
 
@@ -348,7 +348,7 @@ def test_reached_sources__are_few():
 
 def test_several_threads__may_all_be_the_first(fresh_cache):
     with ThreadPoolExecutor(3) as pool:
-        for done in [pool.submit(assert_right, f"Coupler {i % 2}.") for i in range(6)]:
+        for done in [pool.submit(assert_right, 0.2 + 0.01 * (i % 2)) for i in range(6)]:
             done.result()
 
 

@@ -133,7 +133,7 @@ NUMBERS = {"a": np.linspace(0.5, 2, LANES), "b": np.linspace(-1, 1, LANES), "loa
 def prepared(graph: Graph, asked: list[Node]) -> tuple[object, np.ndarray]:
     """Functions of a graph and its numbers in lanes."""
     first, last = graph.derived("first", lambda n: 0.0), graph.derived("last", lambda n: 2 * math.pi)
-    functions = functions_of(graph, "A test.", first, last, asked)
+    functions = functions_of(graph, first, last, asked)
     numbers = np.zeros((len(functions.rows), LANES))
     for row, node in enumerate(functions.numbers):
         numbers[row] = node.value if isinstance(node, Constant) else node.compute(NUMBERS)
@@ -143,16 +143,23 @@ def prepared(graph: Graph, asked: list[Node]) -> tuple[object, np.ndarray]:
 def test_printed_tile__is_the_graph_worked_out_by_numpy():
     graph, asked = some_graph()
     functions, numbers = prepared(graph, asked)
-    module = load_printed(functions.text)
     q = np.linspace(0, 6, PANEL_POSITIONS * LANES).reshape(PANEL_POSITIONS, LANES)
     middle = q[8:9].copy()
     switching = 2 * len(functions.events)
     filled = np.empty((switching + len(functions.held_rows), 1, LANES))
-    call_printed(module.events, numbers, functions.memory, middle, np.cos(middle), np.sin(middle), filled)
+    call_printed(
+        load_printed(functions.texts["events"]),
+        numbers,
+        functions.memory,
+        middle,
+        np.cos(middle),
+        np.sin(middle),
+        filled,
+    )
     for row, values in zip(functions.held_rows, filled[switching:], strict=True):
         numbers[row] = values[0]
     tile = np.empty((len(asked), PANEL_POSITIONS, LANES))
-    call_printed(module.curves, numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
+    call_printed(load_printed(functions.texts["curves"]), numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
     expected = values_of(asked, NUMBERS, q)
     # What switches keeps the value of the panel's middle.
     switched = values_of([asked[0] - graph.number("b")], NUMBERS, middle)[0] > 0
@@ -167,10 +174,10 @@ def test_printed_fields__are_the_graph_worked_out_by_numpy(dtype):
     functions, numbers = prepared(graph, asked)
     nodes = np.linspace(0, 6, 700)
     fields = np.empty((len(asked), 5, nodes.size), dtype)
-    module = load_printed(field_function("A test.", asked, functions.rows, dtype))
+    fill = load_printed(field_function(asked, functions.rows, dtype))
     for v in range(5):
         arguments = numbers[:, v].copy(), functions.memory, *places(nodes), v, fields
-        call_printed(module.fields, *arguments, of=field_signature(np.dtype(dtype)))
+        call_printed(fill, *arguments, of=field_signature(np.dtype(dtype)))
     # Sums of some twenty terms of up to a hundred, computed in double precision whatever they are kept in.
     tolerance = max(2e3 * np.finfo(float).eps, np.finfo(dtype).eps)
     for v in range(5):
@@ -199,12 +206,12 @@ def test_position_by_position__given_numbers_are_read_and_what_is_held_is_comput
     g.switches(g.cos_q, -g.sin_q)
     curve = g.held(g.apply(step_of, g.cos_q)) * (speed * speed)
     assert curve.stage == Stage.POSITION
-    functions = functions_at(g, "test", first, last, [curve], [], [g.number("a")])
+    functions = functions_at(g, first, last, [curve], [], [g.number("a")])
     numbers = np.zeros((len(functions.rows), LANES))
     numbers[functions.rows[speed]] = np.arange(LANES)
     q = np.linspace(0.0, 6.0, LANES)[None]
     tile = np.zeros((1, 1, LANES))
-    call_printed(load_printed(functions.text).curves_at, numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
+    call_printed(load_printed(functions.texts["curves_at"]), numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
     np.testing.assert_array_equal(tile[0], np.where(np.cos(q) > 0.0, np.arange(LANES) ** 2.0, 0.0))
     assert functions.crossings == ((0, functions.rows[g.zero], 0.0),)
     assert functions.held_rows == ()
@@ -230,11 +237,11 @@ def test_any_expression__is_printed_as_it_is_meant(symbols, random):
     functions, numbers = prepared(g, asked)
     scope: dict = {}
     # The text alone, uncompiled: what is printed must mean the same to Python.
-    exec(compile(functions.text.replace("@filling(TILE_SIGNATURE)", ""), "printed", "exec"), scope)
+    exec(compile(functions.texts["curves"].replace("@filling(TILE_SIGNATURE)", ""), "printed", "exec"), scope)
     scope["flat"] = np.ravel
     q = np.linspace(0, 3, PANEL_POSITIONS * LANES).reshape(PANEL_POSITIONS, LANES)
     tile = np.empty((len(asked), PANEL_POSITIONS, LANES))
-    scope["curves"](numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
+    scope["fill"](numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
     for found, value in zip(tile, values_of(asked, NUMBERS, q), strict=True):
         np.testing.assert_allclose(found, value, rtol=1e-12, atol=1e-12)
 
@@ -262,11 +269,11 @@ def test_sum_that_begins_and_ends_with_brackets__keeps_them():
     a, b, c, d = (graph.given(label) for label in "abcd")
     whole = graph.combination([(a + b, graph.one), (graph.number("n"), c), (d + b, graph.one)])
     rows = {node: row for row, node in enumerate(n for n in reached([whole]) if isinstance(n, (Given, Number)))}
-    text, _ = in_lanes("filled", "A sum.", [whole], rows, Stage.POSITION, 1)
+    text, _ = in_lanes("A sum.", [whole], rows, Stage.POSITION, 1)
     names, tile = {"np": np, "math": math, "flat": np.ravel}, np.empty((1, 1, LANES))
     exec(text, names)
     values = np.random.default_rng(0).uniform(1.0, 2.0, (len(rows), LANES))
-    names["filled"](values, np.zeros(1), *np.zeros((3, 1, LANES)), tile)
+    names["fill"](values, np.zeros(1), *np.zeros((3, 1, LANES)), tile)
     a, b, c, d, n = (values[rows[node]] for node in (a, b, c, d, graph.number("n")))
     np.testing.assert_allclose(tile[0, 0], (a + b) + n * c + (d + b), rtol=1e-15)
 

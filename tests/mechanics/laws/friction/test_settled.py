@@ -42,7 +42,7 @@ def of_pairs(count: int) -> NodesOverArrays:
     rubs = [Rub(kind, edge, edge, edge) for kind, edge, *_ in each]
     backs = [list(zip(own[4::2], own[5::2], strict=True)) for own in each]
     found = pressing_in_group(rubs, [tuple(own[2:4]) for own in each], backs)
-    return NodesOverArrays("Pressing forces.", given, [*found.pressing, found.margin, found.residual])
+    return NodesOverArrays(given, [*found.pressing, found.margin, found.residual])
 
 
 def settled(*numbers: float | np.ndarray) -> np.ndarray:
