@@ -179,8 +179,8 @@ def functions_in_motion(
 ) -> Functions:
     """Print the functions of a motion: `places` for nodes of the position, `rates` and `watch` for nodes of a state.
 
-    The last rows of P are those that `places` fills, in the order of `curves`, and then the states; `rates` and `watch`
-    read both.
+    The first rows of P are those that `places` reads; the last ones those that it fills, in the order of `curves`, and
+    then the states. `rates` and `watch` read all.
 
     Parameters
     ----------
@@ -192,10 +192,13 @@ def functions_in_motion(
     states : sequence of Given
     """
     asked = [*rates, *watched]
-    places = list(dict.fromkeys([*places_of(rates), *places_of(watched)]))
+    rated = places_of(rates)
+    # Nodes of the rates come first. The others follow from the last one back, so that nodes which belong to the rates
+    # in another form of the motion come next: both forms then have the same text.
+    places = [*graph.in_order(rated), *graph.in_order(set(places_of(watched)).difference(rated))[::-1]]
     plan = _planned(graph, first, last, places, places, fields=asked)
-    tail = [*places, *states]
-    others = [node for node in plan.rows if node not in tail]
+    tail, behind = [*places, *states], {first, last, *reached(places)}
+    others = sorted((node for node in plan.rows if node not in tail), key=lambda node: node not in behind)
     rows = {node: row for row, node in enumerate([*others, *tail])}
     return _printed(
         graph,

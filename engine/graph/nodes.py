@@ -364,6 +364,11 @@ class Graph:
             node = self._made[key] = make()
         return node
 
+    def in_order(self, nodes: Iterable[Node]) -> list[Node]:
+        """Nodes in the order in which they were first made."""
+        wanted = set(nodes)
+        return [node for node in self._made.values() if node in wanted]
+
     def constant(self, value: float) -> Constant:
         """Return the node of a constant."""
         return self._once(("constant", float(value)), lambda: Constant(self, float(value)))

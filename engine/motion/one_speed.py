@@ -99,13 +99,13 @@ def sizes_of(mechanics: Mechanics, speed: Node, side: str = "") -> tuple[Loads, 
 
 
 def moments_of(
-    mechanics: Mechanics, loads: Loads, sizes: Sizes, speed: Node, works: bool, off: frozenset[str] = frozenset()
+    mechanics: Mechanics, loads: Loads, sizes: Sizes, speed: Node, off: frozenset[str] = frozenset()
 ) -> StateMoments:
-    """Torques at a speed, by kind of work if `works`, without the actions in `off`."""
+    """Torques at a speed, by kind of work, without the actions in `off`."""
     graph = mechanics.graph
     motion = InputMotion(speed * speed, graph.zero, speed)
     by_magnitude = motion._replace(speed=abs(speed))
-    by_channel: dict[str, dict[Node, list[Node]]] = {c: {} for c in (CHANNELS if works else ("all",))}
+    by_channel: dict[str, dict[Node, list[Node]]] = {c: {} for c in CHANNELS}
     for size, load in zip(sizes.loads, loads.terms, strict=True):
         if load.basis is graph.zero or load.action in off:
             continue
@@ -114,7 +114,7 @@ def moments_of(
         polynomial = load.order in POLYNOMIAL_ORDERS
         power_of_speed = (motion if polynomial else by_magnitude).power(load.order)
         term = graph.apply(sized, size, load.basis if polynomial else load.basis * power_of_speed)
-        orders = by_channel[channel if works else "all"]
+        orders = by_channel[channel]
         orders.setdefault(power_of_speed if polynomial else graph.one, []).append(term)
     channels = {}
     for channel, orders in by_channel.items():
@@ -130,14 +130,12 @@ def motors_of(mechanics: Mechanics, sizes: Sizes, speed: Node, off: frozenset[st
     return {name: motor_at_speed(mechanics.kinematics, name, on, sizes.facing, speed) for name, on in acting.items()}
 
 
-def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tuple[System, Sizes]:
+def along_angle(mechanics: Mechanics, asked: frozenset[str]) -> tuple[System, Sizes]:
     """The equation of motion over the crank angle, with time and the requested integrals.
 
     Parameters
     ----------
     mechanics : Mechanics
-    works : bool
-        Whether the works of useful and harmful loads, … are separate.
     asked : frozenset of str
         Integrals: "motors", "squares", "fading" (∫ ∂M/∂E dφ), and the channels of work.
     """
@@ -147,7 +145,7 @@ def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tup
     inverse = 2.0 / inertia
     speed = graph.function("sqrt", energy * inverse)
     loads, clock, sizes = sizes_of(mechanics, speed)
-    moments = moments_of(mechanics, loads, sizes, speed, works)
+    moments = moments_of(mechanics, loads, sizes, speed)
     total, pace = moments.total, 1.0 / speed
     steepness = derivative(total, energy, SLOPES)
     squares = (moments.motors * moments.motors) * pace
@@ -180,37 +178,41 @@ def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tup
     return system, sizes
 
 
-def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str], rubs: bool = False) -> tuple[System, Sizes]:
+def along_time(mechanics: Mechanics, asked: frozenset[str], rubs: bool = False) -> tuple[System, Sizes]:
     """The equation of motion over time; parameters as in `along_angle`, and whether there is friction in pairs."""
     graph = mechanics.graph
     turned, speed = (graph.given(label, Stage.STATE) for label in ("angle turned", "speed of a state"))
-    (loads, clock, sizes), (inertia, _) = sizes_of(mechanics, speed), inertia_with_flywheel(mechanics)
-    moments, unknown = moments_of(mechanics, loads, sizes, speed, works), {}
+    inertia, _ = inertia_with_flywheel(mechanics)
+    # The nodes of the position are those of the form over the angle, made in the same order: one function fills them.
+    inverse = 2.0 / inertia
+    loads, clock, sizes = sizes_of(mechanics, speed)
+    moments, unknown = moments_of(mechanics, loads, sizes, speed), {}
     servos = loads if isinstance(loads, WithServos) else None
     if servos is None:
-        bias = (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)
-        smooth = (moments.total - bias) / inertia
+        total, bias = moments.total, (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)
+        smooth = 0.5 * ((total - bias) * inverse)
     else:
         inertia, bias = servos.inertia, sizes.way * servos.bias
-        smooth = moments.motors / inertia
+        inverse = 2.0 / inertia
+        smooth = 0.5 * (moments.motors * inverse)
     # Motors make a step stiff, friction does not; its derivative would contain those of all reactions.
     steepness = derivative(smooth, speed, SLOPES)
     if rubs:
         unknown[speed] = graph.given("acceleration", Stage.STATE)
-        moments.channels["harmful" if works else "all"] += friction_of(mechanics, loads, sizes, speed, unknown[speed])
+        moments.channels["harmful"] += friction_of(mechanics, loads, sizes, speed, unknown[speed])
     total = moments.total
-    epsilon = (total - bias) / inertia
+    epsilon = 0.5 * ((total - bias) * inverse)
     powers, shown = {name: moment * speed for name, moment in moments.channels.items()}, {}
     if servos is not None:
-        powers = moments_of(mechanics, servos.at_true_velocities(), sizes, speed, works).channels
+        powers = moments_of(mechanics, servos.at_true_velocities(), sizes, speed).channels
         of_drives = servos.energy_rate(epsilon) - moments.motors * speed - sum(powers.values(), graph.zero)
-        powers["driving" if works else "all"] += of_drives
+        powers["driving"] += of_drives
         shown = {"energy": servos.energy} | {f"{name} power": power for name, power in powers.items()}
     known = {"motors": moments.motors * speed, **powers, "squares": moments.motors * moments.motors}
     guards = (
         Guard("above", sizes.above - speed),
         Guard("below", speed - sizes.below),
-        Guard("brisk", abs(total) + sizes.stay - sizes.brisk * (0.5 * inertia * (speed * speed))),
+        Guard("brisk", abs(total) + sizes.stay - sizes.brisk * (inertia * (0.5 * speed * speed))),
         Guard("rest", speed),
     )
     gathered = {name: node for name, node in known.items() if name in asked}

@@ -51,8 +51,8 @@ def drive_over_angle(mechanics: Mechanics, motors: frozenset[str], loads: frozen
     speed = graph.function("sqrt", energy * (2.0 / inertia_with_flywheel(mechanics)[0]))
     of_machine, clock, machine_sizes = sizes_of(mechanics, speed)
     at_end, _, motor_sizes = sizes_of(mechanics, motor_speed, "shaft: ")
-    load = moments_of(mechanics, of_machine, machine_sizes, speed, False, motors).total
-    motor = moments_of(mechanics, at_end, motor_sizes, motor_speed, False, loads).total
+    load = moments_of(mechanics, of_machine, machine_sizes, speed, motors).total
+    motor = moments_of(mechanics, at_end, motor_sizes, motor_speed, loads).total
     slip, pace = motor_speed - speed, 1.0 / speed
     moment = elastic + damping * slip
     rates = stiffness * slip * pace, (motor - moment) / motor_inertia * pace, moment + load

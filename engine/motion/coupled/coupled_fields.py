@@ -9,6 +9,7 @@ from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, TURNED
 from engine.motion.fields.motion_fields import MotionFields, motion_rows, power_rows
 from engine.motion.fields.recorded_motion import TIME, Snapshots, inward, turn_inwards
 from engine.motion.loads import WITH_FLYWHEEL, PairLoads
+from engine.motion.one_speed import CHANNELS
 from engine.motion.quantities import INSTANT
 from engine.motion.quantities import TURNED as ANGLE
 from engine.stepping.recorded import weighted, weights_at
@@ -129,8 +130,8 @@ class CoupledFields(MotionFields):
         energy = on_crank.inertia * omega**2 + sides.shaft.inertia * shaft_omega**2
         rows |= {"kinetic_energy": 0.5 * energy, INSTANT: time, ANGLE: moving[TURNED]}
         rows |= {"shaft_speed": sides.coupling.ratio * shaft_omega, "coupling_moment": way * pull.moment}
-        rows |= {key: way * row for key, row in zip(self.dynamics.channels, loads, strict=True)}
-        sources = zip(("motors", *self.dynamics.channels, "coupling"), (power, *powers, heat), strict=True)
+        rows |= {key: way * row for key, row in zip(CHANNELS, loads, strict=True)}
+        sources = zip(("motors", *CHANNELS, "coupling"), (power, *powers, heat), strict=True)
         rows |= {f"{source} power": row for source, row in sources}
         found = self.on_pairs(states, states.facing, omega, on_crank.epsilon)
         for name in WITH_FLYWHEEL:

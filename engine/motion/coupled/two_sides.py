@@ -17,7 +17,7 @@ from engine.laws.tables import make_table
 from engine.motion.coupled.two_speeds import at_two_speeds, ramp
 from engine.motion.moments.dynamics import Dynamics, Reduction, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion, MotionAt
-from engine.motion.one_speed import MachineSystem
+from engine.motion.one_speed import CHANNELS, MachineSystem
 from engine.parts.couplings import Coupling, FluidCoupling, FrictionClutch
 from engine.scene.scene import Numbers, Scene
 from engine.stepping.records import some
@@ -321,7 +321,7 @@ def coupling_pull(
     held = {} if moves else dict.fromkeys((system.sizes.joining.moves, system.sizes.joining.shaft_moves), 0.0)
     numbers = system.limited(sides.numbers(joined), sides.joining(joined) | held)
     places = sides.crank.start + sides.crank.variants.direction * turned
-    names = ["inertia", "acceleration", "motors", *sides.two.crank.channels]
+    names = ["inertia", "acceleration", "motors", *CHANNELS]
     wanted = [system.shown[f"{side} {name}"] for side in ("crank", "shaft") for name in names]
     wanted.append(system.shown["coupling"])
     states = turned, faced[0] * w1, other, faced[1] * w2

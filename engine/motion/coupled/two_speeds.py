@@ -19,7 +19,16 @@ from engine.laws.kinematics.closure import greater
 from engine.laws.tables import in_memory, make_table
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.coupled.fluid_torque import fluid_moment, fluid_piece, slip_guards
-from engine.motion.one_speed import SLOPES, Sizes, friction_of, inertia_with_flywheel, moments_of, shown_of, sizes_of
+from engine.motion.one_speed import (
+    CHANNELS,
+    SLOPES,
+    Sizes,
+    friction_of,
+    inertia_with_flywheel,
+    moments_of,
+    shown_of,
+    sizes_of,
+)
 from engine.parts.couplings import Coupling, FluidCoupling
 from engine.stepping.system import Guard, System
 
@@ -155,8 +164,8 @@ def at_two_speeds(
     (loads, clock, crank), (shaft_loads, _, shaft) = (
         sizes_of(mechanics, *side) for side in ((speed, ""), (shaft_speed, "shaft: "))
     )
-    of_crank = moments_of(mechanics, loads, crank, speed, works, on_shaft)
-    of_shaft = moments_of(mechanics, shaft_loads, shaft, shaft_speed, works, elsewhere)
+    of_crank = moments_of(mechanics, loads, crank, speed, on_shaft)
+    of_shaft = moments_of(mechanics, shaft_loads, shaft, shaft_speed, elsewhere)
     joining = _joining(mechanics, ENDINGS, knots)
     capacity = joining.capacity[0] if knots else graph.zero
     for i in range(1, knots):
@@ -169,7 +178,7 @@ def at_two_speeds(
     if rubs:
         unknown[speed] = graph.given("acceleration", Stage.STATE)
         rubbed = friction_of(mechanics, loads, crank, speed, unknown[speed], on_shaft)
-        of_crank.channels["harmful" if works else "all"] += rubbed
+        of_crank.channels["harmful"] += rubbed
     m1 = of_crank.total - of_inertia
     ahead, shaft_ahead = crank.facing * speed, other * shaft_speed
     slip = shaft_ahead - ahead
@@ -202,11 +211,11 @@ def at_two_speeds(
         parting = other * rises[1] - crank.facing * rises[0]
         turns = joining.growing * graph.apply(touch_turns, elastic, joining.touch, slip, parting)
     motors = of_crank.motors + of_shaft.motors
-    powers = {
-        name: of_crank.channels[name] * speed + of_shaft.channels[name] * shaft_speed for name in of_crank.channels
-    }
+    powers = {name: of_crank.channels[name] * speed + of_shaft.channels[name] * shaft_speed for name in CHANNELS}
     power = of_crank.motors * speed + of_shaft.motors * shaft_speed
-    gathered = dict(zip(GATHERED, (moment * slip, abs(slip), motors * motors, power), strict=True)) | powers
+    gathered = dict(zip(GATHERED, (moment * slip, abs(slip), motors * motors, power), strict=True)) | (
+        powers if works else {}
+    )
     endings = (
         speed,
         shaft_speed,

@@ -6,6 +6,7 @@ from engine.motion.fields.recorded_motion import Snapshots
 from engine.motion.loads import PairLoads
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion, MotionAt
+from engine.motion.one_speed import CHANNELS
 from engine.motion.quantities import EFFICIENCY_NOW, INSTANT, TURNED
 
 
@@ -55,10 +56,10 @@ class MotionFields:
             if self.dynamics.with_servos:
                 energy, powers = form.with_servos(turned, omega, clock, facing)
                 rows["kinetic_energy"] = energy
-                rows |= {f"{name} power": row for name, row in zip(self.dynamics.channels, powers, strict=True)}
+                rows |= {f"{name} power": row for name, row in zip(CHANNELS, powers, strict=True)}
             rows |= power_rows(found.motors * omega, powers) if self.dynamics.works else {}
         rows |= {INSTANT: states.time, TURNED: turned}
-        rows |= {key: way * row for key, row in zip(self.dynamics.channels, found.loads, strict=True)}
+        rows |= {key: way * row for key, row in zip(CHANNELS, found.loads, strict=True)}
         return rows | self.on_pairs(states, facing, omega, found.epsilon)
 
     def on_pairs(

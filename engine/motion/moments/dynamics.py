@@ -225,7 +225,7 @@ class Dynamics:
     off : frozenset of str
         Actions, including motors, that do not act.
     works : bool
-        Whether the works of useful and harmful loads, … are separate.
+        Whether the works of useful and harmful loads, … are integrated separately.
     rubs : bool
         Whether the friction in the pairs acts, too.
     gathered : frozenset of str
@@ -242,7 +242,6 @@ class Dynamics:
     ) -> None:
         scene, loads = reduction.mechanics.scene, reduction.loads
         self.works, self.reduction, self.rubs, self.off = works, reduction, rubs, off
-        self.channels = CHANNELS if works else ("all",)
         self._gathered = gathered | frozenset(CHANNELS if works else ())
         self.motors = tuple(name for name in loads.motors if name not in off)
         acting = [load for load in loads.terms if load.action not in off]
@@ -272,13 +271,13 @@ class Dynamics:
     def by_angle(self) -> MachineSystem:
         """The equation of motion over the crank angle, with its functions printed."""
         mechanics = self.reduction.mechanics
-        return MachineSystem(*along_angle(mechanics, self.works, self._gathered), mechanics)
+        return MachineSystem(*along_angle(mechanics, self._gathered), mechanics)
 
     @cached_property
     def by_time(self) -> MachineSystem:
         """The equation of motion over time, with its functions printed."""
         mechanics = self.reduction.mechanics
-        return MachineSystem(*along_time(mechanics, self.works, self._gathered, self.rubs), mechanics)
+        return MachineSystem(*along_time(mechanics, self._gathered, self.rubs), mechanics)
 
     def moving(self, system: MachineSystem, variants: Variants, facing: float = 1.0) -> np.ndarray:
         """Numbers of a motion for one of the systems, (numbers, variants), without the limits that end a walk.
@@ -357,7 +356,7 @@ class Dynamics:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Works of the motors and of each channel, and the integral of the squared motor torque; zero if unused.
 
-        The work of loads in a single channel is the change of energy minus the motors' work.
+        If works aren't separate, all loads count as "other": their work is the change of energy minus the motors' work.
 
         Parameters
         ----------
@@ -371,7 +370,8 @@ class Dynamics:
         """
         names, nothing = system.names, np.zeros_like(change)
         motors, squares = (rows[names[name]] if name in names else nothing for name in ("motors", "squares"))
-        loads = [rows[names[name]] for name in self.channels] if self.works else [change + sign * motors]
+        loads = [rows[names[name]] if self.works else nothing for name in CHANNELS]
+        loads[-1] = loads[-1] if self.works else change + sign * motors
         return np.stack([motors, *loads]), squares
 
     def inertia(self, variants: Variants, places: np.ndarray, who: np.ndarray | slice = slice(None)) -> np.ndarray:

@@ -10,6 +10,7 @@ import numpy as np
 
 from engine.motion.moments.breaks import JUMP
 from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.one_speed import CHANNELS
 
 # Limits of a first step in time: relative to a time constant, to the maximum angle, and to the breakdown slip.
 STIFFEST, FINER = 1.0, 2.0
@@ -84,7 +85,7 @@ class EquationOfMotion:
         self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Kinetic energy (…, variants) [J], and powers (channels, …, variants) [W], with servos."""
-        names = ("energy", *(f"{name} power" for name in self.dynamics.channels))
+        names = ("energy", *(f"{name} power" for name in CHANNELS))
         energy, *powers = self.evaluated(names, True, turned, omega, time, facing)
         return energy, np.array(powers)
 
@@ -93,14 +94,14 @@ class EquationOfMotion:
 
         `facing`, +1 or −1, is the direction of motion that resistances oppose.
         """
-        dynamics, channels = self.dynamics, self.dynamics.channels
-        found = np.empty((3 + len(channels), *turned.shape))
+        dynamics = self.dynamics
+        found = np.empty((3 + len(CHANNELS), *turned.shape))
         over_angle = (facing > 0.0) & (not dynamics.in_time)
         for in_time, chosen in ((False, over_angle), (True, ~over_angle)):
             some = np.flatnonzero(chosen)
             if some.size:
                 rows = (row[..., some] for row in (turned, omega, time, facing))
-                names = ("inertia", "acceleration", "motors", *channels)
+                names = ("inertia", "acceleration", "motors", *CHANNELS)
                 equation = EquationOfMotion(dynamics, self.variants, self.start, self.who[some])
                 found[..., some] = equation.evaluated(names, in_time, *rows)
         inertia, epsilon, motors, *loads = found
@@ -128,7 +129,7 @@ class EquationOfMotion:
         states = (turned, speed) if in_time else (0.5 * dynamics.inertia(variants, places, who) * speed**2,)
         found = system.at(numbers, places, states, [system.shown[name] for name in names], time, columns)
         for row, name in zip(found, names, strict=True):
-            if name in ("acceleration", "motors", *dynamics.channels):
+            if name in ("acceleration", "motors", *CHANNELS):
                 row *= facing
         return found
 

@@ -7,6 +7,7 @@ import numpy as np
 from engine.motion.fields.recorded_motion import Observer, at_instant
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion
+from engine.motion.one_speed import CHANNELS
 from engine.motion.runs.run_progress import ADAPTIVE, Changed, Ends, MachineRuns, Standing, State, Stepping
 from engine.stepping.records import put, some
 from engine.stepping.walk_task import tolerance_of_walk
@@ -77,7 +78,7 @@ class OneSpeedRuns(MachineRuns):
         observers: Sequence[Observer] = (),
     ) -> None:
         super().__init__(EquationOfMotion(dynamics, variants, standing.angle), standing, ends, stepping, observers)
-        self.steps, count, channels = steps, variants.count, len(dynamics.channels)
+        self.steps, count = steps, variants.count
         low, high = dynamics.reduction.range_of(variants.numbers, count)
         self.spacing = (high - low) / steps
         self.bounds = np.array([[-np.inf], [np.inf]]) * np.ones(count)
@@ -87,8 +88,8 @@ class OneSpeedRuns(MachineRuns):
         self.arrived, self.carried = np.zeros(count, int), np.zeros((0, count))
         self.known = np.full(count, not stepping.classical)
         nothing = {name: np.zeros(count) for name in Changed._fields}
-        self.changed = Changed(**nothing | {"works": np.zeros((channels + 1, count))})
-        works = np.zeros((channels + 1, count))
+        self.changed = Changed(**nothing | {"works": np.zeros((1 + len(CHANNELS), count))})
+        works = np.zeros((1 + len(CHANNELS), count))
         self.state = State(np.zeros(count), standing.omega.astype(float), np.zeros(count), works, np.zeros(count))
         self.turned, self.omega, self.time, _, _ = self.state
         self.slowest, self.fastest = self.omega.copy(), self.omega.copy()

@@ -17,6 +17,7 @@ from engine.motion.fields.recorded_motion import Observer, OneSpeedMotion
 from engine.motion.moments.breaks import edges_of
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion
+from engine.motion.one_speed import CHANNELS
 from engine.stepping.closed_cycle import TOO_STEEP
 from engine.stepping.methods import EIGHT, NINE
 from engine.stepping.recorded import RECORDED, made_steps
@@ -146,8 +147,8 @@ class _Motion:
         self, closed: Closed, steep: np.ndarray, verdict: np.ndarray, observers: tuple[Sequence[Observer], ...]
     ) -> tuple[Steady, Steady]:
         """The cycles found, computed with all requested results, and their error estimates."""
-        count, channels = self.variants.count, len(self.dynamics.channels)
-        shapes = [(count,)] * 9 + [(channels + 1, count)]
+        count = self.variants.count
+        shapes = [(count,)] * 9 + [(1 + len(CHANNELS), count)]
         found, off = ([np.full(shape, np.nan) for shape in shapes] for _ in range(2))
         for implicit in (False, True):
             who = np.flatnonzero((verdict == Verdict.OK) & (steep == implicit))

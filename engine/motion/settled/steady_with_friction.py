@@ -6,6 +6,7 @@ import numpy as np
 
 from engine.motion.fields.recorded_motion import Observer
 from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.one_speed import CHANNELS
 from engine.motion.runs.run import run_to_end
 from engine.motion.runs.run_progress import ADAPTIVE, Ends, RunOutcome, Standing
 from engine.motion.settled.return_map import Returned, returning_speeds
@@ -56,7 +57,7 @@ def _settled(dynamics: Dynamics, variants: Variants, longer: float, watch: Watch
 def _measured(dynamics: Dynamics, variants: Variants, found: Returned, longer: float, watch: Watch | None) -> Steady:
     """The cycle from the speeds found, with all requested results."""
     count = variants.count
-    rows, works = np.full((7, count), np.nan), np.full((len(dynamics.channels) + 1, count), np.nan)
+    rows, works = np.full((7, count), np.nan), np.full((len(CHANNELS) + 1, count), np.nan)
     good = np.flatnonzero(found.verdict == Verdict.OK)
     if good.size:
         part, zero = variants.some(good), np.zeros(good.size)
