@@ -366,8 +366,9 @@ class Graph:
 
     def in_order(self, nodes: Iterable[Node]) -> list[Node]:
         """Nodes in the order in which they were first made."""
-        wanted = set(nodes)
-        return [node for node in self._made.values() if node in wanted]
+        made = {node: i for i, node in enumerate(self._made.values())}
+        # Positions and the memory are there from the beginning.
+        return sorted(dict.fromkeys(nodes), key=lambda node: made.get(node, -1))
 
     def constant(self, value: float) -> Constant:
         """Return the node of a constant."""
