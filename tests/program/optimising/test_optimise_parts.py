@@ -61,6 +61,9 @@ def test_margin__is_the_share_by_which_a_limit_is_missed():
     np.testing.assert_allclose(shares, [[-1 / 3, 0, 1 / 5, 1, -1]], atol=1e-14)
     both = Condition(parse("a <= b and a > 1")).margins(values, {}, 5)
     np.testing.assert_allclose(both[1], [0, -1 / 3, -1 / 2, 1, 1], atol=1e-14)
+    # |a − b| / (|a| + |b|), but for the limit: a slope everywhere.
+    narrow = Condition(parse("abs(a - b) <= 1e-9")).margins(values, {}, 5)
+    np.testing.assert_allclose(narrow, [[1 / 3, 0, 1 / 5, 1, 1]], atol=1e-9)
 
 
 # Coordinates
@@ -97,7 +100,7 @@ nothing to search for | population = 20 |  |  | line 9: optimise: no objective: 
 unknown output | minimise = "wheel_mas" |  |  | line 10: optimise.minimise: 'wheel_mas' is not a summary of this
 dimension | minimise = "ram.stroke + excess_work" |  |  | optimise.minimise: adds a moment or energy to a length
 no number | minimise = "ram.stroke < 1" |  |  | is a condition; a number is needed here
-no condition | minimise = "ram.stroke"\nwhere = "excess_work" |  |  | is a number; a condition such as
+no condition | minimise = "ram.stroke"\nwhere = "excess_work" |  |  | compares nothing; a condition such as
 nothing varies | minimise = "ram.stroke" | nothing |  | vary: nothing varies; give ranges
 lists and local | minimise = "ram.stroke"\nmethod = "local" | lists
     |  | optimise.method: 'local' needs ranges, but only lists vary: give low and high, or use 'differential
