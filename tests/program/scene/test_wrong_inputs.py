@@ -219,9 +219,11 @@ series between its sizes | from = "40 mm", to = "60 mm", count = 3 | choose = "R
 list of several kinds | {values = [3, 4, 5]} | {choose = [3, "4 mm"]} | 9: vary.reach | number and length
 low without sampling | count = 3 | count = 3}\n"gravity" = {low = "0 m/s2", high = "9 m/s2" | 8: vary.gravity
     | [sampling] | method and count
+range downwards | count = 3 | count = 3}\n"gravity" = {low = "9 m/s2", high = "1 m/s2" | 8: vary.gravity
+    | low '9 m/s2' is above high '1 m/s2'
 sampling of nothing | [derive] | [sampling]\nmethod = "sobol"\ncount = 4\n\n[derive] | 11: sampling | low and high
 derived and varied | [derive] | [derive]\n"input.length" = "1" | 12: derive.input.length | either varied or derived
-unknown name in an expression | reach * input | reech * input | 12: derive.groups.slide.first.length | 'reach'
+unknown name in an expression | reach * input | reech * input | 12: derive.groups.slide.first.length | vary.reach
 expression unfinished | reach * input.length | reach * | 12: derive.groups.slide.first.length | reach *
 condition for a number | reach * input | reach < input | 12: derive.groups.slide.first.length | is a condition
     | number
