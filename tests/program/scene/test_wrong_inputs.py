@@ -198,10 +198,10 @@ part of a used name | reach = | rea = {values = [1]}\nreach = | 9: vary.rea | no
 wrong unit | "60 mm" | "60 kg" | 7: vary.input.length | a length such as
 no count | , count = 3 |  | 7: vary.input.length.count | is missing
 count of none | count = 3 | count = 0 | 7: vary.input.length.count | at least 1
-one value for two ends | count = 3 | count = 1 | 7: vary.input.length | input.length
+one value for two ends | count = 3 | count = 1 | 7: vary.input.length | both ends
 unknown key of an axis | count = 3 | cuont = 3 | 7: vary.input.length.cuont | did you mean 'count'?
 log through zero | "40 mm", to = "60 mm", count = 3 | "0 mm", to = "60 mm", count = 3, spacing = "log"
-    | 7: vary.input.length | 0
+    | 7: vary.input.length | cross zero
 not an axis | {values = [3, 4, 5]} | 3 | 9: vary.reach | 3 | a list
 range without a count | {values = [3, 4, 5]} | "3 to 5" | 9: vary.reach | '3 to 5' | how many
 unknown series | {values = [3, 4, 5]} | {choose = "R30", low = 1, high = 5} | 9: vary.reach.choose
