@@ -99,6 +99,7 @@ choice | PRESS | [flywheel] | [forces.f]\ntype = "table"\n[flywheel] | 33: force
     | add one of linear, pchip
 table twice | PRESS | [flywheel] | [flywheel]\n[flywheel] | 34 | the table [flywheel] appears twice, first in line 33
 key twice | PRESS | mass = | mass = "9 kg"\nmass = | 25 | mass appears twice in its table: remove one
+cut short | PRESS | "1/10" | [1, | 34 | the text ends within a value
 quote | PRESS | "100 kg" | "100 kg | 24 | a quotation mark is missing
 curly quotes | PRESS | "100 kg" | “100 kg” | 24 | write straight quotation marks, ", not typographic ones
 colon | PRESS | mass = | mass: | 24 | write KEY = VALUE, not KEY: VALUE
