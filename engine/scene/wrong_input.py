@@ -17,6 +17,7 @@ _EXPECTED = {
     "string_type": "a text in quotes",
     "float_type": "a number",
     "int_type": "a whole number",
+    "finite_number": "a finite number",
     "int_from_float": "a whole number",
     "int_parsing": "a whole number",
     "float_parsing": "a number",

@@ -193,7 +193,7 @@ def to_si(value: str | float | int, dimension: str) -> float:
         return _read_text(value, dimension)
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
         raise UnitError(f"expected {with_example(dimension)}, got {shown(value)}")
-    return _in_range(value, "the number", in_words(dimension))
+    return _in_range(value, shown(value), in_words(dimension))
 
 
 def in_text(value: str | float | int, dimension: str) -> float:
@@ -367,7 +367,7 @@ def _in_range(value: numbers.Real | Decimal, shown: str, words: str) -> float:
     except OverflowError:
         number = math.inf
     if not math.isfinite(number) or (number == 0 and value != 0):
-        raise UnitError(f"{shown} is not a finite {words} within the range of float64")
+        raise UnitError(f"{shown} is not a finite {words}: give 0, or a magnitude from 1e-308 to 1e308 in SI units")
     return number
 
 

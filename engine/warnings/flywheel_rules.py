@@ -75,8 +75,8 @@ def negative_flywheel_rules(scene: Scene) -> Iterator[Rule]:
     if scene.flywheel is None or scene.flywheel.speed_fluctuation is None or not has_cycle(scene):
         return
     sentence = (
-        "the inertia for this speed_fluctuation is {value}, below {limit}: the machine runs more evenly without a "
-        "flywheel; omit it, or ask for less fluctuation"
+        "the inertia for this speed_fluctuation is {value}, below {limit}: the machine runs evenly enough "
+        "without a flywheel; omit it, or ask for less fluctuation"
     )
     yield Rule("flywheel", "below", "kg m2", sentence, lambda n, exact: (exact, 0.0), ("flywheel_wittenbauer",))
 

@@ -185,7 +185,7 @@ def listed(name: str, known: Iterable[str], lead: str) -> str:
     return f"{lead}: {', '.join(known) or 'none'}" + (f"; did you mean {near[0]!r}?" if near else "")
 
 
-def unknown_name_message(name: str, known: Iterable[str]) -> str:
+def unknown_name_message(name: str, known: Iterable[str], words: str = "") -> str:
     """Say that a name is unknown, and which known ones may have been meant.
 
     Parameters
@@ -194,6 +194,8 @@ def unknown_name_message(name: str, known: Iterable[str]) -> str:
         The name that isn't known.
     known : iterable of str
         The names that are.
+    words : str, optional
+        What to say of it instead of "unknown name".
 
     Returns
     -------
@@ -201,7 +203,8 @@ def unknown_name_message(name: str, known: Iterable[str]) -> str:
         For instance "unknown name 'input.lenght'; did you mean 'input.length'?".
     """
     known = sorted(known)
-    return f"unknown name '{name}'; {nearest_or_known(name, known, known)}"
+    words = words or f"unknown name '{name}'"
+    return f"{words}; {nearest_or_known(name, known, known)}"
 
 
 def nearest_or_known(name: str, known: Sequence[str], akin: Sequence[str]) -> str:

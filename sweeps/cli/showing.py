@@ -8,7 +8,7 @@ import click
 from sweeps.cli import shared
 from sweeps.cli.shared import POSITIONS, main
 from sweeps.cli.waiting import doing
-from sweeps.text.input_files import InputError, need_known
+from sweeps.text.input_files import InputError
 
 
 @main.command()
@@ -47,7 +47,7 @@ def show(asked: shared.Options) -> None:
     result.show_own_units()
     shared.tell_altered(asked.file)
     names = shared.names_in(asked.columns or "")
-    need_known(names, result.columns, str(asked.file), "is not in the result", "columns")
+    result.need(names, "columns")
     if asked.variant is not None:
         # Refuses one that isn't there.
         result.variant_values(asked.variant)

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -239,6 +240,34 @@ class SweepResult:
         objective = search["objectives"][0]
         return Best(**{objective["way"]: objective["name"]}, where=search["where"])
 
+    def need(self, names: Iterable[str], key: str, known: Iterable[str] = ()) -> None:
+        """Refuse names that the result doesn't have, and say where to ask for those that its machine has.
+
+        Parameters
+        ----------
+        names : iterable of str
+        key : str
+            The option that names them.
+        known : iterable of str, optional
+            Names allowed, if not those of the columns.
+
+        Raises
+        ------
+        InputError
+        """
+        known = {*(known or self.columns)}
+        for name in (name for name in names if name not in known):
+            raise InputError.of(str(self.path), self._absence(name, known), key=key)
+
+    def _absence(self, name: str, known: set[str]) -> str:
+        summary = "is not in this result: add it to the summaries of [outputs], and run the study again"
+        field = f"is a curve: name one of its numbers, such as {name}.max; as a field of [outputs] it can be exported"
+        for words, *asked in ((summary, [name]), (field, [], [name])):
+            with suppress(engine.AskError, engine.SceneError):
+                engine.made_ready(self.scene, *asked)
+                return f"{name!r} {words}"
+        return engine.unknown_name_message(name, (other for other in known if not other.endswith("_error")))
+
     def select(
         self, where: Where = None, sort: str | None = None, descending: bool = False, most: int | None = None
     ) -> np.ndarray:
@@ -259,9 +288,8 @@ class SweepResult:
         InputError
             The condition can't be read, or names a column that doesn't exist.
         """
+        self.need([sort] if sort else (), "sort")
         met, sign = self.meets(where), -1.0 if descending else 1.0
-        if sort is not None and sort not in self.columns:
-            raise InputError.of(str(self.path), engine.unknown_name_message(sort, self.columns), key="sort")
         found: list[tuple[np.ndarray, np.ndarray]] = []
         for part in self.parts():
             here = part.start + np.flatnonzero(met(part))
@@ -310,8 +338,10 @@ class SweepResult:
 
     def _judged(self, where: Where) -> Callable[[slice | np.ndarray], Judgement]:
         """A condition's judgement of some variants; recomputed, as 1e8 of them would fill memory."""
+        known = number_units(self.scene) | self.units
         try:
-            condition = Condition.read_all(where, engine.dimensions_by_unit(number_units(self.scene) | self.units))
+            self.need(Condition.parse(all_of(where)).names, "where", known)
+            condition = Condition.read_all(where, engine.dimensions_by_unit(known))
         except engine.ExpressionError as error:
             raise InputError.of(str(self.path), str(error), key="where") from None
 

@@ -37,5 +37,7 @@ def find_study(name: str) -> Path:
     known = bundled_studies()
     if name in known:
         return known[name]
-    others = "" if path.suffix else f", and no bundled study of that name. {unknown_name_message(name, known)}"
-    raise InputError.of(name, f"there is no such file{others}")
+    words = "there is no such file"
+    if not path.suffix:
+        words = unknown_name_message(name, known, f"{words}, and no bundled study of that name")
+    raise InputError.of(name, words)

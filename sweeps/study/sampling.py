@@ -186,7 +186,7 @@ class Sampled:
         for name, low, high, is_logarithmic in zip(self.names, self.lows, self.highs, self.logarithmic, strict=True):
             _check_finite(name, low, high)
             if low > high:
-                raise SamplingError(f"{name}: low {low!r} is above high {high!r}; exchange them")
+                raise SamplingError(f"{name}: low is above high; exchange them")
             if is_logarithmic:
                 _check_ratio(name, low, high)
         if self.method == "sobol" and self.count > SOBOL_LARGEST:
@@ -297,25 +297,22 @@ def _column(name: str, values: Sequence[float]) -> np.ndarray:
 
 def _check_finite(name: str, low: float, high: float) -> None:
     if not math.isfinite(high - low):
-        raise SamplingError(f"{name}: the range from {low!r} to {high!r} must be finite")
+        raise SamplingError(f"{name}: the range and its ends must be finite")
 
 
 def _check_range(name: str, start: float, stop: float, count: int) -> None:
     _check_finite(name, start, stop)
     if count == 1 and start != stop:
-        raise SamplingError(
-            f"{name}: count 1 can't hit both {start!r} and {stop!r}; take 2 or more, or give a single value"
-        )
+        raise SamplingError(f"{name}: count 1 can't hit both ends; take 2 or more, or give a single value")
 
 
 def _check_ratio(name: str, low: float, high: float) -> None:
     if low == 0 or high == 0 or (low < 0) != (high < 0):
         raise SamplingError(
-            f"{name}: a logarithmic range can't touch zero, but this one goes from {low!r} to {high!r}; "
-            "take a linear one, or limits of equal sign"
+            f"{name}: a logarithmic range can't touch or cross zero; take a linear one, or limits of equal sign"
         )
     if not 0 < high / low < math.inf:
-        raise SamplingError(f"{name}: the ratio of {high!r} to {low!r} is too large")
+        raise SamplingError(f"{name}: the ratio of the ends is too large")
 
 
 def entry_at(fraction: np.ndarray, listed: Sequence[float]) -> np.ndarray:

@@ -52,7 +52,7 @@ class Sensitivity:
         known = dict.fromkeys([*numbers, *study.parameters])
         if asked.by not in known:
             raise engine.AskError(
-                f"{asked.by!r} is not a number that the scene gives. {engine.unknown_name_message(asked.by, known)}"
+                engine.unknown_name_message(asked.by, known, f"{asked.by!r} is not a number that the scene gives")
             )
         if asked.of.endswith(engine.PLACE_STATISTICS):
             raise engine.AskError(

@@ -143,7 +143,9 @@ class StudyReader:
             with self.problems.noted((engine.UnitError, SamplingError), ["vary", path]):
                 self._check_variable(path)
                 if isinstance(axis, study_text.Between):
-                    ranges[path] = self._quantities(path, (axis.low, axis.high))
+                    ranges[path] = low, high = self._quantities(path, (axis.low, axis.high))
+                    if low > high:
+                        raise SamplingError(f"low {axis.low!r} is above high {axis.high!r}; exchange them")
                 elif samples and isinstance(axis, study_text.Sizes):
                     sizes[path] = self._sizes(path, axis)
                 else:
@@ -176,7 +178,7 @@ class StudyReader:
             return refusal and f"can't vary in this scene: {refusal}"
         if path.isidentifier() and path in self._names_used:
             return ""
-        return f"is not a number that the scene gives. {engine.unknown_name_message(path, self.numbers)}"
+        return engine.unknown_name_message(path, self.numbers, "is not a number that the scene gives")
 
     def _refusal(self, path: str, others: Iterable[str]) -> str:
         """Why a number of the scene can't vary (it has no effect), or "".

@@ -39,7 +39,7 @@ def read_tolerances(scene: Scene, texts: Mapping[str, ToleranceText]) -> tuple[T
     numbers, found = scene_numbers(scene), []
     for path, text in texts.items():
         if path not in numbers:
-            raise AskError(f"is not a number that the scene gives. {unknown_name_message(path, numbers)}")
+            raise AskError(unknown_name_message(path, numbers, "is not a number that the scene gives"))
         half_width = in_text(text.plus_minus, numbers[path].dimension)
         if not 0 < half_width < np.inf:
             raise AskError(f"{text.plus_minus!r}: a tolerance must be greater than 0, such as '0.1 mm'")

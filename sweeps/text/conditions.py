@@ -20,6 +20,8 @@ WORST = 1.0
 ROUNDING = 4 * float(np.finfo(float).eps)
 # Sides whose estimates are below this share of their terms count as exactly equal.
 NEGLIGIBLE = 1e-9
+# Operations whose magnitude follows from those of their operands.
+_WITH_TERMS = ("+", "-", "*", "/", "abs", "max", "min")
 
 
 class UnknownNameError(engine.ExpressionError):
@@ -78,7 +80,7 @@ class Condition:
 
     def __post_init__(self) -> None:
         if not self.expression.is_condition:
-            raise engine.ExpressionError(f"{self.text!r} is a number; a condition such as 'a < b' is needed here")
+            raise engine.ExpressionError(f"{self.text!r} compares nothing; a condition such as 'a < b' is needed here")
 
     @classmethod
     def parse(cls, text: str) -> "Condition":
@@ -199,7 +201,8 @@ class Condition:
         """Margin of each part joined by `and`: positive where missed.
 
         The margin of a ≤ b is (a − b) / (|a| + |b|), less the error estimate of a − b over the same sum, from −1 to 1
-        in any unit. Parts joined by `or` count by their minimum. Undefined numbers give 1.
+        in any unit; a side of several terms counts by the sum of their magnitudes, so that |a − c| ≤ b has a slope
+        where b is small. Parts joined by `or` count by their minimum. Undefined numbers give 1.
 
         Parameters
         ----------
@@ -277,6 +280,14 @@ def _shifted(tree: engine.ExpressionTree, values: Values, errors: Values) -> _Sh
     return _Shifted(value, {tree: (value + off, value - off)})
 
 
+def _magnitude(tree: engine.ExpressionTree, values: Values) -> np.ndarray:
+    """Sum of the magnitudes of the terms of a number."""
+    if isinstance(tree, engine.TextOperation) and tree.name in _WITH_TERMS:
+        terms = [_magnitude(operand, values) for operand in tree.operands]
+        return sum(terms) if tree.name in ("+", "-") else engine.apply_operation(tree.name, terms)
+    return np.abs(engine.evaluate_tree(tree, values))
+
+
 def _compared(tree: engine.TextOperation) -> Iterator[tuple[engine.ExpressionTree, ...]]:
     """Both sides of each comparison of a condition."""
     if tree.name in ("and", "or", "not"):
@@ -296,7 +307,7 @@ class _Comparison(NamedTuple):
     apart, error : ndarray
         The difference and its error estimate; infinite if unknown.
     whole : ndarray
-        Sum of the magnitudes of both sides.
+        Sum of the magnitudes of all terms.
     rounding : ndarray
         Error of the difference from rounding only.
     """
@@ -351,7 +362,7 @@ def _compare(values: Values, errors: Values) -> Callable[[engine.TextOperation],
         difference = engine.TextOperation("-", tree.operands, tree.column)
         apart, error = value_with_error(difference, values, errors)
         _, rounding = value_with_error(difference, values, {}) if errors else (apart, error)
-        whole = sum(np.abs(engine.evaluate_tree(operand, values)) for operand in tree.operands)
+        whole = _magnitude(difference, values)
         error = np.where(np.isfinite(apart), error + ROUNDING * whole, 0.0)
         if tree.name in (">", ">="):
             apart = -apart

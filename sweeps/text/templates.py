@@ -30,5 +30,5 @@ def template_text(name: str) -> str:
     """
     known = bundled_templates()
     if name not in known:
-        raise InputError.of(name, f"there is no such template. {unknown_name_message(name, known)}")
+        raise InputError.of(name, unknown_name_message(name, known, "there is no such template"))
     return known[name].read_text(encoding="utf8")

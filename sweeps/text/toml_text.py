@@ -35,7 +35,9 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         found = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
         line = int(found[1]) if found else None
-        raise InputError.of(source, _slip(text, line, source) or _not_toml(text, line, str(error)), line) from None
+        message = _slip(text, line, source) or _not_toml(text, line, str(error))
+        # A line is missing where the text ends too early.
+        raise InputError.of(source, message, line or len(text.splitlines())) from None
     except (ValueError, RecursionError):
         raise InputError.of(source, "not valid TOML: a number too long, or tables nested too deep") from None
 
@@ -51,6 +53,7 @@ _NOT_TOML = {
     "[Uu]nescaped|Escaped|hex": "in double quotes write \\\\ for a backslash, or use single quotes",
     "Unterminated|Illegal": "the quotation mark is never closed, or the text has a control character",
     "newline": "a line holds one KEY = VALUE, and something follows the value",
+    "end of document": "the text ends within a value: complete it, and close its bracket or quotation mark",
     "date": "dates and times aren't used; write texts in quotes",
 }
 

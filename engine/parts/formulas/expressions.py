@@ -470,7 +470,7 @@ class _Translator:
     def condition(self, node: ast.expr, depth: int) -> Tree:
         tree, is_condition = self.translate(node, depth + 1)
         if not is_condition:
-            raise self.refusal(node, "a condition is needed here, this is a number; compare it with something")
+            raise self.refusal(node, "a condition is needed here, and this compares nothing")
         return tree
 
     def comparison(self, node: ast.Compare, depth: int) -> TextOperation:

@@ -74,7 +74,7 @@ def motion_of_part(moving: engine.MovingMachine, part: str) -> Figure:
     known = moving.register.fields
     kind = next((kind for kind in _DERIVATIVES if f"{part}.{kind}" in known), None)
     if kind is None:
-        parts = [name.rpartition(".")[0] for name in known if name.rpartition(".")[2] in _DERIVATIVES]
+        parts = dict.fromkeys(name.rpartition(".")[0] for name in known if name.rpartition(".")[2] in _DERIVATIVES)
         raise PictureError(f"{part!r} is not a slider or link of this machine; choose from: {', '.join(parts)}")
     names = [f"{part}.{what}" for what in (kind, *_DERIVATIVES[kind])]
     need_motion(moving, names)

@@ -109,6 +109,7 @@ def sweep_data(
     best : int, optional
         Variant to mark.
     """
+    result.need(filter(None, asked), "plot", (*result.columns, *result.fields))
     variants, shape, chosen = result.file.variants, result.shape, slice(None)
     if is_too_many := variants > MOST_DRAWN and "search" not in result.record:
         shape, chosen = evenly_chosen(shape, best, MOST_DRAWN)

@@ -38,7 +38,7 @@ def result_table(path: Path, names: Sequence[str] = (), where: Where = None) -> 
     result = SweepResult(path)
     result.show_own_units()
     known = [c.name for c in result.file.described]
-    need_known(names, known, str(path), "is not in this result", "--columns")
+    result.need(names, "columns", known)
     met = result.meets(where) if where or names else None
     if not names:
         errors = [f"{name}_error" for name in result.summaries]

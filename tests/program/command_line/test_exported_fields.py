@@ -103,7 +103,7 @@ def test_table_in_parts__is_the_table_as_a_whole(result, monkeypatch):
 
 
 def test_what_cannot_be_listed__is_refused_in_words(result, monkeypatch):
-    assert "did you mean 'B.y'?" in refused("export", "r.h5", "--columns", "B.yy", "--to", "t.csv")
+    assert "did you mean 'B.y'" in refused("export", "r.h5", "--columns", "B.yy", "--to", "t.csv")
     assert "where" in refused("export", "r.h5", "--where", "ram.strok < 1", "--to", "t.csv")
     told = refused("export", "r.h5", "--where", "ram.stroke > '2 kg'", "--to", "t.csv")
     assert "compares a length with a mass" in told

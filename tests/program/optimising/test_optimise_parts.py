@@ -61,6 +61,9 @@ def test_margin__is_the_share_by_which_a_limit_is_missed():
     np.testing.assert_allclose(shares, [[-1 / 3, 0, 1 / 5, 1, -1]], atol=1e-14)
     both = Condition(parse("a <= b and a > 1")).margins(values, {}, 5)
     np.testing.assert_allclose(both[1], [0, -1 / 3, -1 / 2, 1, 1], atol=1e-14)
+    # |a − b| / (|a| + |b|), but for the limit: a slope everywhere.
+    narrow = Condition(parse("abs(a - b) <= 1e-9")).margins(values, {}, 5)
+    np.testing.assert_allclose(narrow, [[1 / 3, 0, 1 / 5, 1, 1]], atol=1e-9)
 
 
 # Coordinates
@@ -97,7 +100,7 @@ nothing to search for | population = 20 |  |  | line 9: optimise: no objective: 
 unknown output | minimise = "wheel_mas" |  |  | line 10: optimise.minimise: 'wheel_mas' is not a summary of this
 dimension | minimise = "ram.stroke + excess_work" |  |  | optimise.minimise: adds a moment or energy to a length
 no number | minimise = "ram.stroke < 1" |  |  | is a condition; a number is needed here
-no condition | minimise = "ram.stroke"\nwhere = "excess_work" |  |  | is a number; a condition such as
+no condition | minimise = "ram.stroke"\nwhere = "excess_work" |  |  | compares nothing; a condition such as
 nothing varies | minimise = "ram.stroke" | nothing |  | vary: nothing varies; give ranges
 lists and local | minimise = "ram.stroke"\nmethod = "local" | lists
     |  | optimise.method: 'local' needs ranges, but only lists vary: give low and high, or use 'differential
@@ -111,7 +114,7 @@ start not listed | minimise = "ram.stroke"\nstart = {"input.length" = "45 mm"} |
 start unknown | minimise = "ram.stroke"\nstart = {"input.lenght" = 1} |  |  | did you mean 'input.length'?
 start without unit | minimise = "ram.stroke"\nstart = {"input.length" = 0.04} |  |  | optimise.start.input.
 tolerance unknown | minimise = "ram.stroke" |  | [tolerances]\n"input.lenght" = "1 mm"\n
-    | tolerances.input.lenght: is not a number that the scene gives. unknown name 'input.lenght'; did you mean
+    | tolerances.input.lenght: is not a number that the scene gives; did you mean
 tolerance unit | minimise = "ram.stroke" |  | [tolerances]\n"input.length" = "1 kg"\n | tolerances.input.length:
 tolerance zero | minimise = "ram.stroke" |  | [tolerances]\n"input.length" = {plus_minus = "0 mm"}\n
     | '0 mm': a tolerance must be greater than 0, such as '0.1 mm'

@@ -99,6 +99,7 @@ choice | PRESS | [flywheel] | [forces.f]\ntype = "table"\n[flywheel] | 33: force
     | add one of linear, pchip
 table twice | PRESS | [flywheel] | [flywheel]\n[flywheel] | 34 | the table [flywheel] appears twice, first in line 33
 key twice | PRESS | mass = | mass = "9 kg"\nmass = | 25 | mass appears twice in its table: remove one
+cut short | PRESS | "1/10" | [1, | 34 | the text ends within a value
 quote | PRESS | "100 kg" | "100 kg | 24 | a quotation mark is missing
 curly quotes | PRESS | "100 kg" | “100 kg” | 24 | write straight quotation marks, ", not typographic ones
 colon | PRESS | mass = | mass: | 24 | write KEY = VALUE, not KEY: VALUE
@@ -198,10 +199,10 @@ part of a used name | reach = | rea = {values = [1]}\nreach = | 9: vary.rea | no
 wrong unit | "60 mm" | "60 kg" | 7: vary.input.length | a length such as
 no count | , count = 3 |  | 7: vary.input.length.count | is missing
 count of none | count = 3 | count = 0 | 7: vary.input.length.count | at least 1
-one value for two ends | count = 3 | count = 1 | 7: vary.input.length | input.length
+one value for two ends | count = 3 | count = 1 | 7: vary.input.length | both ends
 unknown key of an axis | count = 3 | cuont = 3 | 7: vary.input.length.cuont | did you mean 'count'?
 log through zero | "40 mm", to = "60 mm", count = 3 | "0 mm", to = "60 mm", count = 3, spacing = "log"
-    | 7: vary.input.length | 0
+    | 7: vary.input.length | cross zero
 not an axis | {values = [3, 4, 5]} | 3 | 9: vary.reach | 3 | a list
 range without a count | {values = [3, 4, 5]} | "3 to 5" | 9: vary.reach | '3 to 5' | how many
 unknown series | {values = [3, 4, 5]} | {choose = "R30", low = 1, high = 5} | 9: vary.reach.choose
@@ -219,9 +220,11 @@ series between its sizes | from = "40 mm", to = "60 mm", count = 3 | choose = "R
 list of several kinds | {values = [3, 4, 5]} | {choose = [3, "4 mm"]} | 9: vary.reach | number and length
 low without sampling | count = 3 | count = 3}\n"gravity" = {low = "0 m/s2", high = "9 m/s2" | 8: vary.gravity
     | [sampling] | method and count
+range downwards | count = 3 | count = 3}\n"gravity" = {low = "9 m/s2", high = "1 m/s2" | 8: vary.gravity
+    | low '9 m/s2' is above high '1 m/s2'
 sampling of nothing | [derive] | [sampling]\nmethod = "sobol"\ncount = 4\n\n[derive] | 11: sampling | low and high
 derived and varied | [derive] | [derive]\n"input.length" = "1" | 12: derive.input.length | either varied or derived
-unknown name in an expression | reach * input | reech * input | 12: derive.groups.slide.first.length | 'reach'
+unknown name in an expression | reach * input | reech * input | 12: derive.groups.slide.first.length | vary.reach
 expression unfinished | reach * input.length | reach * | 12: derive.groups.slide.first.length | reach *
 condition for a number | reach * input | reach < input | 12: derive.groups.slide.first.length | is a condition
     | number

@@ -133,7 +133,7 @@ def test_condition__is_checked_when_it_is_read():
         Condition.read("strok > '90 mm'", known)
     with pytest.raises(ExpressionError, match="compares a length with a mass"):
         Condition.read("stroke > mass", known)
-    with pytest.raises(ExpressionError, match="'stroke' is a number; a condition such as 'a < b' is needed here"):
+    with pytest.raises(ExpressionError, match="'stroke' compares nothing; a condition such as 'a < b' is needed here"):
         Condition.read("stroke", known)
 
 

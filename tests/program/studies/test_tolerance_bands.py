@@ -241,7 +241,7 @@ not by | derivatives = ["ram.stroke of input.length"] | line 14: outputs.derivat
 summary | derivatives = ["ram.strok by input.length"] | line 14: outputs.derivatives:
     | 'ram.strok' is not a summary of this scene; did you mean 'ram.stroke'
 number | derivatives = ["ram.stroke by input.lenght"] | line 14: outputs.derivatives:
-    | unknown name 'input.lenght'; did you mean 'input.length' or 'input.speed'
+    | 'input.lenght' is not a number that the scene gives; did you mean 'input.length' or 'input.speed'
 mode | derivatives = ["ram.stroke by groups.drive.mode"] | line 14: outputs.derivatives:
     | 'groups.drive.mode' is one of [1, -1]: there is no derivative by it
 place | derivatives = ["ram.slide.max_at by input.length"] | line 14: outputs.derivatives:
