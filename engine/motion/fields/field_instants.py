@@ -74,7 +74,8 @@ class FieldInstants:
         who, along = motion.who, motion.samples[TIME if self.over_time else TURNED]
         first = np.diff(who, prepend=-1) != 0
         last = np.append(first[1:], True)
-        if self.over_time:
+        # Steps over the angle don't start at rest; those of a comparison run are shifted by their error estimates.
+        if self.over_time and not motion.over_angle:
             self._stand(who[first], along[0, first])
         # Only forward motion reaches new angles; an instant at the end of a step belongs to the next one.
         upto = np.where(along[-1] > along[0], (self.asked[:, who] < along[-1]).sum(axis=0), 0)

@@ -36,14 +36,16 @@ def kept(scene: dict, other: str, names=FIELDS, varied=None) -> tuple:
 
 
 def close(rows: np.ndarray, values: np.ndarray, found, name: str, sure: float, other: float = 2e-16) -> None:
-    """Rows are what they should be, to their own error estimate, and to a share of the greatest of them.
+    """Rows are what they should be, to their own error estimate, and both to a share of the greatest of them.
 
     What they are compared with is off by another share, or half a unit in the last place.
     """
     assert np.isfinite(rows).all(), name
     error, size = np.abs(rows - values).max(), np.abs(values).max()
-    assert error <= found.figure(f"go.{name}") + other * size, (name, error, found.figure(f"go.{name}"))
+    figure = found.figure(f"go.{name}")
+    assert error <= figure + other * size, (name, error, figure)
     assert error <= sure * size, (name, error / size)
+    assert figure <= 50.0 * sure * size, (name, figure / size)
 
 
 # Closed forms
@@ -102,9 +104,9 @@ def by_dop853(begin: float, times: np.ndarray, only: str) -> np.ndarray:
     return found.y
 
 
-@pytest.mark.parametrize(("only", "begin"), [("dc gravity", 20.0), ("dc gravity", 0.0), ("push gravity", 3.0)])
+@pytest.mark.parametrize(("only", "begin"), [("dc gravity", 60.0), ("dc gravity", 0.0), ("push gravity", 3.0)])
 def test_slider_crank__agrees_with_dop853_at_instants_and_at_angles(only, begin):
-    times = np.linspace(0.02, 0.5, 25)
+    times = np.linspace(0.0, 0.5, 26)
     turned, speed = by_dop853(begin, times, only)
     # DOP853 misses 1e-12 in each of its some hundred steps, some of which make up for others.
     rows, found = kept(slider_crank({"go": run(only, from_speed=begin, time=0.5, at={"times": list(times)})}), "turned")
