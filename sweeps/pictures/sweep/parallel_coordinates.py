@@ -13,7 +13,7 @@ from sweeps.pictures.style import COLOURS, GREY, PALE, VERMILION, wrapped
 from sweeps.pictures.sweep.sweep_data import SweepData
 from sweeps.text.conditions import parts_of
 
-MOST_LINES = 3000
+MOST_LINES = 1000
 # Up to this number, lines stay lines in an SVG file, which is smaller than their pixels.
 MOST_VECTORS = 300
 MOST_COLUMNS = 10
