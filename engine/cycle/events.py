@@ -25,7 +25,7 @@ LOOKED_BESIDE = 4
 # Bound on the error of a root next to a turning point, as a fraction of the range.
 FLAT = 1e-7
 # Scan positions are unequally spaced: spacings of whole periods would hide fast oscillations.
-UNEVEN = 0.1 / (2.0 * math.pi)
+UNEVEN = 0.1 / math.tau
 # The scan is too coarse if a function's slope misses the cubic through its neighbours by more than MISSED of its rms,
 # in more than COARSE of the intervals in which the function moves. A sine needs a sample every fifth of its period.
 COARSE, MISSED = 0.25, 0.05
@@ -121,7 +121,7 @@ def scan_positions(first: Row, last: Row, count: int, q: Rows) -> None:
     """Fill `count` positions over each lane's range, including both ends."""
     for k in range(count):
         even = k / (count - 1.0)
-        share = even + UNEVEN * math.sin(2.0 * math.pi * even)
+        share = even + UNEVEN * math.sin(math.tau * even)
         for lane in range(LANES):
             q[k, lane] = first[lane] + share * (last[lane] - first[lane])
     for lane in range(LANES):

@@ -7,6 +7,7 @@ square roots and of divisors, the estimate is the change that the operands' erro
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -168,7 +169,7 @@ def atan2(y: Measured, x: Measured) -> Measured:
         error = (np.abs(x.value) * y.error + np.abs(y.value) * x.error) / square
     error = np.where((x.error == 0.0) & (y.error == 0.0), 0.0, np.fmin(error, np.pi))
     found = Measured._rounded(np.arctan2(y.value, x.value), error)
-    return Measured(found.value + np.where(found.value <= found.error - np.pi, 2.0 * np.pi, 0.0), found.error)
+    return Measured(found.value + np.where(found.value <= found.error - np.pi, math.tau, 0.0), found.error)
 
 
 def _chosen(first: Measured, second: Measured, better: Callable) -> Measured:

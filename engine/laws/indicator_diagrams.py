@@ -92,7 +92,7 @@ def four_stroke_branch(rate: float, phi: float, head_at: float, firing: float, f
     """
     if math.isnan(rate) or math.isnan(phi):
         return math.nan
-    turn = 2.0 * math.pi
+    turn = math.tau
     # A dead centre within rounding of the firing angle counts, not the one a turn later.
     turns_to_fire = math.ceil(forward * (firing - head_at) / turn - _SAME_TURN)
     since = forward * (phi - head_at) / turn - turns_to_fire

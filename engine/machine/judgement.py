@@ -198,7 +198,7 @@ def failures_within(measuring: Measuring, numbers: Numbers, covered: np.ndarray)
         turns = np.floor(low / length) * length
         low, high = low - turns - BESIDE, np.fmin(high - turns + BESIDE, low - turns + length)
     else:
-        beside = BESIDE * length / (2.0 * np.pi)
+        beside = BESIDE * length / math.tau
         low, high = np.fmax(low - beside, bounds[0]), np.fmin(high + beside, bounds[1])
     table[ends] = np.where(np.isnan(covered), np.nan, [low, high])
     answers = measuring(table)

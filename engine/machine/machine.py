@@ -266,7 +266,7 @@ class Machine:
         """Positions of the kept fields: crank angles [rad], or shares of the range of a sliding input."""
         drive = self.scene.input
         if self.has_cycle:
-            return np.arange(self.positions) * (2 * math.pi * drive.revolutions / self.positions)
+            return np.arange(self.positions) * (math.tau * drive.revolutions / self.positions)
         share = np.arange(self.positions + 1) / self.positions
         return drive.start + (drive.stop - drive.start) * share if isinstance(drive, CrankInput) else share
 

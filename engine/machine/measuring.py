@@ -29,7 +29,6 @@ from engine.laws.rounding import EPS
 from engine.machine.conditions import Margin, margins_against_jamming, margins_at_cams, taking_part, wound_springs
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import (
-    FULL_TURN,
     Angle,
     Average,
     Expression,
@@ -213,9 +212,9 @@ class Measuring:
             kinks=[curve[c] for c in self._kinks],
             rooted=[curve[c] for c in dict.fromkeys(rooted)],
             turns=turns,
-            longest=0.25 * FULL_TURN if share >= COARSELY else Plan.longest,
-            period=FULL_TURN * self.mechanics.scene.input.revolutions if closes else math.inf,
-            turn=FULL_TURN if closes else math.inf,
+            longest=0.25 * math.tau if share >= COARSELY else Plan.longest,
+            period=math.tau * self.mechanics.scene.input.revolutions if closes else math.inf,
+            turn=math.tau if closes else math.inf,
             intervals=self._grid[0],
             positions=self._grid[1],
             degree=COARSE if coarsely else DEGREE,

@@ -15,7 +15,7 @@ def input_span(scene: Scene, graph: Graph) -> tuple[Number, Number]:
     """First and last position of the input [rad, or m for a sliding input]."""
     drive = scene.input
     if drive.turns_fully:
-        full = 2.0 * math.pi * drive.revolutions
+        full = math.tau * drive.revolutions
         return graph.derived("first position", lambda n: 0.0), graph.derived("last position", lambda n: full)
     return graph.number("input.start"), graph.number("input.stop")
 

@@ -1,5 +1,6 @@
 """The motion of a machine in each of its regimes, from the state that the one before left, and its results."""
 
+import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import NamedTuple
@@ -30,7 +31,6 @@ from engine.stepping.records import on_arrays, over_all, put, some
 from engine.words.verdicts import Verdict
 
 ROUNDING = 16.0 * EPS
-TURN = 2.0 * np.pi
 # Results that need the minimum and maximum speed.
 EXTREMES_OF_SPEED = ("speed_min", "speed_max", "speed_fluctuation", "motor_moment_peak")
 
@@ -329,7 +329,7 @@ class RegimeMotion:
         peaks = self.two is not None and self.asks(f"{self.two.name}_moment_peak")
         extremes = self.asks(*EXTREMES_OF_SPEED)
         stepping = Stepping(*self._asked.run_tolerance, extremes=extremes, peaks=peaks, longer=longer)
-        return stepping if steps is None else stepping._replace(farthest=TURN / steps, classical=True)
+        return stepping if steps is None else stepping._replace(farthest=math.tau / steps, classical=True)
 
     def _along(self, run: "_Ready") -> MotionFields:
         """Fields in a run."""

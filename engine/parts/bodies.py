@@ -85,7 +85,7 @@ class CompoundPendulum(Swinging):
     distance: Annotated[Length, Field(gt=0)]
 
     def _faults(self) -> Faults:
-        least = 2 * math.pi * math.sqrt(self.distance / self.gravity)
+        least = math.tau * math.sqrt(self.distance / self.gravity)
         if self.period < least:
             yield (
                 f"period = {self.period:g} s: no body swings faster than a point mass at distance = "

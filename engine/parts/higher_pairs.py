@@ -125,7 +125,7 @@ class HarmonicLaw(Part):
 
     def _faults(self) -> Faults:
         # 30 points per period of the highest harmonic.
-        angles = np.linspace(0.0, 2.0 * math.pi, 30 * MOST_HARMONICS + 1)
+        angles = np.linspace(0.0, math.tau, 30 * MOST_HARMONICS + 1)
         terms = [
             h.cosine * np.cos(h.order * angles) + h.sine * np.sin(h.order * angles) for h in self.harmonics.values()
         ]

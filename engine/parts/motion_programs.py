@@ -24,7 +24,6 @@ LawName = Literal[
     "modified trapezoid",
 ]
 _ONE_PROGRAM = "give sections, or a table of the motion over a turn, one of the two"
-TURN = 2.0 * math.pi
 # Relative tolerance for the sums of angles and strokes of sections.
 CLOSING = 1e-9
 
@@ -75,7 +74,7 @@ class MotionTable(Part):
     def _faults(self) -> Faults:
         key = "lift" if self.swing is None else "swing"
         names = ("over_angle", key)
-        laws.tables.make_table(self.over_angle, self.rows, self.interpolation, 2 * math.pi, names=names)
+        laws.tables.make_table(self.over_angle, self.rows, self.interpolation, math.tau, names=names)
 
     @property
     def rows(self) -> list[float]:
@@ -122,9 +121,9 @@ class MotionProgram(Part):
         total = f"the angles of the sections add up to {math.degrees(whole):g} deg"
         if angles.count(None) > 1:
             yield "angle: only one section may omit it; that section takes the rest of the turn"
-        if angles.count(None) == 1 and not whole < 2 * math.pi:
+        if angles.count(None) == 1 and not whole < math.tau:
             yield f"{total}: nothing is left for the section without an angle; make one smaller"
-        if None not in angles and abs(whole - 2 * math.pi) > CLOSING:
+        if None not in angles and abs(whole - math.tau) > CLOSING:
             yield f"{total}, not to 360 deg; leave out one angle, and it follows"
         left = 0.0
         for name, section in self.sections.items():
@@ -207,9 +206,9 @@ def sections_of(program: MotionProgram, at: str, numbers: Mapping[str, float | n
     """
     key = "lift" if program.translating else "swing"
     given = {n: numbers[f"{at}sections.{n}.angle"] for n, s in program.sections.items() if s.angle is not None}
-    missing = TURN - sum(given.values())
+    missing = math.tau - sum(given.values())
     is_open = len(given) < len(program.sections)
-    whole = missing > 0.0 if is_open else np.abs(missing) <= CLOSING * TURN
+    whole = missing > 0.0 if is_open else np.abs(missing) <= CLOSING * math.tau
     found, begin, before, largest = ([], [], [], []), 0.0, 0.0, 0.0
     for name, section in program.sections.items():
         stroke = 0.0

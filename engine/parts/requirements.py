@@ -94,7 +94,7 @@ def wrong_angles(name: str, wanted: WantedMotion, drive: CrankInput | SliderInpu
     if not isinstance(drive, CrankInput):
         return [(path, "a sliding input has no crank angle; a path can be wanted of a point")]
     first, last = wanted.over_angle[0], wanted.over_angle[-1]
-    low, high = (0.0, 2.0 * math.pi * drive.revolutions) if drive.turns_fully else (drive.start, drive.stop)
+    low, high = (0.0, math.tau * drive.revolutions) if drive.turns_fully else (drive.start, drive.stop)
     if first < low - 1e-9 or last > high + 1e-9:
         rows, cycle = (f"{math.degrees(a):g} deg to {math.degrees(b):g} deg" for a, b in ((first, last), (low, high)))
         return [(path, f"{rows} isn't within the range of the crank, {cycle}; give angles in it")]

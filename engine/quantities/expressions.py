@@ -4,7 +4,6 @@ A summary is declared as an expression, `mean(moment) * speed`. Its leaves are t
 and its error estimate are computed together, as measured numbers propagate their errors through arithmetic.
 """
 
-import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Literal
@@ -396,6 +395,3 @@ def evaluated(
         operands = () if measures else [evaluated(operand, measured, known) for operand in expression.operands]
         known[key] = measured(expression) if measures else expression.does(*operands)
     return known[key]
-
-
-FULL_TURN = 2.0 * math.pi

@@ -13,6 +13,7 @@ A formula may use
 - numbers of the scene by their paths, such as `input.length`.
 """
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
@@ -228,7 +229,7 @@ def _check_turns(scene: Scene, formula: LoadFormula) -> None:
         cycles["phi"] = float(scene.input.revolutions)
         cycles[TIME] = scene.input.revolutions / abs(scene.input.speed)
     else:
-        cycles[TIME] = abs((scene.input.stop - scene.input.start) / scene.input.speed) / (2.0 * np.pi)
+        cycles[TIME] = abs((scene.input.stop - scene.input.start) / scene.input.speed) / math.tau
     for tree in switching.operations(expression.tree):
         if any(switching.turns(part, cycles) > switching.MOST_TURNS for x in switching.compared(tree) for part in x):
             what = (

@@ -1,5 +1,6 @@
 """Quantities of one machine at given input positions."""
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -81,7 +82,7 @@ def _in_range(scene: engine.Scene, at: np.ndarray) -> np.ndarray:
     """Positions within the cycle or the input's range."""
     drive = scene.input
     if engine.has_cycle(scene):
-        return np.mod(at, 2 * np.pi * drive.revolutions)
+        return np.mod(at, math.tau * drive.revolutions)
     shares = (at - drive.start) / (drive.stop - drive.start)
     if ((shares < -_ROUNDING) | (shares > 1 + _ROUNDING)).any():
         kind = "crank angle" if isinstance(drive, engine.CrankInput) else "displacement"

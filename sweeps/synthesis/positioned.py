@@ -10,7 +10,6 @@ import numpy as np
 from sweeps.synthesis.dyads import PlaneDyad, PlanePosition, dyads_of_turn
 from sweeps.synthesis.synthesis_error import SynthesisError
 
-_FULL_TURN = 2.0 * math.pi
 # Grid steps per turn on the curve of four positions.
 _STEPS = 72
 # Maximum link length, as a multiple of the largest distance between positions.
@@ -82,7 +81,7 @@ def four_bar_through(positions: Sequence[PlanePosition], driven: PlaneDyad, othe
     least = _least_on_the_way(crank, coupler, rocker, other.centre - driven.centre, angles)
     if least is None:
         raise SynthesisError("the linkage can't move between the positions: choose other joints")
-    whole = _least_on_the_way(crank, coupler, rocker, other.centre - driven.centre, (0.0, _FULL_TURN))
+    whole = _least_on_the_way(crank, coupler, rocker, other.centre - driven.centre, (0.0, math.tau))
     return PositionedFourBar(
         crank_pivot=driven.centre,
         rocker_pivot=other.centre,
@@ -114,7 +113,7 @@ def best_four_bar_through(positions: Sequence[PlanePosition]) -> PositionedFourB
         Not four positions, or no linkage without defects.
     """
     size = max(abs(a.point - b.point) for a in positions for b in positions)
-    dyads = [d for i in range(1, _STEPS) for d in dyads_of_turn(positions, _FULL_TURN * i / _STEPS)]
+    dyads = [d for i in range(1, _STEPS) for d in dyads_of_turn(positions, math.tau * i / _STEPS)]
     dyads = [d for d in dyads if 1e-3 * size < abs(d.joint(positions[0]) - d.centre) < _LONGEST * size]
     dyads = [d for d in dyads if max(abs(d.centre - positions[0].point), abs(d.circle)) < _LONGEST * size]
     found = []
@@ -135,8 +134,8 @@ def _in_order(angles: np.ndarray) -> tuple[float, ...]:
     """Monotonic angles, in the shorter direction."""
     ways = []
     for sense in (1.0, -1.0):
-        turned = np.cumsum(np.mod(sense * np.diff(angles), _FULL_TURN))
-        if turned[-1] < _FULL_TURN and (np.diff(turned, prepend=0.0) > 0.0).all():
+        turned = np.cumsum(np.mod(sense * np.diff(angles), math.tau))
+        if turned[-1] < math.tau and (np.diff(turned, prepend=0.0) > 0.0).all():
             ways.append((float(turned[-1]), tuple(float(angles[0] + sense * t) for t in (0.0, *turned))))
     if not ways:
         raise SynthesisError(

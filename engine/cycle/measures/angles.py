@@ -17,7 +17,6 @@ from engine.cycle.panels.record import Record, keep_derived, known_slot
 from engine.cycle.panels.series import TINY, larger, series_at, smaller
 from engine.laws.elementary import angle_of
 
-TURN = 2.0 * math.pi
 # A vector that turns by more than this between two positions [rad] may pass near zero and turn in either sense.
 SHARP = 0.5
 # A turn within this of π [rad] is a reversal.
@@ -118,7 +117,7 @@ def _follow(of_x: Rows, of_y: Rows, degree: int, half: Row, angle: Rows, state: 
             state.x[lane], state.y[lane] = x if taken else x_before, y if taken else y_before
             state.shortest[lane] = smaller(size, shortest) if panel else shortest
             state.sharpest[lane] = larger(abs(turned) if taken else 0.0, state.sharpest[lane])
-            state.unknown[lane] += TURN if taken & (abs(turned) > math.pi - BACK) else 0.0
+            state.unknown[lane] += math.tau if taken & (abs(turned) > math.pi - BACK) else 0.0
 
 
 @routine
@@ -133,9 +132,9 @@ def _pass_dips(vector: VectorSeries, of_x: Rows, of_y: Rows, degree: int, angle:
                 vector, place_where(vector, PLACES[stride * (j - 1)], PLACES[stride * j], IS_LEAST)
             )
             past = turn_to(x, y, dip_x, dip_y) + turn_to(dip_x, dip_y, x_after, y_after)
-            shift += math.floor((past - turned) / TURN + 0.5) * TURN
+            shift += math.floor((past - turned) / math.tau + 0.5) * math.tau
             if dip_x * dip_x + dip_y * dip_y <= state.off[lane] * state.off[lane]:
-                state.unknown[lane] += TURN
+                state.unknown[lane] += math.tau
         angle[j, lane] += shift
     state.reached[lane] += shift
 

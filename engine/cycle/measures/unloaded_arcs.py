@@ -22,7 +22,6 @@ from engine.compiling.decorators import routine
 from engine.cycle.measures.angles import (
     IS_LEAST,
     SHARP,
-    TURN,
     TURNS_BACK,
     VectorSeries,
     place_where,
@@ -262,7 +261,7 @@ def extend_near(record: Record, force: Force, stretches: Stretches, count: int, 
         if stretches.known[i, side]:
             continue
         short = (edge - stretches.ends[i, side]) * (2.0 * side - 1.0)
-        short -= math.floor(short / TURN + 0.5) * TURN
+        short -= math.floor(short / math.tau + 0.5) * math.tau
         if short <= stretches.margins[i, side]:
             extend(record, force, stretches, i, side)
             any_extended = True
@@ -277,7 +276,7 @@ def widest_gap(stretches: Stretches, count: int) -> tuple[float, float, int, int
     """
     ends, errors, order = stretches.ends, stretches.errors, stretches.order
     for i in range(count):
-        turns = math.floor((ends[i, 0] + math.pi + NEAR_CUT) / TURN) * TURN
+        turns = math.floor((ends[i, 0] + math.pi + NEAR_CUT) / math.tau) * math.tau
         ends[i, 0] -= turns
         ends[i, 1] -= turns
         k = i
@@ -289,12 +288,12 @@ def widest_gap(stretches: Stretches, count: int) -> tuple[float, float, int, int
     reach = ends[last, 1]
     # Stretches that begin before the end of the turn may extend beyond its start.
     for i in range(count):
-        if ends[i, 1] - TURN > reach:
-            last, reach = i, ends[i, 1] - TURN
+        if ends[i, 1] - math.tau > reach:
+            last, reach = i, ends[i, 1] - math.tau
     for k in range(1, count + 1):
         i = order[k % count]
-        begins = ends[i, 0] + (TURN if k == count else 0.0)
-        gap, off_here = begins - reach, errors[last, 1] + errors[i, 0] + 2.0 * ROUNDING * TURN
+        begins = ends[i, 0] + (math.tau if k == count else 0.0)
+        gap, off_here = begins - reach, errors[last, 1] + errors[i, 0] + 2.0 * ROUNDING * math.tau
         widest = max(gap, widest)
         if gap > known + off + off_here:
             known, off, before, after = gap, off_here, last, i
@@ -325,7 +324,7 @@ def find_unloaded_arcs(record: Record, x: int, y: int, greatest: ExtremeRows, st
         found.arc[lane] = found.arc_error[lane] = found.middle[lane] = found.middle_error[lane] = math.nan
         most = math.sqrt(greatest.value[lane])
         if most == 0.0:
-            found.arc[lane], found.arc_error[lane] = TURN, 0.0
+            found.arc[lane], found.arc_error[lane] = math.tau, 0.0
         if not 0.0 < most < math.inf:
             continue
         force = Force(x, y, lane, LEAST_LOAD * most, LEAST_LOAD * 0.5 * greatest.value_error[lane] / most)
@@ -342,4 +341,4 @@ def find_unloaded_arcs(record: Record, x: int, y: int, greatest: ExtremeRows, st
         found.arc[lane], found.arc_error[lane] = max(arc, 0.0), error
         found.middle_error[lane] = 0.5 * error if error < arc else math.pi
         # Above −π by more than its error.
-        found.middle[lane] = middle - math.ceil((middle - found.middle_error[lane]) / TURN - 0.5) * TURN
+        found.middle[lane] = middle - math.ceil((middle - found.middle_error[lane]) / math.tau - 0.5) * math.tau

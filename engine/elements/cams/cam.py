@@ -1,5 +1,6 @@
 """Cams: shape of the profile, motion of the follower, forces, minimum base circle."""
 
+import math
 from collections.abc import Iterator
 from enum import IntEnum
 from typing import Annotated, ClassVar, Literal, NamedTuple
@@ -16,7 +17,7 @@ from engine.elements.element import ROUNDING, Answers, Columns, Element, Element
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.laws.cams.hertz_contact import pressure_of_lines
 from engine.laws.rounding import EPS
-from engine.parts.motion_programs import TURN, CamProgram, sections_of
+from engine.parts.motion_programs import CamProgram, sections_of
 from engine.parts.skeleton import AngularSpeed, Faults, Positive
 from engine.words.verdicts import Verdict
 
@@ -107,7 +108,7 @@ class CamElement(CamProgram, Element):
                 k = np.argmax([values[sought] for sought in of], axis=0)
                 blurs = found.places.blurs[[self._sought.index(sought) for sought in of]]
                 off = np.where(blurs > 0.0, np.sqrt([errors[sought] for sought in of]) * blurs, 0.0)
-                errors[at] = errors[at] + ROUNDING * EPS * TURN + np.choose(k, off)
+                errors[at] = errors[at] + ROUNDING * EPS * math.tau + np.choose(k, off)
         return self._answers(n, (values, errors), found.verdicts)
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:

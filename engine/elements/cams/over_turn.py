@@ -4,6 +4,7 @@ Initially each smooth piece of the turn is one panel. A panel is cut where frict
 polynomials represent every quantity sought; the peaks of the polynomials are the extremes.
 """
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -13,7 +14,6 @@ from engine.cycle.panels.chebyshev import PLACES
 from engine.cycle.panels.sampled import Tops, panel_integrals, root_inside, tails, tops
 from engine.elements.cams.positions import CamVariants, at_positions
 from engine.laws.rounding import EPS
-from engine.parts.motion_programs import TURN
 from engine.words.verdicts import Verdict
 
 # Truncation error of the polynomials relative to the peak; most halvings of a piece, and most halvings next to an
@@ -118,7 +118,7 @@ def measure(cams: CamVariants, sought: Sequence[Sought]) -> Measures:
     moment = np.zeros((3, variants))
     if dynamic:
         samples = panels.values[names.index("moment")]
-        rates = 0.5 * (panels.right - panels.left) * turn.angle[panels.p, panels.v] / TURN
+        rates = 0.5 * (panels.right - panels.left) * turn.angle[panels.p, panels.v] / math.tau
         parts = panel_integrals(samples), panel_integrals(np.abs(samples)), tails(samples)
         for row, part in zip(moment, parts, strict=True):
             np.add.at(row, panels.v, rates * part)

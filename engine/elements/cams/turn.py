@@ -117,7 +117,7 @@ def turn_of(program: CamProgram, n: Numbers) -> CamTurn:
 
 def _tabled(motion: MotionTable, variants: int) -> CamTurn:
     """The turn given by a table: its cubics, cut also at reversals of the follower."""
-    table = make_table(motion.over_angle, motion.rows, motion.interpolation, 2 * math.pi)
+    table = make_table(motion.over_angle, motion.rows, motion.interpolation, math.tau)
     roundings, pieces = rounding_of_rows(table, motion.interpolation), []
     every = zip(table.breaks, table.breaks[1:], table.coefficients, strict=False)
     for k, (left, right, (c3, c2, c1, c0)) in enumerate(every):

@@ -19,8 +19,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-TURN = 2 * math.pi
-
 
 class LayoutError(ValueError):
     """An impossible layout; the message states what is possible."""
@@ -102,7 +100,7 @@ def usual_throws(throws: int) -> tuple[float, ...]:
     tuple of float
         Angles [rad]. Two throws are opposite each other.
     """
-    step = TURN / throws
+    step = math.tau / throws
     if throws in _IN_TURN:
         return tuple(step * k for k in _IN_TURN[throws])
     if throws % 2 or throws < 4:
@@ -114,7 +112,7 @@ def usual_throws(throws: int) -> tuple[float, ...]:
 # Firing orders 1-2-4-5-3 (five), 1-5-3-6-2-4 (six) and 1-6-2-5-8-3-7-4 (eight in line).
 _IN_TURN = {5: (0, 3, 2, 1, 4)}
 _HALVES = {6: (0, 2, 1), 8: (0, 2, 3, 1)}
-CROSS_PLANE = (0.0, TURN / 4, 3 * TURN / 4, TURN / 2)
+CROSS_PLANE = (0.0, math.tau / 4, 3 * math.tau / 4, math.tau / 2)
 
 
 def in_line_engine(cylinders: int, throws: Sequence[float] | None = None) -> Pattern:
@@ -194,8 +192,8 @@ def boxer_engine(cylinders: int, throws: Sequence[float] | None = None) -> Patte
     pairs = cylinders // 2
     along, places = _checked(throws, pairs), _places(cylinders)
     return Pattern(
-        Station(bank * TURN / 4, 0.0, throw + turned, 0.0, places[2 * pair + second], 0.0)
-        for second, (bank, turned) in enumerate(((1, 0.0), (-1, TURN / 2)))
+        Station(bank * math.tau / 4, 0.0, throw + turned, 0.0, places[2 * pair + second], 0.0)
+        for second, (bank, turned) in enumerate(((1, 0.0), (-1, math.tau / 2)))
         for pair, throw in enumerate(along)
     )
 
@@ -210,7 +208,7 @@ def radial_engine(cylinders: int) -> Pattern:
     """
     if cylinders < 2:
         raise LayoutError(f"a radial engine has two cylinders at least, not {cylinders}")
-    return Pattern(Station(TURN * k / cylinders, 0.0, 0.0, 0.0, 0.0, 0.0) for k in range(cylinders))
+    return Pattern(Station(math.tau * k / cylinders, 0.0, 0.0, 0.0, 0.0, 0.0) for k in range(cylinders))
 
 
 def _places(count: int) -> list[float]:

@@ -10,6 +10,7 @@ The error estimate comes from the rule with half the nodes: singularities of the
 than the crank, those of the gas for small clearances.
 """
 
+import math
 from collections.abc import Sequence
 from itertools import accumulate
 from typing import NamedTuple
@@ -17,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.elements.element import Element, Numbers
-from engine.elements.engines.engine_layout import TURN, Engine, MasterRod
+from engine.elements.engines.engine_layout import Engine, MasterRod
 from engine.elements.engines.firing import FOUR_STROKE, firing_sequence, firing_sums
 from engine.elements.engines.harmonics import CrankMasses, crank_masses, crank_radius
 from engine.laws.rounding import EPS
@@ -106,16 +107,16 @@ def _by_quadrature(
     half_turn = np.exp(-0.5j * turned)
     waves = dict(enumerate(accumulate([half_turn] * round(2 * steps.max()), np.multiply), 1))
     both = zip(derived, steps, strict=True)
-    found = [((work + d * energy) * waves[round(2 * n)]).sum(axis=-1) / TURN for d, n in both]
-    felt = ((pressure + gas["ambient"]) * np.abs(pull)).reshape(shape).sum(axis=-1) / TURN
-    stored = np.abs(energy).sum(axis=-1) / TURN
+    found = [((work + d * energy) * waves[round(2 * n)]).sum(axis=-1) / math.tau for d, n in both]
+    felt = ((pressure + gas["ambient"]) * np.abs(pull)).reshape(shape).sum(axis=-1) / math.tau
+    stored = np.abs(energy).sum(axis=-1) / math.tau
     sizes = [felt / 2, *(felt + np.abs(d) * stored for d in derived)]
-    return work.sum(axis=-1) / (2 * TURN), np.stack(found, axis=-1), np.stack(sizes, axis=-1)
+    return work.sum(axis=-1) / (2 * math.tau), np.stack(found, axis=-1), np.stack(sizes, axis=-1)
 
 
 def _strokes(out: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Start and length of the strokes power, exhaust, intake, compression (..., 4, 1)."""
-    back, starts = TURN - out, [0 * out, out, TURN + 0 * out, TURN + out]
+    back, starts = math.tau - out, [0 * out, out, math.tau + 0 * out, math.tau + out]
     return np.concatenate(starts, axis=-2), np.concatenate([out, back, out, back], axis=-2)
 
 

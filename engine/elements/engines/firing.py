@@ -12,9 +12,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from engine.elements.engines.engine_layout import TURN, EngineLayout, LayoutError
+from engine.elements.engines.engine_layout import EngineLayout, LayoutError
 
-FOUR_STROKE = 2 * TURN
+FOUR_STROKE = 2 * math.tau
 # Angles closer than this are equal except for rounding.
 _SAME = 1e-9
 
@@ -71,8 +71,8 @@ def firing_sequence(layout: EngineLayout, order: Sequence[int]) -> tuple[np.ndar
     now = np.zeros(centres.shape[:-1])
     angles = np.repeat(centres[..., order[0] - 1, None], centres.shape[-1], axis=-1)
     for before, cylinder in pairwise(order):
-        step = (centres[..., cylinder - 1] - centres[..., before - 1]) % TURN
-        now = now + np.where(step > _SAME, step, TURN)
+        step = (centres[..., cylinder - 1] - centres[..., before - 1]) % math.tau
+        now = now + np.where(step > _SAME, step, math.tau)
         angles[..., cylinder - 1] += now
     return angles, now
 
@@ -111,7 +111,7 @@ def even_firing_order(layout: EngineLayout) -> tuple[int, ...] | None:
     centres = (layout.banks - layout.throws) - (layout.banks - layout.throws)[0]
     waiting, order = list(range(count)), []
     for k in range(count):
-        off = [(centres[c] - k * FOUR_STROKE / count + TURN / 2) % TURN - TURN / 2 for c in waiting]
+        off = [(centres[c] - k * FOUR_STROKE / count + math.tau / 2) % math.tau - math.tau / 2 for c in waiting]
         fitting = [c for c, angle in zip(waiting, off, strict=True) if abs(angle) < _SAME]
         if not fitting:
             return None

@@ -17,6 +17,7 @@ Sources: C. F. Taylor, The Internal-Combustion Engine in Theory and Practice, vo
 J. P. Den Hartog, Mechanical Vibrations (multicylinder engines).
 """
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -134,7 +135,7 @@ def _transformed(ratio: ArrayLike, offset: ArrayLike, orders: Sequence[int]) -> 
     while positions <= MOST and left.any():
         here = left & (needed <= positions)
         left &= ~here
-        theta = 2 * np.pi * np.arange(positions) / positions
+        theta = math.tau * np.arange(positions) / positions
         for some in _blocks(np.flatnonzero(here), positions):
             rows = _piston(np.cos(theta), np.sin(theta), flat_ratio[some, None], flat_offset[some, None])
             found[some] = (np.fft.rfft(rows, axis=-1) * (2 / positions))[:, list(orders)]

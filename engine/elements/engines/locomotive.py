@@ -29,7 +29,7 @@ from engine.parts.actions import Force
 from engine.parts.skeleton import Angle, AngularSpeed, Length, Mass, Number, Positive
 
 # Two cylinders start from every position with cranks at right angles; three and four are evenly spaced.
-USUAL_THROW_ANGLES = {1: 0.0, 2: math.pi / 2, 3: 2 * math.pi / 3, 4: math.pi / 2}
+USUAL_THROW_ANGLES = {1: 0.0, 2: math.pi / 2, 3: math.tau / 3, 4: math.pi / 2}
 # Samples of a curve; highest speed drawn, relative to the given one.
 _SHOWN, _FASTEST = 361, 1.5
 _SIDES = ("left", "right")

@@ -12,6 +12,7 @@ Source: C. F. Taylor, The Internal-Combustion Engine in Theory and Practice, vol
 follow from the triangle of each rod.
 """
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -72,7 +73,7 @@ def master_rod_harmonics(engine: Engine, orders: Sequence[int]) -> tuple[np.ndar
     ndarray of complex (..., cylinders, orders), twice
         Knuckle pins relative to the crankpin: parts that rotate with the crank and against it [m].
     """
-    pistons, pins = positions(engine, 2 * np.pi * np.arange(POSITIONS) / POSITIONS)
+    pistons, pins = positions(engine, math.tau * np.arange(POSITIONS) / POSITIONS)
     orders = np.array(orders)
     pistons = np.fft.rfft(pistons, axis=-1)[..., orders] * (2 / POSITIONS)
     pins = np.fft.fft(pins, axis=-1) / POSITIONS

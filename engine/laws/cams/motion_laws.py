@@ -63,9 +63,9 @@ def harmonic_motion(u: float) -> Motion:
 @scalar
 def cycloidal_motion(u: float) -> Motion:
     """Acceleration by a full sine wave."""
-    a = 2.0 * math.pi * u
+    a = math.tau * u
     c, s = math.cos(a), math.sin(a)
-    return u - s / (2.0 * math.pi), 1.0 - c, 2.0 * math.pi * s, 4.0 * math.pi**2 * c
+    return u - s / math.tau, 1.0 - c, math.tau * s, 4.0 * math.pi**2 * c
 
 
 @scalar
@@ -199,7 +199,7 @@ def section_at(
     kind : float
         Kind of its law.
     """
-    turns = 2.0 * math.pi * math.floor(turned * (0.5 / math.pi))
+    turns = math.tau * math.floor(turned * (0.5 / math.pi))
     x, at = turned - turns, begin
     for k in range(1, int(sections)):
         row = begin + SECTION_NUMBERS * k * apart

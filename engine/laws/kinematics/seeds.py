@@ -161,5 +161,5 @@ def same_unknowns(one: np.ndarray, other: np.ndarray, slides: np.ndarray) -> np.
     """
     slides = slides.reshape(-1, *[1] * (one.ndim - 1))
     apart = one - other
-    apart = apart - np.where(slides, 0.0, 2.0 * np.pi * np.rint(apart / (2.0 * np.pi)))
+    apart = apart - np.where(slides, 0.0, math.tau * np.rint(apart / math.tau))
     return (np.abs(apart) <= SAME * np.where(slides, np.maximum(1.0, np.abs(one)), 1.0)).all(axis=0)

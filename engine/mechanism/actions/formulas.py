@@ -395,7 +395,7 @@ class _Curves:
         if drive.start is not None:
             return Differentiated(graph.q, graph.one)
         graph.switches(graph.q, graph.one)
-        before = graph.apply(cycles_before, 2.0 * math.pi * drive.revolutions, graph.q)
+        before = graph.apply(cycles_before, math.tau * drive.revolutions, graph.q)
         return Differentiated(graph.q - graph.held(before), graph.one)
 
     def _link_angle(self, name: str) -> Differentiated:

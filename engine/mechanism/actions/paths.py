@@ -66,7 +66,7 @@ def uniform_time(kinematics: Kinematics) -> Node:
 
     def begin(numbers: dict) -> float | np.ndarray:
         first = 0.0 if full else numbers["input.start"]
-        last = 2.0 * math.pi * drive.revolutions if full else numbers["input.stop"]
+        last = math.tau * drive.revolutions if full else numbers["input.stop"]
         forward = np.asarray(numbers["input.speed"]) > 0.0
         return np.where(forward, np.minimum(first, last), np.maximum(first, last))
 

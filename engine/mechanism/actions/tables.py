@@ -131,7 +131,7 @@ def _piece(graph: Graph, table: Table, x: Node) -> tuple[Node, ...]:
 def _period(kinematics: Kinematics, action: Tabled) -> float:
     """Period of a table: the cycle for a table over the angle of a fully turning crank, else 0."""
     closed = kinematics.has_cycle and action.over_angle is not None
-    return 2.0 * math.pi * kinematics.scene.input.revolutions if closed else 0.0
+    return math.tau * kinematics.scene.input.revolutions if closed else 0.0
 
 
 def jumps_of(action: Tabled) -> set[float]:

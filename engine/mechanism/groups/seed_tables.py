@@ -5,6 +5,7 @@ points in `near`. It is continued to a variant by steps in the scene's numbers, 
 position. Each step is proved by the Newton–Kantorovich theorem, or halved.
 """
 
+import math
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
@@ -17,7 +18,6 @@ from engine.graph.nodes import Node, Number, reached
 from engine.graph.values import NodeValues
 from engine.laws.kinematics.seeds import LEAST_SHARE, PROVES, SAME, same_unknowns
 from engine.mechanism.vectors import Vector
-from engine.parts.motion_programs import TURN
 from engine.scene.scene import Numbers, Scene, SceneError, scene_numbers
 from engine.scene.structure.free_groups import FreeGroup, cutting_of
 from engine.units.display import quantity_text
@@ -311,7 +311,7 @@ class SeedTables:
         at, slides = self._at(numbers), self.slides[:, None]
         with np.errstate(all="ignore"):
             steps = _COARSE * np.where(slides, np.exp2(np.floor(np.log2(at(unknowns)[-1]))), 1.0)
-            turned = np.where(slides, 0.0, TURN * np.rint((unknowns - _SEAM) / TURN))
+            turned = np.where(slides, 0.0, math.tau * np.rint((unknowns - _SEAM) / math.tau))
             rounded = np.rint((unknowns - turned) / steps) * steps
             for _ in range(_FINAL_CORRECTIONS):
                 rounded = rounded + at(rounded)[: slides.size]

@@ -5,6 +5,7 @@ translating follower moves along y; an oscillating one has its pivot on x and it
 left-handed.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +27,6 @@ from engine.laws.elementary import direction_of
 from engine.mechanism.assembly import Assembly, MovingPoint, Slide, Turning
 from engine.mechanism.higher_pairs.motion_program import Displacement, Turned, add_program, turns_of_input
 from engine.mechanism.vectors import Vector, named
-from engine.parts.motion_programs import TURN
 from engine.parts.skeleton import CrankInput
 from engine.scene.scene import Numbers, Scene
 
@@ -130,7 +130,7 @@ def _angle(assembly: Assembly, name: str, turned: _Turned) -> Turned:
         return 1.0 if path is None else np.abs(numbers[path])
 
     lag = assembly.graph.derived(
-        f"angle of cam {name} before its first section", lambda n: np.mod(ratio(n) * n[f"cams.{name}.begin"], TURN)
+        f"angle of cam {name} before its first section", lambda n: np.mod(ratio(n) * n[f"cams.{name}.begin"], math.tau)
     )
     drive = scene.input
     own = 1.0 if path is None else abs(scene.shafts[scene.cams[name].on].ratio)

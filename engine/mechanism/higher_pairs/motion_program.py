@@ -12,7 +12,7 @@ import numpy as np
 from engine.graph.nodes import Graph, Node, Number
 from engine.laws.cams.motion_laws import DWELL, LAW_BREAKS, LAW_KINDS, MOTIONS, motion_if, section_at
 from engine.laws.tables import in_memory, make_table, periods_before, table_segment
-from engine.parts.motion_programs import TURN, DwellSection, MotionProgram, Sections, sections_of
+from engine.parts.motion_programs import DwellSection, MotionProgram, Sections, sections_of
 from engine.parts.skeleton import CrankInput, SliderInput
 from engine.scene.scene import Numbers
 
@@ -70,9 +70,9 @@ def turns_of_input(drive: CrankInput | SliderInput, rate: float) -> range:
     rate : float
         [rad per rad, or per m of a sliding input]
     """
-    ends = (0.0, TURN * drive.revolutions) if drive.turns_fully else (drive.start, drive.stop)
+    ends = (0.0, math.tau * drive.revolutions) if drive.turns_fully else (drive.start, drive.stop)
     first, last = sorted(rate * end for end in ends)
-    return range(math.floor(first / TURN) - 1, math.ceil(last / TURN + 1e-9) + 1)
+    return range(math.floor(first / math.tau) - 1, math.ceil(last / math.tau + 1e-9) + 1)
 
 
 def _by_sections(graph: Graph, program: MotionProgram, at: str, turned: Turned) -> Displacement:
@@ -102,8 +102,8 @@ def _by_sections(graph: Graph, program: MotionProgram, at: str, turned: Turned) 
         motion = graph.apply(motion_if, kind, float(law), own, motion)
     shape, slope, bend, _ = motion
     if program.advance:
-        gone = graph.held(graph.apply(periods_before, 0.0, TURN, turned.angle))
-        before = before + (program.advance / TURN) * gone
+        gone = graph.held(graph.apply(periods_before, 0.0, math.tau, turned.angle))
+        before = before + (program.advance / math.tau) * gone
     return Displacement(before + stroke * shape, stroke * rate * slope, stroke * (rate * rate) * bend)
 
 
@@ -119,17 +119,17 @@ def _level(graph: Graph, program: MotionProgram, at: str, place: tuple[int, floa
 
     def angle(numbers: Numbers) -> float | np.ndarray:
         found = _of_a_turn(program, at, numbers)
-        return found.begin[k] + inside * found.angle[k] + TURN * turn
+        return found.begin[k] + inside * found.angle[k] + math.tau * turn
 
     return graph.derived(f"{at} section {k} at {inside} in turn {turn}", angle)
 
 
 def _tabled(graph: Graph, program: MotionProgram, turned: Turned) -> Displacement:
     motion = program.table
-    table = make_table(motion.over_angle, motion.rows, motion.interpolation, TURN)
+    table = make_table(motion.over_angle, motion.rows, motion.interpolation, math.tau)
     for row in table.breaks[:-1]:
         for turn in turned.turns:
-            graph.switches(turned.angle, turned.rate, graph.constant(row + TURN * turn))
+            graph.switches(turned.angle, turned.rate, graph.constant(row + math.tau * turn))
     offset = graph.store(in_memory(table))
     left, c3, c2, c1, c0 = (graph.held(part) for part in graph.apply(table_segment, graph.memory, offset, turned.angle))
     t = turned.angle - left

@@ -6,6 +6,8 @@ law with period T is a law of q with κ = 2π/(ω T). By any parameter, such as 
     ψ′ = τ′ dψ/dτ,    ψ″ = τ′² d²ψ/dτ² + τ″ dψ/dτ
 """
 
+import math
+
 import numpy as np
 
 from engine.graph.nodes import Node
@@ -14,7 +16,6 @@ from engine.laws.kinematics.law_harmonics import law_harmonic
 from engine.mechanism.assembly import Assembly, Slide, Turning
 from engine.mechanism.higher_pairs.motion_program import Turned, add_program, turns_of_input
 from engine.mechanism.vectors import Vector
-from engine.parts.motion_programs import TURN
 from engine.scene.pairs import drive_base
 from engine.scene.structure.input_laws import law_rate
 
@@ -56,7 +57,7 @@ def _law(assembly: Assembly, name: str) -> Law:
         amplitudes = (assembly.number(f"{at}.harmonics.{key}.{part}") for part in ("cosine", "sine"))
         law = _sum(law, graph.apply(law_harmonic, argument, float(harmonic.order), *amplitudes))
     if second.sections or second.table is not None:
-        lag = graph.derived(f"begin of {name}", lambda n: np.mod(n[f"{at}.begin"], TURN))
+        lag = graph.derived(f"begin of {name}", lambda n: np.mod(n[f"{at}.begin"], math.tau))
         turns = turns_of_input(assembly.scene.input, law_rate(assembly.scene, name))
         law = _sum(law, add_program(graph, second, at, Turned(argument - lag, rate, turns)))
     place, slope, bend = law[0], rate * law[1], (rate * rate) * law[2] + growth * law[1]
@@ -73,7 +74,7 @@ def _argument(assembly: Assembly, name: str) -> Law:
     """Argument τ of a second input's law, and its first two derivatives by the parameter of the motion."""
     second, course, graph = assembly.scene.inputs[name], assembly.course, assembly.graph
     if second.period is not None and course.clock is not None:
-        rate = graph.derived(f"rate of {name} over time", lambda n: TURN / n[f"inputs.{name}.period"])
+        rate = graph.derived(f"rate of {name} over time", lambda n: math.tau / n[f"inputs.{name}.period"])
         return rate * course.clock, rate * course.pace, graph.zero
     rate = _rate(assembly, name)
     if not course.follows:
@@ -85,9 +86,9 @@ def _rate(assembly: Assembly, name: str) -> Node:
     """κ: rate of the argument of a second input's law with respect to the first input."""
     second, graph, at = assembly.scene.inputs[name], assembly.graph, f"inputs.{name}"
     if second.period is not None:
-        return graph.derived(f"rate of {name}", lambda n: TURN / (n["input.speed"] * n[f"{at}.period"]))
+        return graph.derived(f"rate of {name}", lambda n: math.tau / (n["input.speed"] * n[f"{at}.period"]))
     if second.travel is not None:
-        return graph.derived(f"rate of {name}", lambda n: TURN / n[f"{at}.travel"])
+        return graph.derived(f"rate of {name}", lambda n: math.tau / n[f"{at}.travel"])
     return graph.one
 
 

@@ -1,5 +1,6 @@
 """A machine's equation of motion, prepared: I(φ) and M(φ, ω) of many variants, with a choice of actions."""
 
+import math
 from functools import cached_property
 from typing import NamedTuple
 
@@ -131,7 +132,7 @@ class Reduction:
     @property
     def cycle(self) -> float:
         """Period of everything except time [rad]; infinite if the input does not rotate fully."""
-        return 2.0 * np.pi * self.mechanics.scene.input.revolutions if self.has_cycle else np.inf
+        return math.tau * self.mechanics.scene.input.revolutions if self.has_cycle else np.inf
 
     def range_of(self, numbers: Numbers, count: int) -> tuple[np.ndarray, np.ndarray]:
         """Minimum and maximum position of the input, (variants,) each [rad; m if it slides]; 0 … 2π for a crank."""

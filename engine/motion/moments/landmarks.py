@@ -1,5 +1,6 @@
 """Landmarks of a machine's cycle: ends of strokes, and crank angles at which torques have jumps or kinks."""
 
+import math
 from collections.abc import Sequence
 from functools import cached_property
 
@@ -14,7 +15,6 @@ from engine.motion.moments.breaks import JUMP, Breaks, watches_of
 from engine.motion.moments.tabulation import Ends, Tabulation
 from engine.scene.scene import Numbers
 
-TURN = 2.0 * np.pi
 # Offset from a break at which torques are tested [rad]: closer to a dead centre the stroke differs from its end by less
 # than rounding, and a load that acts there may seem to vanish.
 CLEAR = 1e-5
@@ -91,7 +91,7 @@ class Landmarks:
             return acting
         owned = np.array([[name in self.watches[w].actions for w in which] for name in self.actions])[..., None]
         acting |= np.array([name in self._unjudged for name in self.actions])[:, None, None]
-        around = np.sort([*angles, np.fmin.reduce(angles, axis=0) + TURN * self._turns], axis=0)
+        around = np.sort([*angles, np.fmin.reduce(angles, axis=0) + math.tau * self._turns], axis=0)
         # Between two close breaks, torques are tested next to each of them.
         close = np.flatnonzero((np.diff(around, axis=0) < 2.0 * CLEAR).any(axis=0))
         for distance, some in ((CLEAR, slice(None)), (JUMP, close)):

@@ -1,5 +1,6 @@
 """Runs at one speed in progress: directions, ends of the input's range, marks of cycles, and errors so far."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -83,7 +84,7 @@ class OneSpeedRuns(MachineRuns):
         self.spacing = (high - low) / steps
         self.bounds = np.array([[-np.inf], [np.inf]]) * np.ones(count)
         if not dynamics.reduction.has_cycle:
-            self.reach = (high - low) / (2.0 * np.pi)
+            self.reach = (high - low) / math.tau
             self.bounds = np.sort(variants.direction * (np.array([low, high]) - self.start), axis=0)
         self.arrived, self.carried = np.zeros(count, int), np.zeros((0, count))
         self.known = np.full(count, not stepping.classical)

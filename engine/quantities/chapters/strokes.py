@@ -13,7 +13,6 @@ from engine.graph.nodes import Node, reached
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.skeleton import FRAME
 from engine.quantities.expressions import (
-    FULL_TURN,
     Angle,
     Expression,
     Extreme,
@@ -103,11 +102,11 @@ def quick_return_ratio(low_at: Measured, high_at: Measured) -> Measured:
 
     Undefined if its error reaches its value: where two positions tie for an end of the stroke, either may be the end.
     """
-    up = np.mod(high_at.value - low_at.value, FULL_TURN)
-    slow = np.maximum(up, FULL_TURN - up)
-    ratio = slow / (FULL_TURN - slow)
+    up = np.mod(high_at.value - low_at.value, math.tau)
+    slow = np.maximum(up, math.tau - up)
+    ratio = slow / (math.tau - slow)
     # R of α + dα, less R of α: where positions tie, dα is no small change.
     off = low_at.error + high_at.error
-    error = FULL_TURN * off / ((FULL_TURN - slow) * (FULL_TURN - slow - off))
-    unknown = ~((error < ratio) & (slow + off < FULL_TURN))
+    error = math.tau * off / ((math.tau - slow) * (math.tau - slow - off))
+    unknown = ~((error < ratio) & (slow + off < math.tau))
     return Measured(np.where(unknown, np.nan, ratio), np.where(unknown, np.nan, error))

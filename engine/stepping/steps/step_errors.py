@@ -36,7 +36,7 @@ def judge_steps(task: WalkTask, room: Room) -> None:
     """
     own, k, begin = room.lane, in_lanes(room.rates), room.begin
     after, errors, width = room.after, room.errors, task.width
-    cycle = task.cycle if task.cycle < math.inf else 2.0 * math.pi
+    cycle = task.cycle if task.cycle < math.inf else math.tau
     watched, count = in_lanes(room.watched), task.watched
     rounded = max(ROUNDED, 4.0 * FOUND_TO if task.implicit else 0.0)
     for lane in range(LANES):

@@ -1,5 +1,7 @@
 """A cam with its follower, to scale."""
 
+import math
+
 import numpy as np
 from matplotlib.axes import Axes
 
@@ -19,7 +21,7 @@ def cam_layout(ax: Axes, cam: CamElement) -> None:
     at = int(np.argmax(np.where(curves.first > 0, shown, -1.0)))
     turned = np.exp(1j * curves.sense * curves.angle[at])
     profile, pitch, cutter = (factor * line * turned for line in (curves.profile, curves.pitch, curves.cutter))
-    base = factor * cam.base_radius * np.exp(1j * np.linspace(0, 2 * np.pi, 200))
+    base = factor * cam.base_radius * np.exp(1j * np.linspace(0, math.tau, 200))
     ax.fill(profile.real, profile.imag, facecolor="#eef1f4", edgecolor="black", linewidth=1.2, zorder=2)
     ax.plot(base.real, base.imag, color=GREY, linewidth=0.6, linestyle=(0, (4, 3)), label="base circle", zorder=3)
     if cam.follower.contact == "roller":

@@ -41,7 +41,7 @@ def _cam_frames(cam: engine.CamElement, frames: int) -> Frames:
     if not curves.angle.size:
         raise PictureError("the follower of the cam doesn't reach the base circle; enlarge base_radius")
     radius = hinge_radius(curves)
-    at = np.searchsorted(curves.angle, 2 * np.pi * np.arange(frames) / frames).clip(max=curves.angle.size - 1)
+    at = np.searchsorted(curves.angle, math.tau * np.arange(frames) / frames).clip(max=curves.angle.size - 1)
     poses = [[*_cam(curves, k), *follower_figures(cam, curves, k, radius)] for k in at]
     stand = fixed_pivot(0j, radius)
     axis = Primitive("joints", "circle", (0j,), radius, "paper")
@@ -110,7 +110,7 @@ def _train_frames(train: engine.GearTrain, frames: int) -> Frames:
     turning = [abs(speed) for speed in speeds.values() if speed and math.isfinite(speed)]
     if not turning or not picture.wheels:
         raise PictureError("no shaft of the train turns")
-    times = 2 * np.pi / min(turning) * np.arange(frames) / frames
+    times = math.tau / min(turning) * np.arange(frames) / frames
     radius = max(abs(wheel.axis) + wheel.radius for wheel in picture.wheels.values()) / RADII
     seen = _TrainAt(train, picture, speeds, radius)
     titles = [f"t = {engine.quantity_text(float(time), 's')}" for time in times]
@@ -155,13 +155,13 @@ class _TrainAt(NamedTuple):
         carrier = None if shaft == engine.FRAME else self.train.shafts[shaft].carrier
         if carrier is None:
             return 1j * height
-        turned = self.speeds.get(carrier, 0.0) * time + 2 * math.pi * k / self.sets(shaft)
+        turned = self.speeds.get(carrier, 0.0) * time + math.tau * k / self.sets(shaft)
         return self.place(carrier, time, k) + 1j * (height - self.picture.axes[carrier]) * cmath.exp(1j * turned)
 
     def wheel(self, wheel: engine.DrawnWheel, centre: complex, angle: float) -> list[Primitive]:
         """Pitch circle of a wheel with spokes, or of a ring with marks outside, turned by an angle."""
         inner, outer = (1.0, 1.12) if wheel.is_ring else (0.0, 1.0)
-        spokes = [1j * wheel.radius * cmath.exp(1j * (angle + 2 * math.pi * s / SPOKES)) for s in range(SPOKES)]
+        spokes = [1j * wheel.radius * cmath.exp(1j * (angle + math.tau * s / SPOKES)) for s in range(SPOKES)]
         rims = [Primitive("links", "circle", (centre,), wheel.radius)]
         if wheel.is_ring:
             rims.append(Primitive("links", "circle", (centre,), outer * wheel.radius))

@@ -11,8 +11,6 @@ from sweeps.pictures.style import GREY, VERMILION
 from sweeps.report.order_table import LINE, ellipse_text
 from sweeps.text.tables import table
 
-TURN = 2 * math.pi
-
 
 def engine_table(engine: EngineElement) -> str:
     """The orders of an engine's forces, couples and torque, as a text table.
@@ -54,8 +52,8 @@ def _together(angles: Iterable[float]) -> dict[float, str]:
     """Cylinder numbers with equal angles [rad]."""
     found: dict[float, list[str]] = {}
     for k, angle in enumerate(angles, 1):
-        turned = float(angle) % TURN
-        same = next((a for a in found if abs((a - turned + math.pi) % TURN - math.pi) < LINE), turned)
+        turned = float(angle) % math.tau
+        same = next((a for a in found if abs((a - turned + math.pi) % math.tau - math.pi) < LINE), turned)
         found.setdefault(same, []).append(str(k))
     return {
         angle: ", ".join(numbers) if len(numbers) < 7 else f"{numbers[0]} … {numbers[-1]}"

@@ -37,7 +37,7 @@ def _draw(ax: Axes, vector: Hodograph, order: int) -> None:
     """Hodograph of one vector, the engine's axis upwards; a dot marks the start."""
     i = vector.orders.index(order)
     one = Hodograph((order,), vector.forward[i : i + 1], vector.backward[i : i + 1])
-    way = one.at(np.linspace(0, 2 * math.pi / order, 181)) * 1j
+    way = one.at(np.linspace(0, math.tau / order, 181)) * 1j
     size = one.major[0]
     ax.set(aspect="equal", xticks=[], yticks=[], xlim=(-1.3, 6.5), ylim=(-1.2, 1.2))
     ax.grid(False)

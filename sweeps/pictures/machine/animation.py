@@ -1,5 +1,6 @@
 """Animated GIFs."""
 
+import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -90,7 +91,7 @@ def _moments(motion: drawing.DrawnMotion, frames: int) -> np.ndarray:
         share = np.arange(frames) / frames
         cycle = motion.q[-1] + motion.q[1]
         return cycle * (share if motion.numbers["input.speed"] >= 0 else -share)
-    swing = (1 - np.cos(2 * np.pi * np.arange(frames) / frames)) / 2
+    swing = (1 - np.cos(math.tau * np.arange(frames) / frames)) / 2
     return motion.q[0] + (motion.q[-1] - motion.q[0]) * swing
 
 

@@ -161,7 +161,7 @@ class Paper:
         """Request a label position next to a point, at distance `clear` [mm]."""
         c, half = self._mm(at), half_size(text)
         found = []
-        for angle in np.arange(0, 2 * np.pi, np.pi / 8):
+        for angle in np.arange(0, math.tau, np.pi / 8):
             u = np.exp(1j * angle)
             beside = half.real * np.clip(1.5 * u.real, -1, 1) + 1j * half.imag * np.clip(1.5 * u.imag, -1, 1)
             found += [(c + (clear + gap) * u + beside, gap) for gap in GAPS]
