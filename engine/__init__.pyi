@@ -60,7 +60,7 @@ from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.tables import TableError
 from engine.machine.balancing.counterweights import BalancedMachine, BalanceError, CounterweightPlace, balance
-from engine.machine.checks import full_names
+from engine.machine.checks import full_names, outside_limits
 from engine.machine.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
 from engine.machine.derivatives import PLACES as PLACE_STATISTICS
 from engine.machine.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
@@ -125,7 +125,7 @@ from engine.scene.attachments import guide_of, places_on
 from engine.scene.names import definitions as definitions_of_names
 from engine.scene.pairs import Pair, holder_of, mesh_driver
 from engine.scene.pairs import pairs as pairs_of
-from engine.scene.scene import Scene, SceneError, scene_numbers
+from engine.scene.scene import Scene, SceneError, allowed_text, scene_numbers
 from engine.scene.structure.free_groups import FreeGroup
 from engine.scene.structure.mobility import mobility
 from engine.scene.structure.ordering import group_links
@@ -276,6 +276,7 @@ __all__ = [
     "VelocityPicture",
     "Verdict",
     "Yoke",
+    "allowed_text",
     "any_quantity",
     "apply_operation",
     "arms_of",
@@ -349,6 +350,7 @@ __all__ = [
     "nearest_names",
     "numbers_for_trains",
     "order_groups",
+    "outside_limits",
     "pairs_of",
     "parse_expression",
     "permissible_unbalance",

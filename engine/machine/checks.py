@@ -66,6 +66,23 @@ def size_remarks(limits: Mapping[str, SceneNumber], given: Mapping[str, np.ndarr
     return tuple(found)
 
 
+def outside_limits(limits: Mapping[str, SceneNumber], given: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Which variants have a number outside its limits, (variants,) of bool for each path with such a number.
+
+    Parameters
+    ----------
+    limits : mapping of path to SceneNumber
+    given : mapping of path to ndarray (variants,)
+        Varied numbers [SI].
+    """
+    found = {path: ~within_limits(limits[path], values) for path, values in given.items()}
+    for path, number in limits.items():
+        if number.above and given.keys() & {path, number.above}:
+            own, lower = (given.get(p, limits[p].value) for p in (path, number.above))
+            found[path] = found.get(path, False) | ~(own > lower)
+    return {path: outside for path, outside in found.items() if outside.any()}
+
+
 def check_positions(positions: int) -> None:
     """Check a number of positions.
 
@@ -166,12 +183,8 @@ def given_numbers(
         if values.size != count:
             raise AskError(f"{path!r} has {values.size} values, {first!r} has {count}: give one for every variant")
     status = np.zeros(count, np.uint8)
-    for path, values in arrays.items():
-        status[~within_limits(limits[path], values)] = Verdict.OUTSIDE_LIMITS
-    for path, number in limits.items():
-        if number.above and arrays.keys() & {path, number.above}:
-            own, lower = (arrays.get(p, limits[p].value) for p in (path, number.above))
-            status[~(own > lower)] = Verdict.OUTSIDE_LIMITS
+    for outside in outside_limits(limits, arrays).values():
+        status[outside] = Verdict.OUTSIDE_LIMITS
     if drop is not None:
         drop = np.asarray(drop)
         if drop.shape != status.shape or drop.dtype != np.bool_:

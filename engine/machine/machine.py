@@ -333,8 +333,8 @@ class Machine:
 
     def source(self) -> str:
         """Source text of the printed functions."""
-        texts = self._measuring.functions.texts.values()
-        return "\n\n".join([*texts, self._kept.text] if self._kept_curves else texts)
+        kept = {"fields": self._kept.text} if self._kept_curves else {}
+        return "\n\n".join(f"# {name}\n{text}" for name, text in {**self._measuring.functions.texts, **kept}.items())
 
     @property
     def numbers_kept(self) -> int:

@@ -1,5 +1,6 @@
 """A scene: the description of one machine, and its numbers by path."""
 
+import operator
 from collections.abc import Callable, Iterator, Mapping
 from functools import wraps
 from typing import Annotated, Any, ClassVar, TypeVar
@@ -36,7 +37,8 @@ from engine.parts.skeleton import (
     SceneNumber,
     SliderInput,
 )
-from engine.units.display import UnitSystem
+from engine.units.dimensions import described
+from engine.units.display import UnitSystem, quantity_text
 
 # Path and message, for the user.
 Problem = tuple[str, str]
@@ -193,6 +195,16 @@ def scene_numbers(scene: Scene) -> dict[str, SceneNumber]:
     return dict(scene.numbers_within())
 
 
+# Kinds of limits: the attribute with the bound, the sign, and the comparison of a value with it.
+_LIMITS = {
+    Gt: ("gt", ">", operator.gt),
+    Ge: ("ge", "≥", operator.ge),
+    Lt: ("lt", "<", operator.lt),
+    Le: ("le", "≤", operator.le),
+    NonZero: ("ne", "≠", operator.ne),
+}
+
+
 def within_limits(number: SceneNumber, values: np.ndarray) -> np.ndarray:
     """Which values are finite and within the number's limits; an assembly mode must be +1 or −1.
 
@@ -204,18 +216,20 @@ def within_limits(number: SceneNumber, values: np.ndarray) -> np.ndarray:
     """
     keep = np.isin(values, number.choices) if number.choices else np.isfinite(values)
     for limit in number.limits:
-        match limit:
-            case Gt(gt=bound):
-                keep &= values > bound
-            case Ge(ge=bound):
-                keep &= values >= bound
-            case Lt(lt=bound):
-                keep &= values < bound
-            case Le(le=bound):
-                keep &= values <= bound
-            case NonZero(ne=bound):
-                keep &= values != bound
+        key, _, compares = _LIMITS[type(limit)]
+        keep &= compares(values, getattr(limit, key))
     return keep
+
+
+def allowed_text(number: SceneNumber) -> str:
+    """The limits or choices of a number, such as "> 0" or "1 or -1"; "finite" if it has none."""
+    unit, bounds = described(number.dimension).unit, []
+    for limit in number.limits:
+        key, sign, _ = _LIMITS[type(limit)]
+        bound = getattr(limit, key)
+        bounds.append(f"{sign} {quantity_text(bound, unit) if bound else 0}")
+    bounds += [f"> {number.above}"] if number.above else []
+    return " or ".join(f"{choice:g}" for choice in number.choices) or " and ".join(bounds) or "finite"
 
 
 class Numbers(Mapping[str, float | np.ndarray]):

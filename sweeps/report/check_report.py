@@ -10,7 +10,7 @@ import numpy as np
 import engine
 from sweeps.report import accuracy_words
 from sweeps.report.answers.shown_results import answers_among, names_in_conditions
-from sweeps.report.answers.unmet_conditions import drop_lines
+from sweeps.report.answers.unmet_conditions import drop_lines, outside_lines
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
 from sweeps.report.variant_warnings import known_summaries, machine_warnings
 from sweeps.run.blocks import LARGEST_BLOCK, block_size, bytes_of_fields
@@ -321,15 +321,20 @@ def _design_text(study: Study) -> str:
 
 
 def _required_text(study: Study) -> list[str]:
-    """Number of variants dropped by each condition, from a sample if there are many."""
-    if not study.require:
-        return []
+    """Variants dropped by each condition, and those outside the limits of numbers, from a sample if there are many."""
     size, block = study.design.size, LARGEST_BLOCK
     whole = size <= MOST_COUNTED
     starts = range(0, size, block) if whole else np.linspace(0, size - block, MOST_COUNTED // block).astype(np.int64)
     parts = [(int(start), min(int(start) + block, size)) for start in starts]
-    found = [study.completed(study.design.values(*part), part[1] - part[0])[1] for part in parts]
-    lines = drop_lines([condition.text for condition in study.require], found, None if whole else size)
-    dropped = np.concatenate([part.any(axis=0) for part in found]).mean()
-    share = f"{round(dropped * size)}" if whole else f"about {100 * dropped:.3g} %"
-    return [f"required, {share} of {size} dropped:", *(f"  {line}" for line in lines)]
+    found = [study.completed(study.design.values(*part), part[1] - part[0]) for part in parts]
+    missed = [part for _, part in found]
+    dropped, lines = np.concatenate([part.any(axis=0) for part in missed]), []
+    if study.require:
+        share = f"{round(dropped.mean() * size)}" if whole else f"about {100 * dropped.mean():.3g} %"
+        counted = drop_lines([condition.text for condition in study.require], missed, None if whole else size)
+        lines += [f"required, {share} of {size} dropped:", *(f"  {line}" for line in counted)]
+    values = {path: np.concatenate([part[path] for part, _ in found]) for path in found[0][0]}
+    outside = outside_lines(study.scene, values, ~dropped)
+    if outside:
+        lines += [f"outside limits, of {dropped.size} variants examined:", *(f"  {line}" for line in outside)]
+    return lines

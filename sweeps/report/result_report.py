@@ -7,7 +7,7 @@ import numpy as np
 import engine
 from sweeps.report import accuracy_words
 from sweeps.report.answers.shown_results import hidden_text, shown_parameters, shown_summaries
-from sweeps.report.answers.unmet_conditions import drop_lines, no_answer_text, undecided_text
+from sweeps.report.answers.unmet_conditions import drop_lines, no_answer_text, outside_lines, undecided_text
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
 from sweeps.report.sweep_result import SweepResult
 from sweeps.study.study_text import Best
@@ -49,6 +49,8 @@ def counts_text(result: SweepResult) -> str:
         rows.append((f"{count}", verdict.name.lower().replace("_", " "), sentence))
         dropped = verdict == engine.Verdict.DROPPED
         lines = drop_lines(result.record["require"], result.missed()) if dropped else _blame(result, verdict)
+        if verdict == engine.Verdict.OUTSIDE_LIMITS:
+            lines += outside_lines(result.scene, result.columns, result.columns["status"] == verdict)
         if verdict in MOTION_VERDICTS and result.file.variants > 1:
             shown = f"sweeps plot {result.path} --variant {result.first_with(verdict)}"
             lines = [f"motion of the first one up to its failure: {shown}"]

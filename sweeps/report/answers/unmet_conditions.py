@@ -1,12 +1,22 @@
 """Why no variant answers the question: which conditions fail, and the variant that comes closest."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from engine import Verdict, counted, figure_text, quantity_text
+from engine import (
+    Scene,
+    Verdict,
+    allowed_text,
+    counted,
+    figure_text,
+    outside_limits,
+    quantity_text,
+    scene_numbers,
+)
 from sweeps.report.sweep_result import SweepResult, drop_counts
+from sweeps.study.study_content import number_units
 from sweeps.text.conditions import Condition, Judgement, Where, parts_of
 
 # Limits that are missed by more than this factor are reported without it.
@@ -41,6 +51,28 @@ def drop_lines(conditions: Sequence[str], missed: Iterable[np.ndarray], variants
     for text, *found in zip(conditions, counts.tolist(), alone.tolist(), strict=True):
         first, only = (f"{c}" if variants is None else f"about {c * variants // seen}" for c in found)
         lines.append(f"{text}: {first}" + (f", {only} only by this condition" if len(conditions) > 1 else ""))
+    return lines
+
+
+def outside_lines(
+    scene: Scene, columns: Mapping[str, np.ndarray], chosen: np.ndarray | slice = slice(None)
+) -> list[str]:
+    """For each number with values outside its limits: how many, one of them, and the limits.
+
+    Parameters
+    ----------
+    scene : Scene
+    columns : mapping of str to ndarray (variants,)
+        Numbers of variants by path (SI), possibly among others.
+    chosen : ndarray of bool, or slice
+        Variants to count.
+    """
+    numbers, units, lines = scene_numbers(scene), number_units(scene), []
+    varied = {path: values[chosen] for path, values in columns.items() if path in numbers}
+    for path, outside in outside_limits(numbers, varied).items():
+        value = varied[path][outside.argmax()] if path in varied else numbers[path].value
+        given, allowed = quantity_text(float(value), units[path]), allowed_text(numbers[path])
+        lines.append(f"{path}: {outside.sum()}, such as {given}; must be {allowed}")
     return lines
 
 

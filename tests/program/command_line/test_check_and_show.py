@@ -94,7 +94,8 @@ def test_check_of_a_machine_that_nowhere_assembles__says_so(press_folder):
 def test_check_source__is_python_to_read(press_folder):
     answer = done("check", "study.toml", "--source")
     module = ast.parse(answer)
-    assert "curves" in [node.name for node in module.body if isinstance(node, ast.FunctionDef)]
+    assert {node.name for node in module.body if isinstance(node, ast.FunctionDef)} == {"fill"}
+    assert "# curves\n" in answer
     assert "rrp_position(" in answer
 
 

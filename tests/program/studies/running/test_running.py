@@ -12,9 +12,12 @@ from press_sweeps import DISTINCT, FIELDS, GOOD, HEAD, STROKE, numbers_in, run, 
 
 from engine import Verdict, set_threads
 from sweeps import SweepResult
+from sweeps.report.check_report import check_text
+from sweeps.report.result_report import counts_text
 from sweeps.run import runner
 from sweeps.run.blocks import BYTES_PER_BLOCK, LARGEST_BLOCK, block_size
 from sweeps.store import MappedResult
+from sweeps.study.study_reader import read_study
 
 # What the file holds
 
@@ -142,6 +145,11 @@ def test_failing_variants__get_nan_a_verdict_and_the_place(tmp_path):
     # 50 or 120 + 260 < 250 + 150: by Grashof's rule the crank turns fully. A crank of 210 mm or more doesn't.
     assert status[:, 0].tolist() == [V.OK, V.CANNOT_ASSEMBLE, V.CANNOT_ASSEMBLE, V.OUTSIDE_LIMITS, V.OK]
     assert status[:, 1:].tolist() == [[V.DROPPED, V.OUTSIDE_LIMITS]] * 5
+    # Both texts name the numbers; the check can't know what fails to assemble, and drops what the run drops.
+    told = counts_text(SweepResult(path)), check_text(read_study(tmp_path / "study.toml"), tmp_path / "other.h5")
+    for text in told:
+        assert "input.length: 2, such as -1 mm; must be > 0" in text
+        assert "bodies.ram.mass: 5, such as -1 kg; must be ≥ 0" in text
     failed = columns["status"] != 0
     for name in ("ram.stroke", "rocker.swing", "excess_work"):
         assert np.isfinite(columns[name][~failed]).all()
