@@ -69,7 +69,10 @@ def test_study__varies_derives_and_differentiates_by_numbers_of_formulas(tmp_pat
     [
         (('to = "240 mm"', 'to = "240 N"'), "expected a length such as '80 mm', got 'N'"),
         (('["1 N/mm3", "5 kN/cm3"]', '["1 N/mm3", "5 kN/cm2"]'), "expected a quantity in kg m-2 s-2"),
-        (("numbers.c", "numbers.cc"), "vary.forces.buffer.numbers.cc: is not a number that the scene gives; did you mean"),
+        (
+            ("numbers.c", "numbers.cc"),
+            "numbers.cc: is not a number that the scene gives; did you mean",
+        ),
         (('"8 N/mm if', '"8 N if'), "gives a force or a stiffness"),
     ],
 )

@@ -8,7 +8,8 @@ import pytest
 from motion_scenes import ask, reduced, run, slider_crank
 from mpmath import mp
 
-from engine import Verdict
+from engine import Mechanics, Scene, Verdict
+from engine.motion.moments.dynamics import Dynamics, Reduction
 from engine.stepping.methods import NINE
 
 REFERENCE = json.loads((Path(__file__).parents[3] / "oracles" / "motion" / "motion_reference.json").read_text())
@@ -37,6 +38,15 @@ def test_unloaded_machine__keeps_its_energy_over_3000_revolutions():
     assert fast * (1.0 - 1e-6) <= whole["go.speed_max"] <= both["go.speed_max"] <= fast * (1.0 + 1e-6)
     # Steps miss 1e-10 of a cycle's time each, and all cycles the same.
     assert both["go.time"] == pytest.approx(3e3 * whole["go.time"] + short["go.time"], rel=1e-10)
+
+
+@pytest.mark.parametrize("works", [False, True])
+@pytest.mark.parametrize("first", ["by_angle", "by_time"])
+def test_both_forms__have_one_function_of_the_position(first, works):
+    scene = slider_crank({"go": run("dc fan gravity load", from_speed=20.0, cycles=1.0)})
+    dynamics = Dynamics(Reduction(Mechanics(Scene.model_validate(scene))), works=works)
+    systems = getattr(dynamics, first), dynamics.by_angle, dynamics.by_time
+    assert len({system.functions.texts["places"] for system in systems}) == 1
 
 
 # Two machines against mpmath at 30 digits
