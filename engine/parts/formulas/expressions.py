@@ -165,6 +165,7 @@ class TextExpression:
         return result if np.ndim(result) else result.item()
 
 
+@functools.lru_cache(maxsize=1024)
 def parse(text: str, quantity: Callable[[str], float] | None = None) -> TextExpression:
     """Parse an expression.
 
