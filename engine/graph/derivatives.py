@@ -3,28 +3,54 @@
 from collections.abc import Callable, Mapping
 
 from engine.graph.nodes import LawResult, Node, Operation, Sum, reached
-from engine.laws.senses import sense
+from engine.laws.elementary import angle_of, direction_of, exponential, logarithm, power
+from engine.laws.senses import angle_on_side, kept_positive, sense, side
 
-# Derivatives of each law by some of its operands, by operand index; each builds a node from the law's operands.
+# Derivatives of each law by some of its operands, by operand index; each builds a node from a result of the law and its
+# operands.
 Slopes = Mapping[Callable, Mapping[int, Callable[..., Node]]]
+
+
+def _turned(cosine_or_sine: LawResult, angle: Node) -> Node:
+    cosine, sine = angle.graph.apply(direction_of, angle)
+    return cosine if cosine_or_sine is sine else -sine
+
+
+_ELEMENTARY: Slopes = {
+    exponential: {0: lambda y, x: y},
+    logarithm: {0: lambda _, x: 1.0 / x},
+    power: {
+        0: lambda _, x, n: n * x.graph.apply(power, x, n - 1.0),
+        1: lambda y, x, n: y * x.graph.apply(logarithm, x),
+    },
+    direction_of: {0: _turned},
+    angle_of: {0: lambda _, x, y: -y / (x * x + y * y), 1: lambda _, x, y: x / (x * x + y * y)},
+    angle_on_side: {1: lambda _, __, x, y: -y / (x * x + y * y), 2: lambda _, __, x, y: x / (x * x + y * y)},
+    kept_positive: {1: lambda _, __, x: x.graph.one},
+    # A sign is constant on either side of its switch.
+    sense: {0: lambda _, x: x.graph.zero},
+    side: {0: lambda _, x: x.graph.zero},
+}
 # Step of the central difference for laws without a known derivative: BESIDE times the operand plus LEAST. Its error is
 # of the order of the step squared, plus rounding divided by the step.
 BESIDE, LEAST = 2.0**-17, 2.0**-30
 
 
-def derivative(node: Node, by: Node, slopes: Slopes) -> Node:
-    """Derivative of a node by another node.
+def derivative(node: Node, known: Mapping[Node, Node], slopes: Slopes | None = None) -> Node:
+    """Derivative of a node.
 
     Parameters
     ----------
-    node, by : Node
-    slopes : mapping
-        Derivatives of laws where known; other laws are differentiated by central differences.
+    node : Node
+    known : mapping of Node to Node
+        Nodes with their derivatives: 1 for the variable. Nodes that depend on none of these are constant.
+    slopes : mapping, optional
+        Derivatives of laws, apart from the elementary ones; others are differentiated by central differences.
     """
-    graph = node.graph
-    found = {by: graph.one}
-    for n in reached([node], lambda n: n is by):
-        if n is not by and any(o in found for o in _operands(n)):
+    graph, slopes = node.graph, {**_ELEMENTARY, **(slopes or {})}
+    found = dict(known)
+    for n in reached([node], known.__contains__):
+        if n not in known and any(o in found for o in _operands(n)):
             found[n] = _rule(n, {o: found.get(o, graph.zero) for o in _operands(n)}, slopes)
     return found.get(node, graph.zero)
 
@@ -66,7 +92,7 @@ def _of_law(result: LawResult, d: Mapping[Node, Node], slopes: Slopes) -> Node:
         if d[operand] is graph.zero:
             continue
         if i in known:
-            total = total + known[i](*operands) * d[operand]
+            total = total + known[i](result, *operands) * d[operand]
             continue
         step = BESIDE * abs(operand) + LEAST
         high, low = (

@@ -11,11 +11,9 @@ from typing import NamedTuple
 from engine.compiling.decorators import Law
 from engine.graph.derivatives import derivative
 from engine.graph.nodes import Given, Node, Stage
-from engine.laws.elementary import exponential, power
 from engine.laws.kinematics.closure import greater
 from engine.laws.loads import sized
 from engine.laws.motor_characteristics import BY_SPEED
-from engine.laws.senses import sense, side
 from engine.mechanism.actions.motors import motor_at_speed, motor_on_shaft
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.loads import Loads
@@ -32,17 +30,12 @@ POLYNOMIAL_ORDERS = (0, 1, 2)
 
 
 def _motor_slope(slope: Law | None) -> Callable[..., Node]:
-    return lambda *operands: operands[-1].graph.zero if slope is None else operands[-1].graph.apply(slope, *operands)
+    return lambda result, *operands: result.graph.zero if slope is None else result.graph.apply(slope, *operands)
 
 
 SLOPES = {
     **{law: {law.py_func.__code__.co_argcount - 1: _motor_slope(slope)} for law, slope in BY_SPEED.items()},
-    sized: {1: lambda size, value: value.graph.apply(sized, size, 1.0)},
-    exponential: {0: lambda x: x.graph.apply(exponential, x)},
-    power: {0: lambda x, n: n * x.graph.apply(power, x, n) / x},
-    # A sign of a speed is constant on either side of its switch.
-    sense: {0: lambda x: x.graph.zero},
-    side: {0: lambda x: x.graph.zero},
+    sized: {1: lambda result, size, _: result.graph.apply(sized, size, 1.0)},
 }
 # Replaces a speed of zero, with a sign [rad/s].
 AT_REST = 1e-150
@@ -147,7 +140,7 @@ def along_angle(mechanics: Mechanics, asked: frozenset[str]) -> tuple[System, Si
     loads, clock, sizes = sizes_of(mechanics, speed)
     moments = moments_of(mechanics, loads, sizes, speed)
     total, pace = moments.total, 1.0 / speed
-    steepness = derivative(total, energy, SLOPES)
+    steepness = derivative(total, {energy: graph.one}, SLOPES)
     squares = (moments.motors * moments.motors) * pace
     known = {"motors": moments.motors, **moments.channels, "squares": squares, "fading": steepness}
     slope = total - (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)
@@ -159,7 +152,7 @@ def along_angle(mechanics: Mechanics, asked: frozenset[str]) -> tuple[System, Si
         Guard("slow", graph.apply(greater, sizes.brisk, -MUCH * steepness) * energy + total),
     )
     gathered = {"time": pace} | {name: node for name, node in known.items() if name in asked}
-    responses = tuple(derivative(node, energy, SLOPES) for node in gathered.values())
+    responses = tuple(derivative(node, {energy: graph.one}, SLOPES) for node in gathered.values())
     system = System(
         "angle",
         states=(energy,),
@@ -196,7 +189,7 @@ def along_time(mechanics: Mechanics, asked: frozenset[str], rubs: bool = False) 
         inverse = 2.0 / inertia
         smooth = 0.5 * (moments.motors * inverse)
     # Motors make a step stiff, friction does not; its derivative would contain those of all reactions.
-    steepness = derivative(smooth, speed, SLOPES)
+    steepness = derivative(smooth, {speed: graph.one}, SLOPES)
     if rubs:
         unknown[speed] = graph.given("acceleration", Stage.STATE)
         moments.channels["harmful"] += friction_of(mechanics, loads, sizes, speed, unknown[speed])

@@ -56,7 +56,7 @@ def drive_over_angle(mechanics: Mechanics, motors: frozenset[str], loads: frozen
     slip, pace = motor_speed - speed, 1.0 / speed
     moment = elastic + damping * slip
     rates = stiffness * slip * pace, (motor - moment) / motor_inertia * pace, moment + load
-    slopes = tuple(derivative(rate, state, SLOPES) for rate in rates for state in states)
+    slopes = tuple(derivative(rate, {state: graph.one}, SLOPES) for rate in rates for state in states)
     gathered = {"period": pace, "motor_work": motor * motor_speed * pace, "load_work": load}
     gathered |= {"damping_work": damping * slip * slip * pace, "impulse": moment * pace}
     # Nothing walks along it, so the slope of the speed is not read.

@@ -1,17 +1,16 @@
 """Loads given by formulas, as nodes: the formula is computed as written, with its switching parts held.
 
 A part that switches (a sign, a minimum, a comparison) does so where a curve crosses a level; panels end there. The
-derivative of that curve with respect to the input follows from the formula's structure, by the rules of
-differentiation.
+derivative of that curve with respect to the input follows from those of the names in the formula.
 """
 
 import math
 from collections.abc import Callable, Iterator
 from fractions import Fraction
-from typing import NamedTuple
 
 import numpy as np
 
+from engine.graph.derivatives import derivative
 from engine.graph.nodes import Held, Node, Return, Stage, reached
 from engine.laws.elementary import angle_of, direction_of, exponential, logarithm, power
 from engine.laws.senses import angle_on_side, either, exceeds, kept_positive, quotient, sense, side
@@ -26,13 +25,6 @@ from engine.scene.load_formulas import TIME, LoadFormula
 
 # Integer exponents up to this one are computed by multiplication.
 LARGEST_PRODUCT = 16
-
-
-class Differentiated(NamedTuple):
-    """A quantity along the motion, and its derivative with respect to the input."""
-
-    value: Node
-    rate: Node
 
 
 def formula_characteristics(
@@ -68,7 +60,7 @@ def formula_characteristics(
     for exponent, part in parts.items():
         order = int(exponent) if exponent in (0, 1, 2) else float(exponent)
         size = graph.derived(f"{formula.at} over speed^{order}", _speed_to(order))
-        yield Characteristic(size, curves.of(part).value * factor, order)
+        yield Characteristic(size, curves.of(part) * factor, order)
 
 
 def _speed_to(order: float) -> Callable:
@@ -82,28 +74,40 @@ class _Curves:
         self.kinematics, self.graph, self.formula = kinematics, kinematics.graph, formula
         self.along, self.speed, self.time = along, speed, time
         # Parts are shared, so each is converted once. Keeping the tree keeps its id valid.
-        self._known: dict[int, tuple[Tree, Differentiated]] = {}
-        self._names: dict[str, Differentiated] = {}
+        self._known: dict[int, tuple[Tree, Node]] = {}
+        self._names: dict[str, Node] = {}
+        # Derivatives with respect to the input.
+        graph = self.graph
+        self._rates = {graph.q: graph.one, graph.cos_q: -graph.sin_q, graph.sin_q: graph.cos_q}
         # Curves with the same zeros, stripped of numeric factors and powers.
-        self._bare: dict[Node, Differentiated] = {}
+        self._bare: dict[Node, Node] = {}
         # Distances from an end of a stroke: the slide, the sign with which they grow with it, and the end.
-        self._distances: dict[Node, tuple[Differentiated, float, Node]] = {}
+        self._distances: dict[Node, tuple[Node, float, Node]] = {}
 
-    def of(self, tree: Tree) -> Differentiated:
-        """A part of the formula with its derivative."""
+    def of(self, tree: Tree) -> Node:
+        """A part of the formula."""
         if id(tree) not in self._known:
             self._known[id(tree)] = tree, self._found(tree)
         return self._known[id(tree)][1]
 
-    def _found(self, tree: Tree) -> Differentiated:
+    def _rate(self, curve: Node) -> Node:
+        """Derivative of a curve with respect to the input."""
+        return derivative(curve, self._rates)
+
+    def _with_rate(self, curve: Node, rate: Node) -> Node:
+        """Give a curve its derivative with respect to the input."""
+        self._rates[curve] = rate
+        return curve
+
+    def _found(self, tree: Tree) -> Node:
         if isinstance(tree, str):
             return self._named(tree)
         if isinstance(tree, float):
-            return self._constant(tree)
+            return self.graph.constant(tree)
         if isinstance(tree, TextQuantity):
-            return self._constant(tree.value)
+            return self.graph.constant(tree.value)
         if not names_in_tree(tree):
-            return self._constant(evaluate_tree(tree, {}).item())
+            return self.graph.constant(evaluate_tree(tree, {}).item())
         if tree.name == "if":
             condition, *choices = tree.operands
             return self._either(self._condition(condition), *(self.of(choice) for choice in choices))
@@ -116,53 +120,41 @@ class _Curves:
         if tree.name in ("min", "max"):
             return self._chosen(tree.name == "max", *(self.of(operand) for operand in tree.operands))
         if tree.name in _FACTORS:
-            return self._product(self._constant(_FACTORS[tree.name]), self.of(*tree.operands))
-        return getattr(self, _METHODS[tree.name])(*(self.of(operand) for operand in tree.operands))
-
-    def _constant(self, value: float) -> Differentiated:
-        return Differentiated(self.graph.constant(value), self.graph.zero)
+            return self._product(self.graph.constant(_FACTORS[tree.name]), self.of(*tree.operands))
+        return _METHODS[tree.name](self, *(self.of(operand) for operand in tree.operands))
 
     # Arithmetic
 
-    def _sum(self, a: Differentiated, b: Differentiated) -> Differentiated:
-        return Differentiated(a.value + b.value, a.rate + b.rate)
-
-    def _difference(self, a: Differentiated, b: Differentiated) -> Differentiated:
-        return Differentiated(a.value - b.value, a.rate - b.rate)
-
-    def _product(self, a: Differentiated, b: Differentiated) -> Differentiated:
-        found = Differentiated(a.value * b.value, a.rate * b.value + a.value * b.rate)
+    def _product(self, a: Node, b: Node) -> Node:
+        found = a * b
         for number, curve in ((a, b), (b, a)):
-            if number.value.stage < Stage.POSITION:
-                self._bare[found.value] = self._bare.get(curve.value, curve)
+            if number.stage < Stage.POSITION:
+                self._bare[found] = self._bare.get(curve, curve)
         return found
 
-    def _quotient(self, a: Differentiated, b: Differentiated) -> Differentiated:
-        if b.value.stage < Stage.POSITION:
-            found = a.value / b.value
-        else:
-            # A panel ends at a pole, so the pole can't pass unseen between two positions.
-            found = self.graph.apply(quotient, self._held_sign(sense, b), *a, *b)
-        return Differentiated(found, (a.rate - found * b.rate) / b.value)
+    def _quotient(self, a: Node, b: Node) -> Node:
+        if b.stage < Stage.POSITION:
+            return a / b
+        # A panel ends at a pole, so the pole can't pass unseen between two positions.
+        rates = self._rate(a), self._rate(b)
+        found = self.graph.apply(quotient, self._held_sign(sense, b), a, rates[0], b, rates[1])
+        return self._with_rate(found, (rates[0] - found * rates[1]) / b)
 
-    def _power(self, base: Tree, exponent: Tree) -> Differentiated:
+    def _power(self, base: Tree, exponent: Tree) -> Node:
         if names_in_tree(exponent):
             return self._varying_power(base, self.of(exponent))
         n = evaluate_tree(exponent, {}).item()
         if n == 0.5:
             return self._root(base)
         if n != int(n) or abs(n) > LARGEST_PRODUCT:
-            return self._varying_power(base, self._constant(n))
+            return self._varying_power(base, self.graph.constant(n))
         x = self.of(base)
-        if n == 0:
-            return self._constant(1.0)
         if n < 0:
-            inverse = self._quotient(self._constant(1.0), x).value
-            value = self._multiplied(inverse, abs(int(n)))
-            return Differentiated(value, n * (value * inverse) * x.rate)
-        value = self._multiplied(x.value, int(n))
-        self._bare[value] = self._bare.get(x.value, x)
-        return Differentiated(value, n * (value / x.value) * x.rate)
+            return self._multiplied(self._quotient(self.graph.one, x), abs(int(n)))
+        value = self._multiplied(x, int(n))
+        if n > 0:
+            self._bare[value] = self._bare.get(x, x)
+        return value
 
     def _multiplied(self, x: Node, times: int) -> Node:
         if times < 2:
@@ -170,54 +162,43 @@ class _Curves:
         half = self._multiplied(x, times // 2)
         return half * half * x if times % 2 else half * half
 
-    def _varying_power(self, base: Tree, n: Differentiated) -> Differentiated:
-        x = self._not_negative(base)
-        value = self.graph.apply(power, x.value, n.value)
-        grown = n.value * self.graph.apply(power, x.value, n.value - 1.0) * x.rate
-        if n.rate is not self.graph.zero:
-            grown = grown + value * self.graph.apply(logarithm, x.value) * n.rate
-        return Differentiated(value, grown)
+    def _varying_power(self, base: Tree, n: Node) -> Node:
+        return self.graph.apply(power, self._not_negative(base), n)
 
-    def _not_negative(self, tree: Tree) -> Differentiated:
+    def _not_negative(self, tree: Tree) -> Node:
         """Argument of a root or a fractional power: rounding may make a vanishing one negative."""
-        if isinstance(tree, TextOperation) and tree.name == "abs":
-            return Differentiated(abs(self.of(tree.operands[0]).value), self.of(tree).rate)
         x = self.of(tree)
-        if x.value.stage < Stage.POSITION:
+        if isinstance(tree, TextOperation) and tree.name == "abs":
+            return self._with_rate(abs(self.of(tree.operands[0])), self._rate(x))
+        if x.stage < Stage.POSITION:
             return x
-        return Differentiated(self.graph.apply(kept_positive, self._held_sign(sense, x), x.value), x.rate)
+        return self.graph.apply(kept_positive, self._held_sign(sense, x), x)
 
     # Functions
 
-    def _root(self, square: Tree) -> Differentiated:
-        x = self._not_negative(square)
-        value = self.graph.function("sqrt", x.value)
-        return Differentiated(value, x.rate / (2.0 * value))
+    def _root(self, square: Tree) -> Node:
+        return self.graph.function("sqrt", self._not_negative(square))
 
-    def _exponential(self, x: Differentiated) -> Differentiated:
-        value = self.graph.apply(exponential, x.value)
-        return Differentiated(value, value * x.rate)
+    def _exponential(self, x: Node) -> Node:
+        return self.graph.apply(exponential, x)
 
-    def _logarithm(self, x: Differentiated) -> Differentiated:
-        return Differentiated(self.graph.apply(logarithm, x.value), x.rate / x.value)
+    def _logarithm(self, x: Node) -> Node:
+        return self.graph.apply(logarithm, x)
 
-    def _of_angle(self, name: str, angle: Tree) -> Differentiated:
+    def _of_angle(self, name: str, angle: Tree) -> Node:
         """Sine, cosine or tangent; an angle that makes whole turns per cycle continues beyond the cycle's end."""
         graph = self.graph
         if angle == "phi":
-            x, cosine, sine = Differentiated(graph.q, graph.one), graph.cos_q, graph.sin_q
+            cosine, sine = graph.cos_q, graph.sin_q
         else:
             timed = self._follows_time(angle)
             x = self._unfolded(angle) if timed or self._turns_wholly(angle) else self.of(angle)
-            cosine, sine = graph.apply(direction_of, x.value)
-            if timed and x.rate.stage == Stage.VARIANT and not any(isinstance(n, Held) for n in reached([x.value])):
+            cosine, sine = graph.apply(direction_of, x)
+            rate = self._rate(x) if timed else graph.q
+            if rate.stage == Stage.VARIANT and not any(isinstance(n, Held) for n in reached([x])):
                 # Periodic if the cycle is a multiple of its period.
-                graph.returns((cosine, sine), Return(TIME, x.rate * float(self._revolutions)))
-        if name == "sin":
-            return Differentiated(sine, cosine * x.rate)
-        if name == "cos":
-            return Differentiated(cosine, -sine * x.rate)
-        return self._quotient(Differentiated(sine, cosine * x.rate), Differentiated(cosine, -sine * x.rate))
+                graph.returns((cosine, sine), Return(TIME, rate * float(self._revolutions)))
+        return {"sin": sine, "cos": cosine}.get(name) or self._quotient(sine, cosine)
 
     def _follows_time(self, angle: Tree) -> bool:
         """Whether a part depends on the time of a cycle at constant speed."""
@@ -251,59 +232,64 @@ class _Curves:
                 return slopes[angle] * evaluate_tree(tree.operands[number], {}).item()
             return slopes[0] / evaluate_tree(tree.operands[1], {}).item() if tree.name == "/" and still[1] else None
         names = names_in_tree(tree)
-        return 0.0 if all(self._named(name).value.stage < Stage.POSITION for name in names) else None
+        return 0.0 if all(self._named(name).stage < Stage.POSITION for name in names) else None
 
-    def _unfolded(self, angle: Tree) -> Differentiated:
+    def _unfolded(self, angle: Tree) -> Node:
         """An angle that contains the crank angle and continues from one cycle to the next."""
         unfolded = _Curves(self.kinematics, self.formula, self.along, self.speed, self.time)
-        unfolded._names["phi"] = Differentiated(self.graph.q, self.graph.one)
-        return unfolded.of(angle)
+        unfolded._names["phi"] = self.graph.q
+        found = unfolded.of(angle)
+        self._rates |= unfolded._rates
+        return found
 
-    def _arcsine(self, x: Differentiated) -> Differentiated:
-        cosine = self.graph.function("sqrt", (1.0 - x.value) * (1.0 + x.value))
-        return Differentiated(self.graph.apply(angle_of, cosine, x.value), x.rate / cosine)
+    def _arcsine(self, x: Node) -> Node:
+        return self.graph.apply(angle_of, self._across(x), x)
 
-    def _arccosine(self, x: Differentiated) -> Differentiated:
-        sine = self.graph.function("sqrt", (1.0 - x.value) * (1.0 + x.value))
-        return Differentiated(self.graph.apply(angle_of, x.value, sine), -x.rate / sine)
+    def _arccosine(self, x: Node) -> Node:
+        return self.graph.apply(angle_of, x, self._across(x))
 
-    def _arctangent(self, x: Differentiated) -> Differentiated:
-        return Differentiated(self.graph.apply(angle_of, 1.0, x.value), x.rate / (1.0 + x.value * x.value))
+    def _across(self, x: Node) -> Node:
+        """Sine of the angle with a given cosine, or the reverse."""
+        return self.graph.function("sqrt", (1.0 - x) * (1.0 + x))
 
-    def _direction(self, y: Differentiated, x: Differentiated) -> Differentiated:
+    def _arctangent(self, x: Node) -> Node:
+        return self.graph.apply(angle_of, 1.0, x)
+
+    def _direction(self, y: Node, x: Node) -> Node:
         """Angle of a vector; it jumps where the vector points along −x."""
-        if max(x.value.stage, y.value.stage) < Stage.POSITION:
-            return Differentiated(self.graph.apply(angle_of, x.value, y.value), self.graph.zero)
-        above = self._held_sign(side, y)
-        value = self.graph.apply(angle_on_side, above, x.value, y.value)
-        return Differentiated(value, (x.value * y.rate - y.value * x.rate) / (x.value * x.value + y.value * y.value))
+        if max(x.stage, y.stage) < Stage.POSITION:
+            return self.graph.apply(angle_of, x, y)
+        return self.graph.apply(angle_on_side, self._held_sign(side, y), x, y)
 
     # Switching
 
-    def _held_sign(self, law: Callable, x: Differentiated) -> Node:
+    def _held_sign(self, law: Callable, x: Node) -> Node:
         """Held sign or side of a quantity; a switching event is registered."""
-        curve = self._bare.get(x.value, x)
-        self.graph.switches(*curve)
-        return self.graph.held(self.graph.apply(law, x.value))
+        self._switches(self._bare.get(x, x))
+        return self.graph.held(self.graph.apply(law, x))
 
-    def _sign(self, x: Differentiated) -> Differentiated:
-        return Differentiated(self._held_sign(sense, x), self.graph.zero)
+    def _switches(self, curve: Node, level: Node | float = 0.0) -> None:
+        if curve.stage == Stage.POSITION:
+            self.graph.switches(curve, self._rate(curve), level)
 
-    def _magnitude(self, x: Differentiated) -> Differentiated:
-        if x.value.stage < Stage.POSITION:
-            return Differentiated(abs(x.value), self.graph.zero)
-        forward = self._held_sign(sense, x)
-        return Differentiated(forward * x.value, forward * x.rate)
+    def _sign(self, x: Node) -> Node:
+        return self._held_sign(sense, x)
 
-    def _chosen(self, greatest: bool, found: Differentiated, *others: Differentiated) -> Differentiated:
+    def _magnitude(self, x: Node) -> Node:
+        return abs(x) if x.stage < Stage.POSITION else self._held_sign(sense, x) * x
+
+    def _chosen(self, greatest: bool, found: Node, *others: Node) -> Node:
         for other in others:
             choices = (found, other) if greatest else (other, found)
             found = self._either(self._exceeds(found, other), *choices)
         return found
 
-    def _either(self, condition: Node, a: Differentiated, b: Differentiated) -> Differentiated:
-        value, rate = (x if x is y else self.graph.apply(either, condition, x, y) for x, y in zip(a, b, strict=True))
-        return Differentiated(value, rate)
+    def _either(self, condition: Node, *choices: Node) -> Node:
+        def chosen(a: Node, b: Node) -> Node:
+            return a if a is b else self.graph.apply(either, condition, a, b)
+
+        # Also where the other choice is infinite.
+        return self._with_rate(chosen(*choices), chosen(*map(self._rate, choices)))
 
     def _condition(self, tree: TextOperation) -> Node:
         """1 where a condition holds, else 0."""
@@ -317,30 +303,30 @@ class _Curves:
         exceeds = self._exceeds(a, b) if tree.name in (">", "<=") else self._exceeds(b, a)
         return exceeds if tree.name in (">", "<") else 1.0 - exceeds
 
-    def _exceeds(self, a: Differentiated, b: Differentiated) -> Node:
+    def _exceeds(self, a: Node, b: Node) -> Node:
         """1 where a exceeds b, else 0; held, with a switching event."""
         graph, zero = self.graph, self.graph.zero
         # A level that another part of the formula switches has jumps.
-        if min(a.value.stage, b.value.stage) > Stage.CYCLE:
-            a, b = self._difference(a, b), Differentiated(zero, zero)
-        curve, level = (a, b.value) if a.value.stage == Stage.POSITION else (b, a.value)
+        if min(a.stage, b.stage) > Stage.CYCLE:
+            a, b = a - b, zero
+        curve, level = (a, b) if a.stage == Stage.POSITION else (b, a)
         if level is zero:
-            curve = self._bare.get(curve.value, curve)
-        if curve.value in self._distances:
+            curve = self._bare.get(curve, curve)
+        if curve in self._distances:
             # The slide is known before the ends of its stroke are.
-            curve, sign, end = self._distances[curve.value]
+            curve, sign, end = self._distances[curve]
             level = end + sign * level
-        graph.switches(*curve, level)
-        return graph.held(graph.apply(exceeds, a.value, b.value))
+        self._switches(curve, level)
+        return graph.held(graph.apply(exceeds, a, b))
 
     # Names
 
-    def _named(self, name: str) -> Differentiated:
+    def _named(self, name: str) -> Node:
         if name not in self._names:
             self._names[name] = self._of_name(name)
         return self._names[name]
 
-    def _of_name(self, name: str) -> Differentiated:
+    def _of_name(self, name: str) -> Node:
         numbers, k = self.formula.action.numbers, self.kinematics
         if name in numbers:
             return self._number(f"{self.formula.at}.numbers.{name}")
@@ -348,82 +334,74 @@ class _Curves:
             case "phi":
                 return self._crank_angle()
             case "v":
-                along = self._at_speed(Differentiated(self.along.velocity, self.along.slope))
-                return self._product(self._forward, along) if self.formula.action.angle is None else along
+                along = self._at_speed(self.along.velocity, self.along.slope)
+                return self._product(input_sense(k), along) if self.formula.action.angle is None else along
             case "omega":
                 on = self.formula.action.on
                 link = k.links[on if self.along.direction is None else k.scene.input.link]
-                return self._at_speed(Differentiated(link.w, link.e))
+                return self._at_speed(link.w, link.e)
         if name == TIME:
-            return Differentiated(self.time, time_per_input(k))
+            return self._with_rate(self.time, time_per_input(k))
         owner, _, quantity = name.rpartition(".")
         if owner in k.slides and quantity in _OF_SLIDE:
             return self._of_slider(owner, quantity)
         if owner in k.points and quantity in _OF_POINT:
             point, axis = k.points[owner], "xy".index(quantity[-1])
             if quantity[0] == "v":
-                return self._at_speed(Differentiated(point.v[axis], point.a[axis]))
-            return Differentiated(k.coordinates(point.r)[axis], point.v[axis])
+                return self._at_speed(point.v[axis], point.a[axis])
+            return self._with_rate(k.coordinates(point.r)[axis], point.v[axis])
         if owner in k.links and quantity == "angular_velocity":
-            return self._at_speed(Differentiated(k.links[owner].w, k.links[owner].e))
+            return self._at_speed(k.links[owner].w, k.links[owner].e)
         if owner in k.links and quantity == "angle":
             return self._link_angle(owner)
         return self._number(name)
 
-    def _number(self, path: str) -> Differentiated:
+    def _number(self, path: str) -> Node:
         # As array elements: division by 0 is then infinite.
-        number = self.graph.derived(f"{path} in formulas", lambda n: np.float64(1.0) * n[path])
-        return Differentiated(number, self.graph.zero)
+        return self.graph.derived(f"{path} in formulas", lambda n: np.float64(1.0) * n[path])
 
-    def _at_speed(self, transfer: Differentiated) -> Differentiated:
+    def _at_speed(self, transfer: Node, rate: Node) -> Node:
         """Velocity from its transfer function, with which it shares its zeros."""
-        found = self._product(Differentiated(self.speed, self.graph.zero), transfer)
-        self._bare[found.value] = self._bare.get(transfer.value, transfer)
+        found = self._product(self.speed, self._with_rate(transfer, rate))
+        self._bare[found] = self._bare.get(transfer, transfer)
         return found
-
-    @property
-    def _forward(self) -> Differentiated:
-        return Differentiated(input_sense(self.kinematics), self.graph.zero)
 
     @property
     def _revolutions(self) -> int:
         return self.kinematics.scene.input.revolutions
 
-    def _crank_angle(self) -> Differentiated:
+    def _crank_angle(self) -> Node:
         """Crank angle within a cycle if the crank turns fully: it restarts at 0 after each cycle."""
         graph, drive = self.graph, self.kinematics.scene.input
         if drive.start is not None:
-            return Differentiated(graph.q, graph.one)
-        graph.switches(graph.q, graph.one)
-        before = graph.apply(cycles_before, math.tau * drive.revolutions, graph.q)
-        return Differentiated(graph.q - graph.held(before), graph.one)
+            return graph.q
+        self._switches(graph.q)
+        return graph.q - graph.held(graph.apply(cycles_before, math.tau * drive.revolutions, graph.q))
 
-    def _link_angle(self, name: str) -> Differentiated:
+    def _link_angle(self, name: str) -> Node:
         link, drive = self.kinematics.links[name], self.kinematics.scene.input
         if name == drive.link and isinstance(drive, CrankInput):
             return self._named("phi")
-        turned = self._direction(
-            Differentiated(link.u.y, link.w * link.u.x), Differentiated(link.u.x, -link.w * link.u.y)
-        )
-        return Differentiated(turned.value, link.w)
+        for component, rate in zip(link.u, link.w * link.u.normal, strict=True):
+            self._with_rate(component, rate)
+        return self._with_rate(self._direction(link.u.y, link.u.x), link.w)
 
-    def _of_slider(self, name: str, quantity: str) -> Differentiated:
-        graph, slide, zero = self.graph, self.kinematics.slides[name], self.graph.zero
+    def _of_slider(self, name: str, quantity: str) -> Node:
+        graph, slide = self.graph, self.kinematics.slides[name]
         low, high = (graph.found(slide.d, slide.v, which) for which in ("low", "high"))
-        coordinate = Differentiated(slide.d, slide.v)
+        self._with_rate(slide.d, slide.v)
         match quantity:
             case "slide":
-                return coordinate
+                return slide.d
             case "velocity":
-                return self._at_speed(Differentiated(slide.v, slide.a))
+                return self._at_speed(slide.v, slide.a)
             case "from_low":
-                found, *from_end = Differentiated(slide.d - low, slide.v), 1.0, low
+                found, *from_end = slide.d - low, 1.0, low
             case "from_high":
-                found, *from_end = Differentiated(high - slide.d, -slide.v), -1.0, high
+                found, *from_end = high - slide.d, -1.0, high
             case _:
-                ends = {"stroke": high - low, "stroke_low": low, "stroke_high": high}
-                return Differentiated(ends[quantity], zero)
-        self._distances[found.value] = coordinate, *from_end
+                return {"stroke": high - low, "stroke_low": low, "stroke_high": high}[quantity]
+        self._distances[found] = slide.d, *from_end
         return found
 
 
@@ -431,16 +409,16 @@ _OF_SLIDE = ("slide", "velocity", "stroke", "stroke_low", "stroke_high", "from_l
 _OF_POINT = ("x", "y", "vx", "vy")
 _FACTORS = {"negative": -1.0, "radians": math.pi / 180.0, "degrees": 180.0 / math.pi}
 _METHODS = {
-    "+": "_sum",
-    "-": "_difference",
-    "*": "_product",
-    "/": "_quotient",
-    "exp": "_exponential",
-    "log": "_logarithm",
-    "asin": "_arcsine",
-    "acos": "_arccosine",
-    "atan": "_arctangent",
-    "atan2": "_direction",
-    "sign": "_sign",
-    "abs": "_magnitude",
+    "+": lambda _, a, b: a + b,
+    "-": lambda _, a, b: a - b,
+    "*": _Curves._product,
+    "/": _Curves._quotient,
+    "exp": _Curves._exponential,
+    "log": _Curves._logarithm,
+    "asin": _Curves._arcsine,
+    "acos": _Curves._arccosine,
+    "atan": _Curves._arctangent,
+    "atan2": _Curves._direction,
+    "sign": _Curves._sign,
+    "abs": _Curves._magnitude,
 }

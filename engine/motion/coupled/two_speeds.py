@@ -126,7 +126,7 @@ def _joining(mechanics: Mechanics, guards: tuple[str, ...], knots: int) -> Joini
 
 
 # Derivative of the torque of an elastic shaft with respect to the slip.
-BY_SLIP = {touching_moment: {5: lambda _, damping, __, touch, *___: damping * (touch * touch)}}
+BY_SLIP = {touching_moment: {5: lambda *operands: operands[2] * (operands[4] * operands[4])}}
 # Events that end a walk apart from speed limits, in the order of the guards.
 ENDINGS = ("crank rests", "shaft rests", "locks up", "astray", "breaks loose", "sets off", "touch", "turns")
 
@@ -233,7 +233,10 @@ def at_two_speeds(
         accelerations = crank.facing * rises[0], other * rises[1]
         of_slip = graph.apply(slip_guards, graph.memory, table, *slips, *accelerations)
         guards += [Guard(f"slip {end}", value, False) for end, value in zip(("left", "near"), of_slip, strict=True)]
-    slopes = [[derivative(rise, by, SLOPES | BY_SLIP) for by in (speed, shaft_speed)] for rise in moved(smooth)[1:]]
+    slopes = [
+        [derivative(rise, {by: graph.one}, SLOPES | BY_SLIP) for by in (speed, shaft_speed)]
+        for rise in moved(smooth)[1:]
+    ]
     steepness = graph.apply(greater, *(abs(a) + abs(b) for a, b in slopes))
     # The stiffness of a shaft isn't among the slopes.
     solved = () if coupling is None else tuple(slope for row in slopes for slope in row)
