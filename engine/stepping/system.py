@@ -19,6 +19,7 @@ from engine.compiling.tiles import TileFunction
 from engine.graph.functions import Functions, functions_in_motion, places_of
 from engine.graph.nodes import Given, Graph, Node, Stage
 from engine.graph.values import LevelValues
+from engine.laws.runge_kutta import DENSE_PARTS, part_at
 from engine.stepping.at_states import GivenStates, evaluate_states
 from engine.stepping.closed_cycle import OUTCOME, CycleBatch, find_cycles, new_cycle_room
 from engine.stepping.methods import EIGHT, EIGHT_IN_TIME, METHODS
@@ -30,6 +31,7 @@ from engine.stepping.walk_task import WALKS, WalkTask
 
 # Fractions of a step at which its polynomial of degree seven is recorded.
 SHOWN = 0.5 - 0.5 * np.cos(np.pi * np.arange(8) / 7.0)
+SHOWN_PARTS = np.array([part_at(part, SHOWN) for part in range(DENSE_PARTS)]).T
 
 # Edges of a motion that nothing bounds.
 NO_EDGES = np.array([[-1e300], [1e300], [0.0], [0.0]])
@@ -235,7 +237,6 @@ class PrintedSystem:
             nodes=made.nodes,
             matrix=made.matrix,
             inverse=made.inverse,
-            parts=np.ascontiguousarray(made.parts),
             states=len(system.states),
             width=len(self.rates),
             watched=len(self.watched),
@@ -248,7 +249,7 @@ class PrintedSystem:
             clock=rows[system.clock] if timed else -1,
             extremes=extremes,
             root=root,
-            shown=SHOWN,
+            shown=np.vstack([SHOWN_PARTS @ made.parts, SHOWN_PARTS[:, -1].max() * made.parts[-1]]),
             cycle=cycle,
             held=np.array([rows[node] for node in system.held], int),
             signed=system.signed,

@@ -56,8 +56,8 @@ class WalkTask(NamedTuple):
         One of `WALKS`.
     steepest : float
         Limit of |h ∂f/∂y| for an explicit step.
-    nodes, parts : ndarray
-        Nodes and dense polynomial of the method.
+    nodes : ndarray
+        Nodes of the method.
     implicit : bool
         Whether Newton's method finds the stages.
     solved : int
@@ -87,8 +87,9 @@ class WalkTask(NamedTuple):
         Whether steps end at the extremes of the speed.
     root : float
         Relative tolerance of the length of the step to a guard's root.
-    shown : ndarray
-        Fractions of a step at which its polynomial is recorded.
+    shown : ndarray (fractions + 1, dense stages)
+        Weights of the rates in the mean rate up to each fraction of a step at which its polynomial is recorded, and in
+        the largest last term of the polynomial.
     cycle : float
         Period of the angle; infinite if there is none [rad].
     held : ndarray of int
@@ -111,7 +112,6 @@ class WalkTask(NamedTuple):
     nodes: np.ndarray
     matrix: np.ndarray
     inverse: np.ndarray
-    parts: np.ndarray
     states: int
     width: int
     watched: int

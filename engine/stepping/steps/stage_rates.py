@@ -127,29 +127,28 @@ def record(first: int, printed: Printed, recorded: np.ndarray, task: WalkTask, r
     """Record accepted steps: start, length, direction, and polynomials at the fractions `shown`."""
     own, k, begin = room.lane, in_lanes(room.rates), room.begin
     state, dense = in_lanes(room.numbers[task.first_place + task.places :]), task.nodes.shape[0]
-    carried_errors = room.carried_errors
+    carried_errors, shown, last = room.carried_errors, task.shown, task.shown.shape[0] - 1
     for s in range(task.stages, dense):
         at_stage(task.method, s, task.states, task.width, begin, own.length, k, state)
         stand(task.nodes[s], s, -1, printed, task, room)
         rate(s, printed, task, room)
     for lane in range(LANES):
-        if own.taken[lane] == 0.0 or first + lane >= recorded.shape[2]:
-            continue
-        i, v, shown = int(own.steps[lane]), first + lane, task.shown.shape[0]
-        recorded[i, 0, v], recorded[i, 1, v], recorded[i, 2, v] = own.at[lane], own.length[lane], own.facing[lane]
-        # There may be no integral.
-        for q in range(min(task.states + 1, task.width)):
-            at = 3 + q * (shown + 1)
-            last = 0.0
-            for j in range(shown):
-                theta, value, factor = task.shown[j], 0.0, 1.0
-                for p in range(task.parts.shape[0]):
-                    factor *= theta if p % 2 == 0 else 1.0 - theta
-                    part = 0.0
-                    for s in range(dense):
-                        part += task.parts[p, s] * k[s * task.width + q, lane]
-                    value += factor * part
-                    last = max(last, abs(factor * part)) if p == task.parts.shape[0] - 1 else last
-                recorded[i, at + j, v] = begin[q, lane] + own.length[lane] * value
-            # Between the ends of the step the polynomial is off by its last term, as one of a lower degree would be.
-            recorded[i, at + shown, v] = carried_errors[q, lane] + own.length[lane] * last
+        if own.taken[lane] > 0.0 and first + lane < recorded.shape[2]:
+            step = recorded[int(own.steps[lane]), :, first + lane]
+            step[0], step[1], step[2] = own.at[lane], own.length[lane], own.facing[lane]
+    # There may be no integral.
+    for q in range(min(task.states + 1, task.width)):
+        for j in range(last + 1):
+            mean = state[0]
+            for lane in range(LANES):
+                mean[lane] = 0.0
+            for s in range(dense):
+                for lane in range(LANES):
+                    mean[lane] += shown[j, s] * k[s * task.width + q, lane]
+            for lane in range(LANES):
+                if own.taken[lane] > 0.0 and first + lane < recorded.shape[2]:
+                    # Between the ends of the step the polynomial is off by its last term, as one of a lower degree
+                    # would be.
+                    base, by = (carried_errors, abs(mean[lane])) if j == last else (begin, mean[lane])
+                    row = 3 + q * (last + 1) + j
+                    recorded[int(own.steps[lane]), row, first + lane] = base[q, lane] + own.length[lane] * by
