@@ -18,7 +18,17 @@ from engine.compiling.packed import call_at, unpacked
 from engine.stepping.methods import at_stage, step_end
 from engine.stepping.steps.repeated_steps import NEARLY, cycles_ahead, go_back, remember
 from engine.stepping.steps.stage_rates import keep_place, look, rate, record, stand
-from engine.stepping.steps.step_edges import behind_instant, edge_ahead, find_edge, look_ahead, next_instant, pass_edge
+from engine.stepping.steps.step_edges import (
+    MOST_PARTS,
+    NEARLY_ALL,
+    behind_instant,
+    edge_ahead,
+    equal_part,
+    find_edge,
+    look_ahead,
+    next_instant,
+    pass_edge,
+)
 from engine.stepping.steps.step_errors import (
     FADES,
     GROW,
@@ -66,8 +76,6 @@ ROUGHLY = 100.0
 # Limit of |h ∂f/∂y| for an explicit step. Along time, a step spans at most the fraction AT_ONCE of the interval between
 # two edges, unless that is less than the fraction NARROW of the longest step.
 STEEPEST, AT_ONCE, NARROW = 5.0, 0.25, 1e-3
-# An interval is divided into equal steps only if there are at most this many.
-MOST_PARTS = 1e6
 
 
 class StepAddresses(NamedTuple):
@@ -160,10 +168,12 @@ def choose(edges: int, instants: int, most_steps: int, task: WalkTask, room: Roo
             most = most if most < longest else longest
         else:
             until, most = min(until, edge_ahead(lane, room)), min(most, own.farthest[lane])
+            most = equal_part(most, lane, task, room) if task.fixed else most
         rest = until - own.at[lane]
         # A distance of too many steps isn't divided.
-        parts = math.ceil(rest / most * (1.0 - 1e-9)) if rest < MOST_PARTS * most else 0
-        if task.along_time and task.longer == 1.0 and (own.steps[lane] == 0.0 or behind_instant(lane, instants, room)):
+        parts = math.ceil(rest / most * NEARLY_ALL) if rest < MOST_PARTS * most else 0
+        first = own.steps[lane] == 0.0 or (task.along_time and behind_instant(lane, instants, room))
+        if (task.along_time or task.fixed) and task.longer == 1.0 and first:
             # A single step to the next end would have no comparison: make two.
             parts = parts if parts != 1 else 2
         own.length[lane] = most if parts == 0 else (rest / parts if parts > 1 else rest)

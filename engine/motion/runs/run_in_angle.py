@@ -10,7 +10,7 @@ from engine.stepping.methods import EIGHT, FOUR, NINE
 from engine.stepping.recorded import RECORDED, made_steps
 from engine.stepping.records import variant_columns
 from engine.stepping.system import SHOWN, Walks
-from engine.stepping.walk_task import Why
+from engine.stepping.walk_task import WALKS, Why
 
 # Relative energy change per radian above which the energy form is abandoned: near rest 1/ω is singular as the inverse
 # root of the angle. The limit is lower if values within steps are needed, as dense output resolves it less far.
@@ -74,7 +74,8 @@ def _walk(
     direction, classical = runs.variants.direction[who], runs.stepping.classical
     begin = runs.start[who] + direction * state.turned
     method = FOUR if classical else NINE if implicit else EIGHT
-    task = system.task(dynamics.cycle, method, extremes=runs.finds_extremes)
+    longer = runs.longer if classical else WALKS[0]
+    task = system.task(dynamics.cycle, method, extremes=runs.finds_extremes, longer=longer)
     brisk = TIMES_TO_THE_END if runs.to_the_end else TIMES_PER_RADIAN
     limits = runs.speed_limits(who, system.sizes, np.ones(who.size))
     limits[system.sizes.below] = np.maximum(limits[system.sizes.below], 0.0)

@@ -7,6 +7,9 @@ from engine.stepping.steps.step_errors import ROUNDED
 from engine.stepping.steps.step_lanes import Room
 from engine.stepping.walk_task import WalkTask
 
+# An interval is divided into equal steps only if there are at most this many; rounding adds no step.
+MOST_PARTS, NEARLY_ALL = 1e6, 1.0 - 1e-9
+
 # Edges: angles at which something jumps or bends
 
 
@@ -26,6 +29,19 @@ def edge_ahead(lane: int, room: Room) -> float:
     """Angle turned at the edge ahead of a lane."""
     own = room.lane
     return own.base[lane] + room.edges[int(own.edge[lane]) + (1 if own.facing[lane] > 0.0 else 0), lane]
+
+
+@inlined
+def equal_part(most: float, lane: int, task: WalkTask, room: Room) -> float:
+    """Length of the equal steps, at most `most`, between the edges on either side of a lane.
+
+    A comparison walk of half as many steps differs between any two edges if their number is even.
+    """
+    k, number = int(room.lane.edge[lane]), 2.0 if task.longer == 1.0 else 1.0
+    between = room.edges[k + 1, lane] - room.edges[k, lane]
+    if not between < MOST_PARTS * most:
+        return most
+    return between / (number * math.ceil(between / (number * most) * NEARLY_ALL))
 
 
 @inlined
