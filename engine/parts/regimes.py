@@ -113,7 +113,8 @@ class RunRegime(Part):
 
     `off` lists the actions that are off. Steps are as long as the error control allows. `method` = "rk4" takes
     `steps_per_turn` equal steps per turn of the crank instead, by the classical fourth-order Runge–Kutta method, except
-    near rest; the error estimate is then the change of the result with steps of twice the length.
+    near rest; between two jumps of a load their number is even. The error estimate is then the change of the result
+    with half as many steps.
     """
 
     together: ClassVar = (("method", "steps_per_turn"),)
