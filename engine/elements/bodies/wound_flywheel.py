@@ -66,16 +66,9 @@ class WoundFlywheel(NamingElement):
         inertia = ring_inertia(mass, 2.0 * b, 2.0 * a)
         energy = 0.5 * inertia * speed**2
 
-        def layer(r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            """Hoop stress of the winding, and its derivative with respect to the radius."""
-            inwards = 0.5 * np.log((b - a) * (b + a) / ((r - a) * (r + a)))
-            slope = tension * ((1.0 + (a / r) ** 2) * r / ((r - a) * (r + a)) + 2.0 * inwards * a**2 / r**3)
-            slope = slope - 2.0 * spin * ((a * b) ** 2 / r**3 + (1.0 + 3.0 * nu) / (3.0 + nu) * r)
-            return wound_stresses(n, r, speed)[1], slope
-
         # Next to a small bore the stresses fall off with the distance from it.
         places = np.clip(a + (c - a) * ((b - a) / (c - a)) ** np.linspace(0.0, 1.0, _PLACES)[:, None], c, b)
-        stress, _ = sampled_peak(lambda r: layer(r)[0], lambda r: layer(r)[1], places)
+        stress, _ = sampled_peak(lambda r: wound_stresses(n, r, speed)[1], places)
         about = np.log1p((b - c) * (b + c) / ((c - a) * (c + a)))
         hollow = (c - a) * (c + a) / c**2
         pressure = 0.5 * tension * hollow * about

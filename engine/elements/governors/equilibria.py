@@ -20,8 +20,8 @@ from engine.laws.rounding import EPS
 from engine.words.verdicts import Verdict
 
 # Number of samples of a characteristic, and per piece of a table; distance of the outer samples from the ends of a
-# piece, and of the points of a difference quotient, as fractions of the range.
-SAMPLES, _PIECE_SAMPLES, _INSIDE, _APART = 33, 9, 1e-12, 1e-6
+# piece, as a fraction of the range.
+SAMPLES, _PIECE_SAMPLES, _INSIDE = 33, 9, 1e-12
 _TINY = 1e-300
 OF_ENGINE = (
     ElementResult("working_lift", "lift of the sleeve at the engine's load, after its change", "m"),
@@ -154,15 +154,10 @@ def governor_marks(g: GovernorVariants) -> tuple[GovernorVariants, Marks, np.nda
     first = _at(start, last)
     begin, off_begin = _edge(g, places, first, -1)
     end, off_end = _edge(g, places, last, 1)
-    step = _APART * (high - low)
 
     def peak_of(name: str, where: np.ndarray) -> np.ndarray:
         """Position of the minimum of a state, refined from the smallest sample."""
-
-        def turned(x: np.ndarray) -> np.ndarray:
-            return -getattr(g.at(x), name)
-
-        return sampled_peak(turned, lambda x: turned(x + step) - turned(x - step), where)[1]
+        return sampled_peak(lambda x: -getattr(g.at(x), name), where)[1]
 
     k = found.margin.argmin(axis=0)
     beside = np.clip(k + np.array([[-1], [1]]), 0, len(places) - 1)
