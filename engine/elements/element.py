@@ -77,6 +77,11 @@ def named_in_order(results: Iterable[ElementResult], rows: Iterable[np.ndarray])
     return dict(zip((result.name for result in results), rows, strict=True))
 
 
+def by_name(results: Mapping[ElementResult, np.ndarray]) -> Columns:
+    """Rows by the names of their results."""
+    return {result.name: row for result, row in results.items()}
+
+
 class Answers(NamedTuple):
     """Results of an element with their error estimates, by name, and the verdicts, for all variants."""
 
@@ -233,7 +238,7 @@ class NamingElement(Element):
 
     def values(self, n: Numbers) -> dict[str, Measured | np.ndarray]:
         """Results of a set of variants by name."""
-        return {result.name: row for result, row in self.named(n)}
+        return by_name(dict(self.named(n)))
 
 
 _KINDS: dict[str, type[Element]] = {}
