@@ -77,6 +77,11 @@ def named_in_order(results: Iterable[ElementResult], rows: Iterable[np.ndarray])
     return dict(zip((result.name for result in results), rows, strict=True))
 
 
+def by_name(results: Mapping[ElementResult, np.ndarray]) -> Columns:
+    """Rows by the names of their results."""
+    return {result.name: row for result, row in results.items()}
+
+
 class Answers(NamedTuple):
     """Results of an element with their error estimates, by name, and the verdicts, for all variants."""
 
@@ -162,9 +167,8 @@ class Element(Part):
 
     def _found(self, n: Numbers, variants: int) -> Columns:
         with np.errstate(all="ignore"):
-            found = self.evaluate(n).values
-        rows = {r.name: np.broadcast_to(found[r.name], (variants,)) for r in self.results()}
-        return {name: np.where(np.isfinite(row), row, math.nan) for name, row in rows.items()}
+            rows = self.evaluate(n).values.items()
+        return {name: np.broadcast_to(np.where(np.isfinite(row), row, math.nan), (variants,)) for name, row in rows}
 
     def panels(self, given: Numbers = MappingProxyType({})) -> tuple[Panel, ...]:
         """Diagrams of the element; by default its results over the first of its numbers.
@@ -212,10 +216,13 @@ class Element(Part):
         return "", ""
 
 
-class NamingElement(Element):
-    """An element whose keys decide which results it has: each is named where it is computed."""
+NamedRows = Iterator[tuple[ElementResult, Measured | np.ndarray]]
 
-    def named(self, n: Numbers) -> Iterator[tuple[ElementResult, Measured | np.ndarray]]:
+
+class NamingElement(Element):
+    """An element that names each result where it is computed; its keys decide which ones it has."""
+
+    def named(self, n: Numbers) -> NamedRows:
         """Results of a set of variants, with their descriptions; parameters as for `values`."""
         raise NotImplementedError
 
@@ -231,7 +238,7 @@ class NamingElement(Element):
 
     def values(self, n: Numbers) -> dict[str, Measured | np.ndarray]:
         """Results of a set of variants by name."""
-        return {result.name: row for result, row in self.named(n)}
+        return by_name(dict(self.named(n)))
 
 
 _KINDS: dict[str, type[Element]] = {}

@@ -14,14 +14,7 @@ from engine import laws
 from engine.parts.skeleton import Angle, Faults, Length, Name, Part, Positive
 
 LawName = Literal[
-    "uniform",
-    "parabolic",
-    "harmonic",
-    "cycloidal",
-    "3-4-5",
-    "4-5-6-7",
-    "modified sine",
-    "modified trapezoid",
+    "uniform", "parabolic", "harmonic", "cycloidal", "3-4-5", "4-5-6-7", "modified sine", "modified trapezoid"
 ]
 _ONE_PROGRAM = "give sections, or a table of the motion over a turn, one of the two"
 # Relative tolerance for the sums of angles and strokes of sections.

@@ -4,6 +4,7 @@ Mass and moment of inertia of a body are given, or follow from its shape, or fro
 """
 
 import math
+import operator
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
@@ -74,17 +75,24 @@ def inertia_from_swing(scene: Scene, name: str, numbers: Mapping[str, Value]) ->
             return trifilar_inertia(weight, numbers[f"{at}.radius"], numbers[f"{at}.length"], period)
 
 
-def _volume(kind: str, at: str, n: Mapping[str, Value]) -> Value:
-    match kind:
-        case "rod":
-            return n[f"{at}.area"] * n[f"{at}.length"]
-        case "disc":
-            return math.pi / 4 * n[f"{at}.diameter"] ** 2 * n[f"{at}.thickness"]
-        case "ring":
-            ring = n[f"{at}.diameter"] ** 2 - n[f"{at}.inner_diameter"] ** 2
-            return math.pi / 4 * ring * n[f"{at}.thickness"]
-        case _:
-            return n[f"{at}.length"] * n[f"{at}.width"] * n[f"{at}.thickness"]
+class Form(NamedTuple):
+    """A kind of shape: keys of its sizes in the plane of motion, its area there, and its inertia from the mass.
+
+    The volume of a rod is its length times its `area`; that of any other shape is its area times its `thickness`.
+    """
+
+    keys: tuple[str, ...]
+    extent: Callable[..., Value]
+    inertia: Callable[..., Value]
+    depth: str = "thickness"
+
+
+_FORMS = {
+    "rod": Form(("length",), lambda length: length, rod_inertia, "area"),
+    "disc": Form(("diameter",), lambda outer: math.pi / 4 * outer**2, disc_inertia),
+    "ring": Form(("diameter", "inner_diameter"), lambda d, inner: math.pi / 4 * (d**2 - inner**2), ring_inertia),
+    "plate": Form(("length", "width"), operator.mul, plate_inertia),
+}
 
 
 def body_mass(scene: Scene, name: str, numbers: Mapping[str, Value]) -> Value:
@@ -92,7 +100,9 @@ def body_mass(scene: Scene, name: str, numbers: Mapping[str, Value]) -> Value:
     body = scene.bodies[name]
     if body.mass is not None:
         return numbers[f"bodies.{name}.mass"]
-    return numbers[f"bodies.{name}.density"] * _volume(body.shape.type, f"bodies.{name}.shape", numbers)
+    form, at = _FORMS[body.shape.type], f"bodies.{name}.shape"
+    volume = form.extent(*(numbers[f"{at}.{key}"] for key in form.keys)) * numbers[f"{at}.{form.depth}"]
+    return numbers[f"bodies.{name}.density"] * volume
 
 
 def carried_inertia(scene: Scene, link: str, numbers: Mapping[str, Value]) -> Value:
@@ -120,16 +130,8 @@ def body_inertia(scene: Scene, name: str, numbers: Mapping[str, Value]) -> Value
         return np.where(found < 0.0, np.nan, found)
     if body.shape is None:
         return 0.0 if body.inertia is None else numbers[f"bodies.{name}.inertia"]
-    mass = body_mass(scene, name, numbers)
-    match body.shape.type:
-        case "rod":
-            return rod_inertia(mass, numbers[f"{at}.length"])
-        case "disc":
-            return disc_inertia(mass, numbers[f"{at}.diameter"])
-        case "ring":
-            return ring_inertia(mass, numbers[f"{at}.diameter"], numbers[f"{at}.inner_diameter"])
-        case _:
-            return plate_inertia(mass, numbers[f"{at}.length"], numbers[f"{at}.width"])
+    form = _FORMS[body.shape.type]
+    return form.inertia(body_mass(scene, name, numbers), *(numbers[f"{at}.{key}"] for key in form.keys))
 
 
 def centre_along(scene: Scene, body: str, numbers: Mapping[str, Value]) -> Value:

@@ -216,10 +216,7 @@ def _machine_drives(scene: Scene) -> Iterator[Problem]:
             continue
         at, shaft = f"elements.{name}", element.driver
         if lossy:
-            yield (
-                at,
-                "friction and losses of teeth aren't counted on an elastic shaft; leave these or this out",
-            )
+            yield at, "friction and losses of teeth aren't counted on an elastic shaft; leave these or this out"
         if not motors:
             yield at, "no motor drives it: add one to [moments], such as type = 'dc_motor'"
         elif not motors - set(element.off):

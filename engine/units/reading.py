@@ -33,104 +33,67 @@ class UnitError(ValueError):
 
 _TWO_PI = "6.283185307179586476925286766559005768394"
 
+# Each line defines a unit; the names that follow it are its decimal multiples by their prefixes, or other spellings.
 # gal is the US gallon, 231 in³.
 # hp is the mechanical horsepower, 550 ft lbf/s; PS the metric one, 75 kgf m/s. The pound is 0.45359237 kg, standard
 # gravity 9.80665 m/s², tonf the short ton-force, 2000 lbf. spm is strokes per minute, one a revolution. Ambiguous
 # units are omitted: nm and kn (N m and kN in small letters), ton (three of them), cal (several), P,
 # c and d.
 _DEFINITIONS = f"""
-m = [length]
-um = 1e-6 m
-mm = 1e-3 m
-cm = 1e-2 m
-dm = 0.1 m
-km = 1e3 m
-in = 0.0254 m
-inch = 0.0254 m
-mil = 2.54e-5 m
-thou = 2.54e-5 m
+m um mm cm dm km = [length]
+in inch = 0.0254 m
+mil thou = 2.54e-5 m
 ft = 0.3048 m
 yd = 0.9144 m
-l = 1e-3 m**3
-L = 1e-3 m**3
-ml = 1e-6 m**3
-mL = 1e-6 m**3
+l ml = 1e-3 m**3
+L mL = 1e-3 m**3
 cc = 1e-6 m**3
 gal = 3.785411784e-3 m**3
-rad = [angle]
-mrad = 1e-3 rad
+rad mrad = [angle]
 rev = {_TWO_PI} rad
 deg = {_TWO_PI} / 360 rad
 gon = {_TWO_PI} / 400 rad
 arcmin = {_TWO_PI} / 21600 rad
 arcsec = {_TWO_PI} / 1296000 rad
-s = [time]
-us = 1e-6 s
-ms = 1e-3 s
+s us ms = [time]
 min = 60 s
 h = 3600 s
-Hz = 1 / s
-kHz = 1e3 / s
+Hz kHz = 1 / s
 rps = {_TWO_PI} rad / s
-rpm = {_TWO_PI} / 60 rad / s
-RPM = {_TWO_PI} / 60 rad / s
-spm = {_TWO_PI} / 60 rad / s
+rpm RPM spm = {_TWO_PI} / 60 rad / s
 gpm = gal / 60 / s
 cfm = 0.028316846592 / 60 m**3 / s
 kg = [mass]
-mg = 1e-6 kg
-g = 1e-3 kg
+g mg = 1e-3 kg
 t = 1e3 kg
-lb = 0.45359237 kg
-lbs = 0.45359237 kg
-lbm = 0.45359237 kg
+lb lbs lbm = 0.45359237 kg
 oz = 0.028349523125 kg
 slug = 4.4482216152605 / 0.3048 kg
-N = kg m / s**2
-mN = 1e-3 N
-kN = 1e3 N
-MN = 1e6 N
-daN = 10 N
+N mN kN MN daN = kg m / s**2
 lbf = 4.4482216152605 N
 ozf = 0.27801385095378125 N
-kip = 4448.2216152605 N
-kips = 4448.2216152605 N
-klbf = 4448.2216152605 N
+kip kips klbf = 4448.2216152605 N
 tonf = 8896.443230521 N
-kgf = 9.80665 N
+gf kgf = 9.80665e-3 N
 kp = 9.80665 N
-gf = 9.80665e-3 N
 Nmm = 1e-3 N m
-Nm = N m
-kNm = 1e3 N m
-MNm = 1e6 N m
-Pa = N / m**2
-kPa = 1e3 Pa
-MPa = 1e6 Pa
-GPa = 1e9 Pa
-hPa = 100 Pa
-bar = 1e5 Pa
-mbar = 100 Pa
+Nm kNm MNm = N m
+Pa hPa kPa MPa GPa = N / m**2
+bar mbar = 1e5 Pa
 atm = 101325 Pa
 psi = 4.4482216152605 / 0.00064516 Pa
 ksi = 4448.2216152605 / 0.00064516 Pa
-J = N m
-kJ = 1e3 J
-MJ = 1e6 J
-mJ = 1e-3 J
-Wh = 3600 J
-kWh = 3.6e6 J
-W = J / s
-kW = 1e3 W
-MW = 1e6 W
-mW = 1e-3 W
+J kJ MJ mJ = N m
+Wh kWh = 3600 J
+W kW MW mW = J / s
 hp = 745.69987158227022 W
 PS = 735.49875 W
 mph = 0.44704 m / s
 percent = 0.01
 """.strip().splitlines()
+_PREFIXES = {"u": -6, "m": -3, "c": -2, "d": -1, "": 0, "da": 1, "h": 2, "k": 3, "M": 6, "G": 9}
 
-UNIT_NAMES = tuple(line.partition(" ")[0] for line in _DEFINITIONS)
+UNIT_NAMES = tuple(name for line in _DEFINITIONS for name in line.partition(" = ")[0].split())
 
 # Every legitimate quantity is far shorter; the bound keeps hostile texts cheap.
 _LONGEST = 100
@@ -413,16 +376,21 @@ def _units() -> dict[str, tuple[Decimal, dict[str, int]]]:
     known: dict[str, tuple[Decimal, dict[str, int]]] = {}
     with localcontext(Context(prec=_DIGITS)):
         for line in _DEFINITIONS:
-            name, _, text = line.partition(" = ")
+            names, _, text = line.partition(" = ")
             if text.startswith("["):
-                known[name] = Decimal(1), {text: 1}
-                continue
-            # A number or a unit after each stroke is divided by, all others are multiplied.
-            words = text.replace("/ ", "/").split()
-            parts = [(word.lstrip("/").partition("**"), -1 if word.startswith("/") else 1) for word in words]
-            known[name] = _product(
-                (known.get(base) or (Decimal(base), {}), sign * int(power or 1)) for (base, _, power), sign in parts
-            )
+                value, kind = Decimal(1), {text: 1}
+            else:
+                # A number or a unit after each stroke is divided by, all others are multiplied.
+                words = text.replace("/ ", "/").split()
+                parts = [(word.lstrip("/").partition("**"), -1 if word.startswith("/") else 1) for word in words]
+                value, kind = _product(
+                    (known.get(base) or (Decimal(base), {}), sign * int(power or 1)) for (base, _, power), sign in parts
+                )
+            first, *others = names.split()
+            known[first] = value, kind
+            for name in others:
+                # Another spelling has no prefix.
+                known[name] = value.scaleb(_PREFIXES.get(name.removesuffix(first), 0)), kind
     return known
 
 

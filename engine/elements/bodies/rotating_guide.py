@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import Field
 
 from engine.cycle.regula_falsi import regula_falsi
-from engine.elements.element import Columns, Element, ElementResult, Numbers
+from engine.elements.element import ElementResult, NamedRows, NamingElement, Numbers
 from engine.elements.panels import TIME, Curve, Mark, Panel, PanelAxis, path, plan
 from engine.parts.skeleton import AngularSpeed, Length, Mass, Number, Speed
 
@@ -30,7 +30,7 @@ _SHOWN, _LEVERS = 721, 8
 _FAR, _TERMS, _NODES, _NEAR = 200.0, 20, 24, 4.0
 
 
-class RotatingGuide(Element):
+class RotatingGuide(NamingElement):
     """A body that slides outwards on a straight lever rotating in a horizontal plane with constant `speed`.
 
     At time 0 it is at `start_radius` from the axis, with `start_velocity` along the lever; it leaves the lever at
@@ -39,19 +39,6 @@ class RotatingGuide(Element):
 
     ascending: ClassVar = {("start_radius", "length"): "the body slides out"}
     picture: ClassVar = "sliding"
-    RESULTS: ClassVar = (
-        ElementResult("time", "time to the end of the lever", "s"),
-        ElementResult("turned_angle", "angle by which the lever turns meanwhile", "rad"),
-        ElementResult("relative_speed", "speed along the lever at its end", "m s-1"),
-        ElementResult("absolute_speed", "speed of the body as it leaves the lever", "m s-1"),
-        ElementResult("leaving_angle", "angle between its path and the lever there", "rad"),
-        ElementResult("start_reaction", "reaction of the lever at the start", "N"),
-        ElementResult("reaction", "peak reaction of the lever, at its end", "N"),
-        ElementResult("centrifugal_force", "centrifugal force of inertia at the end of the lever", "N"),
-        ElementResult("moment", "peak torque that turns the lever, at its end", "N m"),
-        ElementResult("work", "work done on the lever", "J"),
-        ElementResult("friction_work", "work lost by friction", "J"),
-    )
 
     type: Literal["rotating_guide"]
     mass: Annotated[Mass, Field(gt=0)]
@@ -61,8 +48,8 @@ class RotatingGuide(Element):
     length: Annotated[Length, Field(gt=0)]
     friction: Annotated[Number, Field(ge=0)] = 0.0
 
-    def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by name."""
+    def named(self, n: Numbers) -> NamedRows:
+        """Results of a set of variants."""
         mass, w, start = n["mass"], n["speed"], n["start_radius"]
         velocity, length, friction = n["start_velocity"], n["length"], n["friction"]
         there = np.where(length > start, length, math.nan)
@@ -77,19 +64,22 @@ class RotatingGuide(Element):
         turned = turned - (slid - way) / rate
         rate = w * slides_out(*own, turned)[1]
         squares, time = w * _squares(*own, turned), turned / w
-        return {
-            "time": time,
-            "turned_angle": turned,
-            "relative_speed": rate,
-            "absolute_speed": np.hypot(rate, w * there),
-            "leaving_angle": np.arctan2(w * there, rate),
-            "start_reaction": 2.0 * mass * w * velocity,
-            "reaction": 2.0 * mass * w * rate,
-            "centrifugal_force": mass * w**2 * there,
-            "moment": 2.0 * mass * w * rate * there,
-            "work": mass * w**2 * (there - start) * (there + start),
-            "friction_work": 2.0 * friction * mass * w * squares,
-        }
+        yield ElementResult("time", "time to the end of the lever", "s"), time
+        yield ElementResult("turned_angle", "angle by which the lever turns meanwhile", "rad"), turned
+        yield ElementResult("relative_speed", "speed along the lever at its end", "m s-1"), rate
+        words = "speed of the body as it leaves the lever"
+        yield ElementResult("absolute_speed", words, "m s-1"), np.hypot(rate, w * there)
+        words = "angle between its path and the lever there"
+        yield ElementResult("leaving_angle", words, "rad"), np.arctan2(w * there, rate)
+        yield ElementResult("start_reaction", "reaction of the lever at the start", "N"), 2.0 * mass * w * velocity
+        yield ElementResult("reaction", "peak reaction of the lever, at its end", "N"), 2.0 * mass * w * rate
+        words = "centrifugal force of inertia at the end of the lever"
+        yield ElementResult("centrifugal_force", words, "N"), mass * w**2 * there
+        words = "peak torque that turns the lever, at its end"
+        yield ElementResult("moment", words, "N m"), 2.0 * mass * w * rate * there
+        work = mass * w**2 * (there - start) * (there + start)
+        yield ElementResult("work", "work done on the lever", "J"), work
+        yield ElementResult("friction_work", "work lost by friction", "J"), 2.0 * friction * mass * w * squares
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """The path seen from above; distance from the axis and reaction over the time to the end of the lever."""

@@ -21,7 +21,7 @@ from pydantic import Field
 from scipy.integrate import solve_ivp
 
 from engine.cycle.regula_falsi import regula_falsi
-from engine.elements.element import Columns, Element, ElementResult, Numbers
+from engine.elements.element import ElementResult, NamedRows, NamingElement, Numbers
 from engine.elements.panels import VELOCITY, Curve, Mark, Panel, PanelAxis, circle, path, plan
 from engine.parts.actions import Force, Stiffness
 from engine.parts.skeleton import Length, Mass, Speed
@@ -30,7 +30,7 @@ from engine.parts.skeleton import Length, Mass, Speed
 _SHOWN = 721
 
 
-class TetheredBody(Element):
+class TetheredBody(NamingElement):
     """A body on an elastic tie about a fixed point, set off by an impulse across it or spun up slowly.
 
     `length` is the unstretched length of the tie, `strength` the force at which it bursts, `speed` that of the body. A
@@ -39,20 +39,6 @@ class TetheredBody(Element):
     """
 
     picture: ClassVar = "pull"
-    RESULTS: ClassVar = (
-        ElementResult("impulse", "impulse that gives the speed at once", "N s"),
-        ElementResult("impulse_stretch", "peak stretch of the tie after the impulse", "m"),
-        ElementResult("impulse_force", "peak force in the tie after the impulse", "N"),
-        ElementResult("spin_up_stretch", "stretch of the tie, spun up slowly to the speed", "m"),
-        ElementResult("spin_up_force", "force in the tie, spun up slowly to the speed", "N"),
-        ElementResult("dynamic_factor", "peak force after the impulse over that of a slow spin-up", "1"),
-        ElementResult("impulse_burst_speed", "speed at which the tie bursts, given by an impulse", "m s-1"),
-        ElementResult("spin_up_burst_speed", "speed at which the tie bursts, spun up slowly", "m s-1"),
-        ElementResult("bursts_by_impulse", "whether the impulse bursts the tie (1 or 0)", "1", exact=True),
-        ElementResult(
-            "bursts_by_spin_up", "whether a slow spin-up to the speed bursts the tie (1 or 0)", "1", exact=True
-        ),
-    )
 
     type: Literal["tethered_body"]
     mass: Annotated[Mass, Field(gt=0)]
@@ -61,8 +47,8 @@ class TetheredBody(Element):
     strength: Annotated[Force, Field(gt=0)]
     speed: Annotated[Speed, Field(gt=0)]
 
-    def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by name."""
+    def named(self, n: Numbers) -> NamedRows:
+        """Results of a set of variants."""
         mass, length, stiffness, strength, speed = (n[k] for k in ("mass", "length", "stiffness", "strength", "speed"))
         stretch = length * _relative_stretch(stiffness * length**2 / (mass * speed**2))
         # The positive root of c y² + c r₀ y − m v² = 0.
@@ -71,18 +57,20 @@ class TetheredBody(Element):
         last = strength / stiffness
         by_spin_up = np.sqrt(strength * (length + last) / mass)
         by_impulse = (length + last) * np.sqrt(strength / (mass * (2.0 * length + last)))
-        return {
-            "impulse": mass * speed,
-            "impulse_stretch": stretch,
-            "impulse_force": stiffness * stretch,
-            "spin_up_stretch": slow,
-            "spin_up_force": stiffness * slow,
-            "dynamic_factor": stretch / slow,
-            "impulse_burst_speed": by_impulse,
-            "spin_up_burst_speed": by_spin_up,
-            "bursts_by_impulse": (speed > by_impulse).astype(float),
-            "bursts_by_spin_up": (speed > by_spin_up).astype(float),
-        }
+        yield ElementResult("impulse", "impulse that gives the speed at once", "N s"), mass * speed
+        yield ElementResult("impulse_stretch", "peak stretch of the tie after the impulse", "m"), stretch
+        yield ElementResult("impulse_force", "peak force in the tie after the impulse", "N"), stiffness * stretch
+        yield ElementResult("spin_up_stretch", "stretch of the tie, spun up slowly to the speed", "m"), slow
+        yield ElementResult("spin_up_force", "force in the tie, spun up slowly to the speed", "N"), stiffness * slow
+        words = "peak force after the impulse over that of a slow spin-up"
+        yield ElementResult("dynamic_factor", words, "1"), stretch / slow
+        words = "speed at which the tie bursts, given by an impulse"
+        yield ElementResult("impulse_burst_speed", words, "m s-1"), by_impulse
+        yield ElementResult("spin_up_burst_speed", "speed at which the tie bursts, spun up slowly", "m s-1"), by_spin_up
+        words = "whether the impulse bursts the tie (1 or 0)"
+        yield ElementResult("bursts_by_impulse", words, "1", exact=True), (speed > by_impulse).astype(float)
+        words = "whether a slow spin-up to the speed bursts the tie (1 or 0)"
+        yield ElementResult("bursts_by_spin_up", words, "1", exact=True), (speed > by_spin_up).astype(float)
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """The path after the impulse, and the peak tie force over the speed."""

@@ -14,7 +14,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers, nudged
+from engine.elements.element import Answers, ElementResult, NamedRows, NamingElement, Numbers, nudged
 from engine.elements.panels import Panel, path, plan
 from engine.laws.rounding import EPS
 from engine.parts.skeleton import Angle, AngularSpeed, Faults, Inertia, Length, Mass, Positive
@@ -23,6 +23,7 @@ MOMENTS = ("inertia_x", "inertia_y", "inertia_z")
 SEMI_AXES = ("semi_axis_x", "semi_axis_y", "semi_axis_z")
 _PRODUCTS = ("product_xy", "product_yz", "product_zx")
 _PLACES_OF_PRODUCTS = ((0, 1), (1, 2), (2, 0))
+_PRINCIPAL = {"greatest_inertia": "maximum", "middle_inertia": "middle", "least_inertia": "minimum"}
 # Roundings of a term of the matrices, and of the maximum principal moment.
 _ROUNDINGS = 8.0
 # Relative amount by which a plate's moment may exceed the sum of the two others: input numbers are rounded.
@@ -30,7 +31,7 @@ _GREATEST_INERTIA = 1e150
 _PLATE = 1e-6
 
 
-class TiltedBody(Element):
+class TiltedBody(NamingElement):
     """A body whose own axes are inclined to the fixed axes.
 
     It is rotated by `yaw` about z, then by `pitch` about its new y axis, then by `roll` about its x axis. It has
@@ -40,24 +41,6 @@ class TiltedBody(Element):
     """
 
     picture: ClassVar = "views"
-    RESULTS: ClassVar = (
-        *(
-            ElementResult(f"fixed_inertia_{axis}", f"moment of inertia about the fixed {axis} axis", "kg m2")
-            for axis in "xyz"
-        ),
-        *(
-            ElementResult(f"fixed_{name}", f"product of inertia {name[-2:]} of the fixed axes", "kg m2")
-            for name in _PRODUCTS
-        ),
-        ElementResult("greatest_inertia", "maximum principal moment of inertia", "kg m2"),
-        ElementResult("middle_inertia", "middle principal moment of inertia", "kg m2"),
-        ElementResult("least_inertia", "minimum principal moment of inertia", "kg m2"),
-        ElementResult("principal_tilt", "angle between the fixed z axis and the nearest principal axis", "rad"),
-        ElementResult(
-            "tilting_couple", "couple of the inertia forces on the bearings of the fixed z axis", "N m", "speed"
-        ),
-        ElementResult("centrifugal_force", "force of inertia of the centre of mass", "N", "speed"),
-    )
 
     type: Literal["tilted_body"]
     mass: Annotated[Mass, Field(gt=0)]
@@ -85,8 +68,8 @@ class TiltedBody(Element):
         if all(axes) and (self.product_xy or self.product_yz or self.product_zx):
             yield "products belong to given moments: an ellipsoid has none about its own axes"
 
-    def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by name; NaN if no body has such moments of inertia."""
+    def named(self, n: Numbers) -> NamedRows:
+        """Results of a set of variants; NaN if no body has such moments of inertia."""
         mass, (fixed, rounding) = n["mass"], _about_fixed_axes(n)
         usable, principal, axes = _principal(fixed)
         # Take the end of an axis that points along z; use the tangent, as a cosine near 1 is inaccurate.
@@ -97,18 +80,23 @@ class TiltedBody(Element):
         ]
         # No body has a moment greater than the sum of the two others; a plate reaches it.
         sound = usable & (principal[:, 0] + principal[:, 1] >= principal[:, 2] * (1.0 - _PLATE))
-        speed = n.get("speed", np.full(mass.shape, math.nan))
-        found = {f"fixed_inertia_{axis}": fixed[:, i, i] for i, axis in enumerate("xyz")}
-        found |= {f"fixed_{name}": product for name, product in zip(_PRODUCTS, products, strict=True)}
-        found |= {
-            "greatest_inertia": principal[:, 2],
-            "middle_inertia": principal[:, 1],
-            "least_inertia": principal[:, 0],
-            "principal_tilt": tilt,
-            "tilting_couple": speed**2 * np.hypot(products[1], products[2]),
-            "centrifugal_force": mass * speed**2 * np.hypot(n["x"], n["y"]),
-        }
-        return {name: np.where(sound, row, math.nan) for name, row in found.items()}
+        defined = np.where(sound, 1.0, math.nan)
+        for i, axis in enumerate("xyz"):
+            words = f"moment of inertia about the fixed {axis} axis"
+            yield ElementResult(f"fixed_inertia_{axis}", words, "kg m2"), fixed[:, i, i] * defined
+        for name, product in zip(_PRODUCTS, products, strict=True):
+            words = f"product of inertia {name[-2:]} of the fixed axes"
+            yield ElementResult(f"fixed_{name}", words, "kg m2"), product * defined
+        for (name, size), row in zip(_PRINCIPAL.items(), principal.T[::-1], strict=True):
+            yield ElementResult(name, f"{size} principal moment of inertia", "kg m2"), row * defined
+        words = "angle between the fixed z axis and the nearest principal axis"
+        yield ElementResult("principal_tilt", words, "rad"), tilt * defined
+        if "speed" in n:
+            square = n["speed"] ** 2 * defined
+            words = "couple of the inertia forces on the bearings of the fixed z axis"
+            yield ElementResult("tilting_couple", words, "N m"), square * np.hypot(products[1], products[2])
+            words = "force of inertia of the centre of mass"
+            yield ElementResult("centrifugal_force", words, "N"), mass * square * np.hypot(n["x"], n["y"])
 
     def evaluate(self, n: Numbers) -> Answers:
         """Results with error estimates, which contain the rounding of the terms that cancel in them, and verdicts."""
@@ -120,7 +108,7 @@ class TiltedBody(Element):
         nearest = np.take_along_axis(apart.min(axis=2), _tilts(axes).argmin(axis=1)[:, None], axis=1)[:, 0]
         added = {f"fixed_inertia_{axis}": rounding[:, i, i] for i, axis in enumerate("xyz")}
         added |= {f"fixed_{key}": rounding[:, *at] for key, at in zip(_PRODUCTS, _PLACES_OF_PRODUCTS, strict=True)}
-        added |= dict.fromkeys(("greatest_inertia", "middle_inertia", "least_inertia"), off)
+        added |= dict.fromkeys(_PRINCIPAL, off)
         # An axis turns by the rounding over the distance of its moment from the next.
         with np.errstate(divide="ignore", invalid="ignore"):
             added["principal_tilt"] = np.fmin(off / nearest, 0.5 * math.pi)

@@ -23,7 +23,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Columns, Element, ElementResult, Numbers
+from engine.elements.element import ElementResult, NamedRows, NamingElement, Numbers
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.elements.sampled_peak import sampled_peak
 from engine.laws.masses.link_inertia import ring_inertia
@@ -32,7 +32,7 @@ from engine.parts.skeleton import AngularSpeed, Number, Positive, Pressure, quan
 _PLACES, _SHOWN = 257, 721
 
 
-class WoundFlywheel(Element):
+class WoundFlywheel(NamingElement):
     """A flywheel of tape or wire, wound with the tension `winding_stress` on a ring of the same material.
 
     The ring extends from `bore` to `winding_diameter`, the winding from there to `diameter`. `strength` is that of the
@@ -44,22 +44,6 @@ class WoundFlywheel(Element):
         ("winding_stress", "strength"): "the tape would tear while it is wound",
     }
     picture: ClassVar = "stresses"
-    RESULTS: ClassVar = (
-        ElementResult("mass", "mass of the wheel", "kg"),
-        ElementResult("inertia", "moment of inertia", "kg m2"),
-        ElementResult("energy", "kinetic energy at the speed", "J"),
-        ElementResult("energy_per_mass", "kinetic energy by mass", "J kg-1"),
-        ElementResult("rim_speed", "speed of the outer radius", "m s-1"),
-        ElementResult("winding_pressure", "pressure of the winding on the ring at rest", "Pa"),
-        ElementResult("rest_bore_stress", "hoop stress of the bore at rest, negative in compression", "Pa"),
-        ElementResult("bore_stress", "hoop stress of the bore at the speed", "Pa"),
-        ElementResult("plain_bore_stress", "hoop stress of the bore of such a wheel without winding", "Pa"),
-        ElementResult("layer_stress", "peak tension of the winding at the speed", "Pa"),
-        ElementResult("pressure", "pressure of the winding on the ring at the speed", "Pa"),
-        ElementResult("parting_speed", "speed from which on the outermost layer is loose", "rad s-1"),
-        ElementResult("parts", "whether layers are loose at the speed (1 or 0)", "1", exact=True),
-        ElementResult("strength_share", "peak tension over the strength", "1", "strength"),
-    )
 
     type: Literal["wound_flywheel"]
     bore: Positive
@@ -72,50 +56,45 @@ class WoundFlywheel(Element):
     speed: Annotated[AngularSpeed, Field(gt=0)]
     strength: Annotated[Pressure, Field(gt=0)] | None = None
 
-    def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by name; NaN if the radii do not ascend."""
+    def named(self, n: Numbers) -> NamedRows:
+        """Results of a set of variants; NaN if the radii do not ascend."""
         a, c, b = (0.5 * n[key] for key in ("bore", "winding_diameter", "diameter"))
-        sound = (a < c) & (c < b)
-        a, c, b = (np.where(sound, radius, math.nan) for radius in (a, c, b))
         nu, tension, speed = n["poisson_ratio"], n["winding_stress"], n["speed"]
+        a, c, b, speed = (np.where((a < c) & (c < b), row, math.nan) for row in (a, c, b, speed))
         spin = (3.0 + nu) / 8.0 * n["density"] * speed**2
         mass = n["density"] * n["width"] * math.pi * (b - a) * (b + a)
         inertia = ring_inertia(mass, 2.0 * b, 2.0 * a)
         energy = 0.5 * inertia * speed**2
 
-        def layer(r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            """Hoop stress of the winding, and its derivative with respect to the radius."""
-            inwards = 0.5 * np.log((b - a) * (b + a) / ((r - a) * (r + a)))
-            slope = tension * ((1.0 + (a / r) ** 2) * r / ((r - a) * (r + a)) + 2.0 * inwards * a**2 / r**3)
-            slope = slope - 2.0 * spin * ((a * b) ** 2 / r**3 + (1.0 + 3.0 * nu) / (3.0 + nu) * r)
-            return wound_stresses(n, r, speed)[1], slope
-
         # Next to a small bore the stresses fall off with the distance from it.
         places = np.clip(a + (c - a) * ((b - a) / (c - a)) ** np.linspace(0.0, 1.0, _PLACES)[:, None], c, b)
-        stress, _ = sampled_peak(lambda r: layer(r)[0], lambda r: layer(r)[1], places)
+        stress, _ = sampled_peak(lambda r: wound_stresses(n, r, speed)[1], places)
         about = np.log1p((b - c) * (b + c) / ((c - a) * (c + a)))
         hollow = (c - a) * (c + a) / c**2
         pressure = 0.5 * tension * hollow * about
         spun = 2.0 * spin * (b**2 + (1.0 - nu) / (3.0 + nu) * a**2)
         parting = np.sqrt(4.0 * tension / ((3.0 + nu) * n["density"] * (b - a) * (b + a)))
-        greatest = np.maximum(stress, spun - tension * about)
-        found = {
-            "mass": mass,
-            "inertia": inertia,
-            "energy": energy,
-            "energy_per_mass": energy / mass,
-            "rim_speed": speed * b,
-            "winding_pressure": pressure,
-            "rest_bore_stress": -tension * about,
-            "bore_stress": spun - tension * about,
-            "plain_bore_stress": spun,
-            "layer_stress": stress,
-            "pressure": pressure - spin * (b - c) * (b + c) * hollow,
-            "parting_speed": parting,
-            "parts": (speed > parting).astype(float),
-            "strength_share": greatest / n.get("strength", math.nan),
-        }
-        return {name: np.where(sound, row, math.nan) for name, row in found.items()}
+        at_bore = spun - tension * about
+        yield ElementResult("mass", "mass of the wheel", "kg"), mass
+        yield ElementResult("inertia", "moment of inertia", "kg m2"), inertia
+        yield ElementResult("energy", "kinetic energy at the speed", "J"), energy
+        yield ElementResult("energy_per_mass", "kinetic energy by mass", "J kg-1"), energy / mass
+        yield ElementResult("rim_speed", "speed of the outer radius", "m s-1"), speed * b
+        yield ElementResult("winding_pressure", "pressure of the winding on the ring at rest", "Pa"), pressure
+        words = "hoop stress of the bore at rest, negative in compression"
+        yield ElementResult("rest_bore_stress", words, "Pa"), -tension * about
+        yield ElementResult("bore_stress", "hoop stress of the bore at the speed", "Pa"), at_bore
+        words = "hoop stress of the bore of such a wheel without winding"
+        yield ElementResult("plain_bore_stress", words, "Pa"), spun
+        yield ElementResult("layer_stress", "peak tension of the winding at the speed", "Pa"), stress
+        spun_off = spin * (b - c) * (b + c) * hollow
+        yield ElementResult("pressure", "pressure of the winding on the ring at the speed", "Pa"), pressure - spun_off
+        yield ElementResult("parting_speed", "speed from which on the outermost layer is loose", "rad s-1"), parting
+        loose = np.where(np.isnan(speed), math.nan, speed > parting)
+        yield ElementResult("parts", "whether layers are loose at the speed (1 or 0)", "1", exact=True), loose
+        if "strength" in n:
+            greatest = np.maximum(stress, at_bore)
+            yield ElementResult("strength_share", "peak tension over the strength", "1"), greatest / n["strength"]
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Hoop and radial stresses over the radius, at rest, at its speed, and at the speed of separation."""

@@ -356,12 +356,7 @@ def _forces(cam: CamElement) -> Iterator[Result]:
         yield _result(name, words, "N m", touching, of)
     if spring:
         unit, shaped = "N" if cam.translating else "N m", (Lasting.UNLESS_UNDERCUT, False)
-        yield _result(
-            "needed_preload",
-            "preload at which the follower just doesn't lift off",
-            unit,
-            shaped,
-            (Sought("shortfall", 1),),
-        )
+        words = "preload at which the follower just doesn't lift off"
+        yield _result("needed_preload", words, unit, shaped, (Sought("shortfall", 1),))
         words = "speed of the cam at which the follower lifts off; none if it never does"
         yield _result("lift_off_speed", words, "rad s-1", shaped, (Sought("growth", 1),))

@@ -44,10 +44,8 @@ class ComplianceElement(NamingElement):
             twist = n["moment"] / whole.stiffness
             yield ElementResult("twist", "twist of all parts under the moment, reduced", "rad"), twist
         for path, share in whole.within.items():
-            yield (
-                ElementResult(f"{path}.stiffness", f"stiffness of {path} about its own axis", "N m rad-1"),
-                share.stiffness,
-            )
+            words = f"stiffness of {path} about its own axis"
+            yield ElementResult(f"{path}.stiffness", words, "N m rad-1"), share.stiffness
             words = f"share of {path} in the energy, in series that in the compliance"
             yield ElementResult(f"{path}.share", words, "1"), share.energy
             if self.moment is not None:

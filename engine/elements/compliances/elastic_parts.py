@@ -1,9 +1,12 @@
 """Elastic parts of a drive, single, in series and in parallel, as in a scene."""
 
+from collections.abc import Callable
 from typing import Annotated, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field
 
+from engine.elements.compliances.stiffnesses import at_radius, rods_at_radius, shaft_stiffness, teeth_at_radius
 from engine.parts.actions import Stiffness, TorsionalDamping, TorsionalStiffness
 from engine.parts.skeleton import Area, Faults, Length, Name, Number, Part, Positive, quantity
 
@@ -18,6 +21,9 @@ class _TurningPart(Part):
     """
 
     at_most_one_of: ClassVar = (("damping", "energy_absorption"),)
+    # The torsional stiffness about the part's own axis, and the keys of its arguments.
+    law: ClassVar[Callable[..., np.ndarray]] = staticmethod(np.asarray)
+    law_keys: ClassVar[tuple[str, ...]] = ("stiffness",)
 
     ratio: Annotated[Number, Field(gt=0)] = 1.0
     damping: Annotated[TorsionalDamping, Field(ge=0)] | None = None
@@ -36,6 +42,9 @@ class HollowRound(Part):
 class ShaftPart(HollowRound, _TurningPart):
     """A round shaft between two steps of its diameter."""
 
+    law: ClassVar = staticmethod(shaft_stiffness)
+    law_keys: ClassVar = ("diameter", "bore", "length", "shear_modulus")
+
     type: Literal["shaft"]
     length: Positive
     shear_modulus: PartModulus
@@ -43,6 +52,9 @@ class ShaftPart(HollowRound, _TurningPart):
 
 class RodPart(_TurningPart):
     """A rod in tension, or a strand of a belt, whose force acts at a `radius`; the number of parallel `strands`."""
+
+    law: ClassVar = staticmethod(rods_at_radius)
+    law_keys: ClassVar = ("area", "length", "elastic_modulus", "radius", "strands")
 
     type: Literal["rod"]
     area: Annotated[Area, Field(gt=0)]
@@ -55,6 +67,9 @@ class RodPart(_TurningPart):
 class StrandPart(_TurningPart):
     """A belt, chain, rack or thread of known stiffness that acts at a `radius`."""
 
+    law: ClassVar = staticmethod(at_radius)
+    law_keys: ClassVar = ("stiffness", "radius")
+
     type: Literal["strand"]
     stiffness: Annotated[Stiffness, Field(gt=0)]
     radius: Positive
@@ -65,6 +80,9 @@ class MeshPart(_TurningPart):
 
     ISO 6336 gives 20 N/(mm µm) for usual spur gears of steel; 14 is more realistic under heavy load.
     """
+
+    law: ClassVar = staticmethod(teeth_at_radius)
+    law_keys: ClassVar = ("mesh_stiffness", "width", "base_radius")
 
     type: Literal["gear_mesh"]
     mesh_stiffness: PartModulus

@@ -9,21 +9,13 @@ Source: K. V. Frolov et al., Theory of Mechanisms and Machines (elastic links; r
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 
-from engine.elements.compliances.elastic_parts import (
-    ElasticPart,
-    MeshPart,
-    ParallelPart,
-    RodPart,
-    SeriesPart,
-    ShaftPart,
-    StrandPart,
-)
-from engine.elements.compliances.stiffnesses import at_radius, damping_of_absorption, rod_stiffness, shaft_stiffness
+from engine.elements.compliances.elastic_parts import ElasticPart, ParallelPart, SeriesPart, ShaftPart
+from engine.elements.compliances.stiffnesses import damping_of_absorption
 from engine.elements.element import Numbers
 
 
@@ -68,29 +60,6 @@ class PartShare(NamedTuple):
     twist: np.ndarray
 
 
-def _own_stiffness(part: ElasticPart, n: Numbers, path: str) -> np.ndarray:
-    """Torsional stiffness about a part's own axis."""
-
-    def numbers(*keys: str) -> Iterator[np.ndarray]:
-        return (n[f"{path}.{key}"] for key in keys)
-
-    match part:
-        case ShaftPart():
-            found = shaft_stiffness(*numbers("diameter", "bore", "length", "shear_modulus"))
-        case RodPart():
-            strands, radius = numbers("strands", "radius")
-            found = at_radius(strands * rod_stiffness(*numbers("area", "length", "elastic_modulus")), radius)
-        case StrandPart():
-            found = at_radius(*numbers("stiffness", "radius"))
-        case MeshPart():
-            per_width, width, radius = numbers("mesh_stiffness", "width", "base_radius")
-            found = at_radius(per_width * width, radius)
-        case _:
-            (found,) = numbers("stiffness")
-    # A bore as wide as the shaft has no stiffness.
-    return np.where(found > 0.0, found, math.nan)
-
-
 def _roundings(part: ElasticPart, n: Numbers, path: str, none: np.ndarray) -> np.ndarray:
     """Rounding of a part's stiffness: of a few numbers and operations, and of a thin wall between two diameters."""
     if not isinstance(part, ShaftPart):
@@ -98,11 +67,6 @@ def _roundings(part: ElasticPart, n: Numbers, path: str, none: np.ndarray) -> np
     diameter, bore = n[f"{path}.diameter"], n[f"{path}.bore"]
     with np.errstate(divide="ignore"):
         return 12.0 + np.abs((diameter + bore) / (diameter - bore))
-
-
-def _most_rounded(parts: Mapping[str, ReducedPart]) -> np.ndarray:
-    """Rounding of a sum of terms of one sign: at most that of the worst term, and of the additions."""
-    return np.max([part.roundings for part in parts.values()], axis=0) + 2.0 * len(parts)
 
 
 def reduced_part(part: ElasticPart, n: Numbers, path: str) -> ReducedPart:
@@ -122,7 +86,9 @@ def reduced_part(part: ElasticPart, n: Numbers, path: str) -> ReducedPart:
         inner = {name: reduced_part(p, n, f"{path}.parts.{name}") for name, p in part.parts.items()}
         whole = in_series(inner) if isinstance(part, SeriesPart) else in_parallel(inner)
     else:
-        stiffness = _own_stiffness(part, n, path)
+        found = part.law(*(n[f"{path}.{key}"] for key in part.law_keys))
+        # A bore as wide as the shaft has no stiffness.
+        stiffness = np.where(found > 0.0, found, math.nan)
         one, none = np.ones_like(stiffness), np.zeros_like(stiffness)
         damping, absorption = (n.get(f"{path}.{key}", none) for key in ("damping", "energy_absorption"))
         share = PartShare(stiffness, one, one, one)
@@ -140,35 +106,33 @@ def in_series(parts: Mapping[str, ReducedPart]) -> ReducedPart:
     compliance = sum(1.0 / part.stiffness for part in parts.values())
     shares = {name: 1.0 / part.stiffness / compliance for name, part in parts.items()}
     damping = sum(part.damping * shares[name] ** 2 for name, part in parts.items())
-    within = {
-        key: share._replace(energy=share.energy * shares[name], twist=share.twist * shares[name])
-        for name, part in parts.items()
-        for key, share in _named(name, part)
-    }
-    return ReducedPart(1.0 / compliance, damping, _absorbed(parts, shares), _most_rounded(parts), within)
+    return _together(parts, 1.0 / compliance, damping, shares, "twist")
 
 
 def in_parallel(parts: Mapping[str, ReducedPart]) -> ReducedPart:
     """Parts in parallel, by name."""
     stiffness = sum(part.stiffness for part in parts.values())
     shares = {name: part.stiffness / stiffness for name, part in parts.items()}
-    within = {
-        key: share._replace(energy=share.energy * shares[name], moment=share.moment * shares[name])
-        for name, part in parts.items()
-        for key, share in _named(name, part)
-    }
-    damping = sum(part.damping for part in parts.values())
-    return ReducedPart(stiffness, damping, _absorbed(parts, shares), _most_rounded(parts), within)
+    return _together(parts, stiffness, sum(part.damping for part in parts.values()), shares, "moment")
 
 
-def _absorbed(parts: Mapping[str, ReducedPart], shares: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Energy absorption of the whole: each part's, weighted with its share of the energy."""
-    return sum(part.absorption * shares[name] for name, part in parts.items())
-
-
-def _named(name: str, part: ReducedPart) -> Iterator[tuple[str, PartShare]]:
-    for path, share in part.within.items():
-        yield (f"{name}.parts.{path}" if path else name), share
+def _together(
+    parts: Mapping[str, ReducedPart],
+    stiffness: np.ndarray,
+    damping: np.ndarray,
+    shares: Mapping[str, np.ndarray],
+    shared: str,
+) -> ReducedPart:
+    """Parts with their shares of the energy, which are also those of the twist or the moment, as `shared` says."""
+    # Rounding of a sum of terms of one sign: at most that of the worst term, and of the additions.
+    roundings = np.max([part.roundings for part in parts.values()], axis=0) + 2.0 * len(parts)
+    absorption = sum(part.absorption * shares[name] for name, part in parts.items())
+    within = {}
+    for name, part in parts.items():
+        for path, own in part.within.items():
+            changed = {key: getattr(own, key) * shares[name] for key in ("energy", shared)}
+            within[f"{name}.parts.{path}" if path else name] = own._replace(**changed)
+    return ReducedPart(stiffness, damping, absorption, roundings, within)
 
 
 def damping_and_absorption(whole: ReducedPart, frequency: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

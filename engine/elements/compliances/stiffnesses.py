@@ -17,11 +17,6 @@ def shaft_stiffness(diameter: np.ndarray, bore: np.ndarray, length: np.ndarray, 
         return modulus * polar / length
 
 
-def rod_stiffness(area: np.ndarray, length: np.ndarray, modulus: np.ndarray) -> np.ndarray:
-    """Stiffness of a rod in tension, E A/L [N/m]."""
-    return modulus * area / length
-
-
 def cantilever_stiffness(diameter: np.ndarray, bore: np.ndarray, length: np.ndarray, modulus: np.ndarray) -> np.ndarray:
     """Stiffness of a round cantilever for a transverse force at its end, 3 E I/L³ [N/m]."""
     second_moment = math.pi / 64.0 * (diameter - bore) * (diameter + bore) * (diameter**2 + bore**2)
@@ -31,6 +26,18 @@ def cantilever_stiffness(diameter: np.ndarray, bore: np.ndarray, length: np.ndar
 def at_radius(stiffness: np.ndarray, radius: np.ndarray) -> np.ndarray:
     """Torsional stiffness k r² of a part elastic along a circle: teeth, strands of a belt or chain [N·m/rad]."""
     return stiffness * radius**2
+
+
+def rods_at_radius(
+    area: np.ndarray, length: np.ndarray, modulus: np.ndarray, radius: np.ndarray, count: np.ndarray
+) -> np.ndarray:
+    """Torsional stiffness of parallel rods in tension, of E A/L each, along a circle [N·m/rad]."""
+    return at_radius(count * (modulus * area / length), radius)
+
+
+def teeth_at_radius(per_width: np.ndarray, width: np.ndarray, radius: np.ndarray) -> np.ndarray:
+    """Torsional stiffness of teeth in mesh, c_γ b along the base circle [N·m/rad]."""
+    return at_radius(per_width * width, radius)
 
 
 def damping_of_absorption(absorption: np.ndarray, stiffness: np.ndarray, frequency: np.ndarray) -> np.ndarray:

@@ -243,10 +243,8 @@ def _forces(engine: EngineElement, n: Numbers, made: Engine) -> NamedResults:
         yield rms, _rounded(vector.rms * square, whole)
     if engine.crank_angle is not None:
         yield from _at_angle(left.forces, left.force_terms, forces[1], n)
-    unbalance, words = (
-        np.abs(weights.unbalances).sum(axis=-1),
-        "sum of the magnitudes of all counterweights' unbalances",
-    )
+    unbalance = np.abs(weights.unbalances).sum(axis=-1)
+    words = "sum of the magnitudes of all counterweights' unbalances"
     yield ElementResult("crank_unbalance", words, "kg m"), _rounded(unbalance, ROUNDED_ORDERS * unbalance)
 
 
@@ -318,10 +316,7 @@ def _settled(
 ) -> Iterator[tuple[Hodograph, np.ndarray]]:
     """Forces and couples, with their rounding in multiples of eps; parts within it are 0."""
     orders = found.forces.orders
-    sizes = (
-        _carried(engine, n, made, found.force_terms, orders),
-        _couples_carry(engine, n, made, found, orders),
-    )
+    sizes = _carried(engine, n, made, found.force_terms, orders), _couples_carry(engine, n, made, found, orders)
     for vector, carried in zip((found.forces, found.couples), sizes, strict=True):
         parts = (np.where(np.abs(part) <= EPS * carried, 0.0, part) for part in (vector.forward, vector.backward))
         yield Hodograph(orders, *parts), carried

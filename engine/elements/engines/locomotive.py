@@ -22,7 +22,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers
+from engine.elements.element import Answers, ElementResult, NamedRows, NamingElement, Numbers
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.elements.rotors.unbalance import Resultant, unbalance_in_two_planes
 from engine.parts.actions import Force
@@ -36,11 +36,7 @@ _SIDES = ("left", "right")
 _BALANCE_ANGLE = "angle of the balance weight in the {} wheel, from the first throw in the sense of rotation"
 
 
-def _on_both_sides(name: str, words: str, units: str, needs: str | None = None) -> tuple[ElementResult, ...]:
-    return tuple(ElementResult(f"{side}_{name}", words.format(side), units, needs) for side in _SIDES)
-
-
-class LocomotiveElement(Element):
+class LocomotiveElement(NamingElement):
     """Horizontal cylinders, `cylinder_spacing` apart, on one axle, with balance weights in the planes of its wheels.
 
     Each throw follows the previous one, from left to right, by `throw_angle`; `crank_angle` is the angle of the first
@@ -50,19 +46,6 @@ class LocomotiveElement(Element):
     """
 
     picture: ClassVar = "shaking"
-    RESULTS: ClassVar = (
-        *_on_both_sides("balance_mass", "balance weight in the {} wheel", "kg"),
-        *_on_both_sides("balance_angle", _BALANCE_ANGLE, "rad"),
-        ElementResult("tractive_variation", "maximum unbalanced force along the track", "N"),
-        ElementResult("swaying_couple", "maximum unbalanced couple about the upright axis", "N m"),
-        *_on_both_sides("hammer_blow", "maximum change of the {} wheel's load", "N"),
-        ElementResult("least_wheel_load", "minimum load of a wheel, negative where it lifts off", "N", "wheel_load"),
-        ElementResult("lift_off_speed", "angular speed at which a wheel lifts off", "rad s-1", "wheel_load", True),
-        ElementResult("primary_force", "unbalanced primary force of the first cylinder there", "N", "crank_angle"),
-        ElementResult("tractive_force", "unbalanced force along the track there", "N", "crank_angle"),
-        ElementResult("swaying_moment", "unbalanced couple about the upright axis there", "N m", "crank_angle"),
-        *_on_both_sides("rail_force", "unbalanced upward force in the {} wheel there", "N", "crank_angle"),
-    )
 
     type: Literal["locomotive"]
     cylinders: Literal[1, 2, 3, 4] = 2
@@ -81,16 +64,17 @@ class LocomotiveElement(Element):
 
     def evaluate(self, n: Numbers) -> Answers:
         """Results with error estimates; those of usual throws, which cancel, contain the rounding of their angle."""
-        usual = np.full_like(n["speed"], USUAL_THROW_ANGLES[self.cylinders])
-        return super().evaluate({"throw_angle": usual} | dict(n))
+        return super().evaluate(self._with_throws(n))
 
-    def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by name."""
+    def _with_throws(self, n: Numbers) -> Numbers:
+        return {"throw_angle": np.full_like(n["speed"], USUAL_THROW_ANGLES[self.cylinders])} | dict(n)
+
+    def named(self, n: Numbers) -> NamedRows:
+        """Results of a set of variants."""
         apart, track, stroke, radius = (n[k] for k in ("cylinder_spacing", "wheel_spacing", "stroke", "balance_radius"))
         rotating, reciprocating, speed = n["rotating_mass"], n["reciprocating_mass"], n["speed"]
         s_rot, c = n["balanced_rotating"], n["balanced_reciprocating"]
-        between = n["throw_angle"]
-        load, phi = n.get("wheel_load", math.nan), n.get("crank_angle", 0.0)
+        between = self._with_throws(n)["throw_angle"]
         count, square = np.arange(self.cylinders)[:, None], speed**2
         pins = stroke / 2 * np.exp(1j * count * between)
         arms = (count - (self.cylinders - 1) / 2) * apart
@@ -99,22 +83,33 @@ class LocomotiveElement(Element):
         pull, sway = along * pins.sum(axis=0) * square, along * (arms * pins).sum(axis=0) * square
         weights = [-taken * part for part in _in_wheels(pins, arms, track)]
         blows = [-upright * part * square for part in _in_wheels(pins, arms, track)]
-        blow, turned = np.maximum(*np.abs(blows)), np.exp(1j * phi)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            lifts = speed * np.sqrt(load / blow)
-        found = {
-            "tractive_variation": np.abs(pull),
-            "swaying_couple": np.abs(sway),
-            "least_wheel_load": load - blow,
-            "lift_off_speed": lifts,
-            "primary_force": along * stroke / 2 * square * np.cos(phi),
-            "tractive_force": (pull * turned).real,
-            "swaying_moment": (sway * turned).real,
-        }
-        for side, weight, part in zip(_SIDES, weights, blows, strict=True):
-            found |= {f"{side}_balance_mass": np.abs(weight) / radius, f"{side}_balance_angle": np.angle(weight)}
-            found |= {f"{side}_hammer_blow": np.abs(part), f"{side}_rail_force": (part * turned).imag}
-        return found
+        for side, weight in zip(_SIDES, weights, strict=True):
+            words = f"balance weight in the {side} wheel"
+            yield ElementResult(f"{side}_balance_mass", words, "kg"), np.abs(weight) / radius
+        for side, weight in zip(_SIDES, weights, strict=True):
+            yield ElementResult(f"{side}_balance_angle", _BALANCE_ANGLE.format(side), "rad"), np.angle(weight)
+        yield ElementResult("tractive_variation", "maximum unbalanced force along the track", "N"), np.abs(pull)
+        yield ElementResult("swaying_couple", "maximum unbalanced couple about the upright axis", "N m"), np.abs(sway)
+        for side, blow in zip(_SIDES, blows, strict=True):
+            yield ElementResult(f"{side}_hammer_blow", f"maximum change of the {side} wheel's load", "N"), np.abs(blow)
+        if "wheel_load" in n:
+            load, most = n["wheel_load"], np.maximum(*np.abs(blows))
+            words = "minimum load of a wheel, negative where it lifts off"
+            yield ElementResult("least_wheel_load", words, "N"), load - most
+            with np.errstate(divide="ignore", invalid="ignore"):
+                lifts = speed * np.sqrt(load / most)
+            words = "angular speed at which a wheel lifts off"
+            yield ElementResult("lift_off_speed", words, "rad s-1", may_be_undefined=True), lifts
+        if "crank_angle" in n:
+            phi, turned = n["crank_angle"], np.exp(1j * n["crank_angle"])
+            primary = along * stroke / 2 * square * np.cos(phi)
+            yield ElementResult("primary_force", "unbalanced primary force of the first cylinder there", "N"), primary
+            yield ElementResult("tractive_force", "unbalanced force along the track there", "N"), (pull * turned).real
+            words = "unbalanced couple about the upright axis there"
+            yield ElementResult("swaying_moment", words, "N m"), (sway * turned).real
+            for side, blow in zip(_SIDES, blows, strict=True):
+                words = f"unbalanced upward force in the {side} wheel there"
+                yield ElementResult(f"{side}_rail_force", words, "N"), (blow * turned).imag
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Forces and swaying couple over a turn, hammer blows over the speed."""

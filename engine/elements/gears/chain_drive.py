@@ -1,13 +1,12 @@
 """Chain drives: mean ratio, speed ripple, tension, number of links for a centre distance."""
 
 import math
-from functools import partial
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers, nudged
+from engine.elements.element import Answers, ElementResult, NamedRows, NamingElement, Numbers, nudged
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, path, plan
 from engine.parts.skeleton import AngularSpeed, Length, Moment, Number, quantity
 from engine.words.verdicts import Verdict
@@ -16,7 +15,7 @@ from engine.words.verdicts import Verdict
 _LINKS = 3
 
 
-class ChainDrive(Element):
+class ChainDrive(NamingElement):
     """A chain of a given `pitch` over two sprockets; `moment` is the load torque on the driven one.
 
     A desired centre `distance` gives the number of links, and the centre distance with an even number; the chain's
@@ -24,21 +23,6 @@ class ChainDrive(Element):
     """
 
     picture: ClassVar = "chain"
-    RESULTS: ClassVar = (
-        ElementResult("ratio", "mean speed of the driving sprocket over that of the driven one", "1"),
-        ElementResult("driven_speed", "mean angular speed of the driven sprocket", "rad s-1"),
-        ElementResult("driving_diameter", "pitch diameter of the driving sprocket", "m"),
-        ElementResult("driven_diameter", "pitch diameter of the driven sprocket", "m"),
-        ElementResult("chain_speed", "mean speed of the chain", "m s-1"),
-        ElementResult("greatest_chain_speed", "maximum speed of the chain", "m s-1"),
-        ElementResult("speed_ripple", "minimum speed of the chain below its maximum, relative to it", "1"),
-        ElementResult("greatest_acceleration", "peak acceleration of the chain by its polygon", "m s-2"),
-        ElementResult("pull", "force in the tight strand that turns the driven sprocket", "N"),
-        ElementResult("driving_moment", "mean drive torque", "N m"),
-        ElementResult("links", "links for the distance wanted, before rounding", "1", "distance"),
-        ElementResult("fitted_distance", "distance of the axes with the nearest even number of links", "m", "distance"),
-        ElementResult("centrifugal_tension", "tension of the whole chain by its mass", "N", "linear_density"),
-    )
 
     type: Literal["chain_drive"]
     pitch: Annotated[Length, Field(gt=0)]
@@ -49,8 +33,8 @@ class ChainDrive(Element):
     distance: Annotated[Length, Field(gt=0)] | None = None
     linear_density: Annotated[quantity("linear_density"), Field(gt=0)] | None = None
 
-    def values(self, n: Numbers, even: np.ndarray | None = None) -> Columns:
-        """Results of a set of variants by name.
+    def named(self, n: Numbers, even: np.ndarray | None = None) -> NamedRows:
+        """Results of a set of variants.
 
         Parameters
         ----------
@@ -61,31 +45,35 @@ class ChainDrive(Element):
         z1, z2, p, speed = n["driving_teeth"], n["driven_teeth"], n["pitch"], n["speed"]
         d1, d2 = pitch_circle(p, z1), pitch_circle(p, z2)
         mean = np.abs(speed) * z1 * p / math.tau
-        found = {
-            "ratio": z2 / z1,
-            "driven_speed": speed * z1 / z2,
-            "driving_diameter": d1,
-            "driven_diameter": d2,
-            "chain_speed": mean,
-            "greatest_chain_speed": 0.5 * np.abs(speed) * d1,
-            "speed_ripple": 2.0 * np.sin(0.5 * math.pi / z1) ** 2,
-            "greatest_acceleration": 0.5 * speed**2 * p,
-            "pull": 2.0 * n["moment"] / d2,
-            "driving_moment": n["moment"] * z1 / z2,
-        }
+        yield ElementResult("ratio", "mean speed of the driving sprocket over that of the driven one", "1"), z2 / z1
+        yield ElementResult("driven_speed", "mean angular speed of the driven sprocket", "rad s-1"), speed * z1 / z2
+        yield ElementResult("driving_diameter", "pitch diameter of the driving sprocket", "m"), d1
+        yield ElementResult("driven_diameter", "pitch diameter of the driven sprocket", "m"), d2
+        yield ElementResult("chain_speed", "mean speed of the chain", "m s-1"), mean
+        yield ElementResult("greatest_chain_speed", "maximum speed of the chain", "m s-1"), 0.5 * np.abs(speed) * d1
+        words = "minimum speed of the chain below its maximum, relative to it"
+        yield ElementResult("speed_ripple", words, "1"), 2.0 * np.sin(0.5 * math.pi / z1) ** 2
+        words = "peak acceleration of the chain by its polygon"
+        yield ElementResult("greatest_acceleration", words, "m s-2"), 0.5 * speed**2 * p
+        words = "force in the tight strand that turns the driven sprocket"
+        yield ElementResult("pull", words, "N"), 2.0 * n["moment"] / d2
+        yield ElementResult("driving_moment", "mean drive torque", "N m"), n["moment"] * z1 / z2
         if "distance" in n:
             links = _even_links(n) if even is None else np.tile(even, p.size // even.size)
             straight = links - 0.5 * (z1 + z2)
             root = np.sqrt(straight**2 - 8.0 * ((z2 - z1) / math.tau) ** 2)
-            found |= {"links": _links(n), "fitted_distance": 0.25 * p * (straight + root)}
+            yield ElementResult("links", "links for the distance wanted, before rounding", "1"), _links(n)
+            words = "distance of the axes with the nearest even number of links"
+            yield ElementResult("fitted_distance", words, "m"), 0.25 * p * (straight + root)
         if "linear_density" in n:
-            found["centrifugal_tension"] = n["linear_density"] * mean**2
-        return found
+            words = "tension of the whole chain by its mass"
+            yield ElementResult("centrifugal_tension", words, "N"), n["linear_density"] * mean**2
 
     def evaluate(self, n: Numbers) -> Answers:
         """Results, and verdicts: fractional teeth do not fit, nor does a centre distance below the sum of the radii."""
         # The number of links is an integer: keep it while the numbers are nudged.
-        found, errors = nudged(partial(self.values, even=_even_links(n) if "distance" in n else None), n)
+        even = _even_links(n) if "distance" in n else None
+        found, errors = nudged(lambda m: {result.name: row for result, row in self.named(m, even)}, n)
         whole = (n["driving_teeth"] == np.rint(n["driving_teeth"])) & (n["driven_teeth"] == np.rint(n["driven_teeth"]))
         verdicts = np.where(whole, Verdict.OK, Verdict.FRACTION_OF_A_TOOTH).astype(np.uint8)
         if "distance" in n:

@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Answers, Columns, ElementResult, Numbers
+from engine.elements.element import Answers, ElementResult, NamedRows, NamingElement, Numbers
 from engine.elements.friction.friction_element import EFFICIENCY, FORCE, FrictionElement
 from engine.parts.actions import Force
 from engine.parts.skeleton import Angle, AngularSpeed, Length, Moment, Number
@@ -16,7 +16,7 @@ from engine.words.verdicts import Verdict
 _TOLD = ("tangential_force", "needed_press_force", "traction_share")
 
 
-class FrictionDrive(FrictionElement):
+class FrictionDrive(FrictionElement, NamingElement):
     """Two wheels pressed together, the second a ring if `internal`; a `groove_angle` lies between V-shaped faces.
 
     `moment` is the load torque on the driven wheel. `creep` is the relative loss of rim speed. `safety` is the ratio of
@@ -24,16 +24,6 @@ class FrictionDrive(FrictionElement):
     """
 
     shown: ClassVar = ((FORCE, ("needed_press_force", "tangential_force")), (EFFICIENCY, ("efficiency",)))
-    RESULTS: ClassVar = (
-        ElementResult("ratio", "speed of the driving wheel over that of the driven one", "1"),
-        ElementResult("driven_speed", "angular speed of the driven wheel", "rad s-1"),
-        ElementResult("tangential_force", "force along the rims", "N"),
-        ElementResult("needed_press_force", "force that has to press the wheels together", "N"),
-        ElementResult("traction_share", "force along the rims over the friction limit", "1", "press_force"),
-        ElementResult("driving_moment", "drive torque", "N m"),
-        ElementResult("input_power", "input power", "W"),
-        ElementResult("efficiency", "output power over input power, with creep as the only loss", "1"),
-    )
 
     type: Literal["friction_drive"]
     driving_diameter: Annotated[Length, Field(gt=0)]
@@ -47,28 +37,30 @@ class FrictionDrive(FrictionElement):
     moment: Annotated[Moment, Field(ge=0)]
     press_force: Annotated[Force, Field(gt=0)] | None = None
 
-    def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by name, whether or not the wheels slide."""
+    def named(self, n: Numbers) -> NamedRows:
+        """Results of a set of variants, whether or not the wheels slide."""
         # In a groove the faces press with 1/sin of half its angle.
         mu = n["friction"] / np.sin(0.5 * n["groove_angle"]) if "groove_angle" in n else n["friction"]
         ratio = (1.0 if self.internal else -1.0) * n["driven_diameter"] / (n["driving_diameter"] * (1.0 - n["creep"]))
         pull = 2.0 * n["moment"] / n["driven_diameter"]
         driving = 0.5 * pull * n["driving_diameter"]
-        return {
-            "ratio": ratio,
-            "driven_speed": n["speed"] / ratio,
-            "tangential_force": pull,
-            "needed_press_force": n["safety"] * pull / mu,
-            "traction_share": pull / (mu * n.get("press_force", math.nan)),
-            "driving_moment": driving,
-            "input_power": driving * np.abs(n["speed"]),
-            "efficiency": 1.0 - n["creep"],
-        }
+        yield ElementResult("ratio", "speed of the driving wheel over that of the driven one", "1"), ratio
+        yield ElementResult("driven_speed", "angular speed of the driven wheel", "rad s-1"), n["speed"] / ratio
+        yield ElementResult("tangential_force", "force along the rims", "N"), pull
+        words = "force that has to press the wheels together"
+        yield ElementResult("needed_press_force", words, "N"), n["safety"] * pull / mu
+        if "press_force" in n:
+            words = "force along the rims over the friction limit"
+            yield ElementResult("traction_share", words, "1"), pull / (mu * n["press_force"])
+        yield ElementResult("driving_moment", "drive torque", "N m"), driving
+        yield ElementResult("input_power", "input power", "W"), driving * np.abs(n["speed"])
+        words = "output power over input power, with creep as the only loss"
+        yield ElementResult("efficiency", words, "1"), 1.0 - n["creep"]
 
     def evaluate(self, n: Numbers) -> Answers:
         """Results, and verdicts on insufficient contact force and on rings that are too small."""
         found, errors, _ = super().evaluate(n)
-        slides = found["traction_share"] >= 1.0
+        slides = found.get("traction_share", np.zeros_like(n["speed"])) >= 1.0
         fits = n["driven_diameter"] > n["driving_diameter"] if self.internal else np.ones(slides.shape, bool)
         for name in found:
             found[name] = np.where(fits & (~slides | (name in _TOLD)), found[name], np.nan)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.cycle.regula_falsi import bisected, regula_falsi
-from engine.elements.element import Columns, Element, ElementResult, Numbers, further, named_in_order
+from engine.elements.element import Columns, Element, ElementResult, Numbers, further
 from engine.elements.governors.governor_nodes import DATUM, States, equilibrium_nodes
 from engine.elements.sampled_peak import sampled_peak
 from engine.graph.nodes import Graph, Stage
@@ -20,9 +20,13 @@ from engine.laws.rounding import EPS
 from engine.words.verdicts import Verdict
 
 # Number of samples of a characteristic, and per piece of a table; distance of the outer samples from the ends of a
-# piece, and of the points of a difference quotient, as fractions of the range.
-SAMPLES, _PIECE_SAMPLES, _INSIDE, _APART = 33, 9, 1e-12, 1e-6
+# piece, as a fraction of the range.
+SAMPLES, _PIECE_SAMPLES, _INSIDE = 33, 9, 1e-12
 _TINY = 1e-300
+_LEAST_STABILITY = "minimum of (dω²/dr)/(ω²/r) in equilibrium between the stops; 0 is isochronous"
+_INSENSITIVITY = "maximum range of speeds within which friction holds the sleeve, relative"
+_SLEEVE_FORCE = "force at the sleeve that holds the balls, at half of the stable lift"
+_EFFORT = "mean force at the sleeve for the given change of speed, at half of the stable lift"
 OF_ENGINE = (
     ElementResult("working_lift", "lift of the sleeve at the engine's load, after its change", "m"),
     ElementResult("working_speed", "steady speed of the engine, after the change of load", "rad s-1"),
@@ -154,15 +158,10 @@ def governor_marks(g: GovernorVariants) -> tuple[GovernorVariants, Marks, np.nda
     first = _at(start, last)
     begin, off_begin = _edge(g, places, first, -1)
     end, off_end = _edge(g, places, last, 1)
-    step = _APART * (high - low)
 
     def peak_of(name: str, where: np.ndarray) -> np.ndarray:
         """Position of the minimum of a state, refined from the smallest sample."""
-
-        def turned(x: np.ndarray) -> np.ndarray:
-            return -getattr(g.at(x), name)
-
-        return sampled_peak(turned, lambda x: turned(x + step) - turned(x - step), where)[1]
+        return sampled_peak(lambda x: -getattr(g.at(x), name), where)[1]
 
     k = found.margin.argmin(axis=0)
     beside = np.clip(k + np.array([[-1], [1]]), 0, len(places) - 1)
@@ -276,7 +275,7 @@ def _at_load(g: GovernorVariants, x: np.ndarray, mean: np.ndarray, load: np.ndar
 
 
 @np.errstate(all="ignore")
-def near_equilibrium(g: GovernorVariants, marks: Marks) -> Columns:
+def near_equilibrium(g: GovernorVariants, marks: Marks) -> dict[ElementResult, np.ndarray]:
     """All results of governors from their marks, to first order in changes of their numbers.
 
     Parameters
@@ -302,27 +301,29 @@ def near_equilibrium(g: GovernorVariants, marks: Marks) -> Columns:
     mean, effort = 0.5 * (first.speed + last.speed), n["speed_change"] * half.sleeve
     ends = first.speed, first.sleeve, last.speed, last.sleeve
     falls, rises, insensitivity = over_arrays(under_friction, n["friction"], *ends, weak.sleeve)
+    uneven, isochronous = non_uniformity(first.speed, last.speed, mean), np.tile(marks.isochronous, copies)
+    power = 2.0 * effort * effort / half.stiffness
     results = {
-        "inner_speed": at_low.speed,
-        "outer_speed": at_high.speed,
-        "inner_force": at_low.force,
-        "outer_force": at_high.force,
-        "stable_from": first.radius,
-        "stable_to": last.radius,
-        "least_speed": first.speed,
-        "greatest_speed": last.speed,
-        "mean_speed": mean,
-        "non_uniformity": non_uniformity(first.speed, last.speed, mean),
-        "least_stability": shaky.margin,
-        "least_stability_radius": shaky.radius,
-        "isochronous": np.tile(marks.isochronous, copies),
-        "sleeve_lift": at_high.lift,
-        "insensitivity": insensitivity,
-        "least_speed_with_friction": falls,
-        "greatest_speed_with_friction": rises,
-        "sleeve_force": half.sleeve,
-        "effort": effort,
-        "power": 2.0 * effort * effort / half.stiffness,
+        further("inner_speed", "speed of the spindle in equilibrium at the inner stop", "rad s-1"): at_low.speed,
+        further("outer_speed", "speed of the spindle in equilibrium at the outer stop", "rad s-1"): at_high.speed,
+        further("inner_force", "controlling force of one ball at the inner stop", "N"): at_low.force,
+        further("outer_force", "controlling force of one ball at the outer stop", "N"): at_high.force,
+        further("stable_from", "radius at which the longest stable stretch begins", "m"): first.radius,
+        further("stable_to", "radius at which the longest stable stretch ends", "m"): last.radius,
+        ElementResult("least_speed", "minimum speed of the spindle in the stable stretch", "rad s-1"): first.speed,
+        ElementResult("greatest_speed", "maximum speed of the spindle in the stable stretch", "rad s-1"): last.speed,
+        ElementResult("mean_speed", "mean of the minimum and maximum speed", "rad s-1"): mean,
+        ElementResult("non_uniformity", "range of speeds in the stable stretch over the mean speed", "1"): uneven,
+        further("least_stability", _LEAST_STABILITY, "1"): shaky.margin,
+        further("least_stability_radius", "radius at which the governor is least stable", "m"): shaky.radius,
+        ElementResult("isochronous", "the governor is isochronous (1 or 0)", "1", exact=True): isochronous,
+        ElementResult("sleeve_lift", "lift of the sleeve between the stops", "m"): at_high.lift,
+        ElementResult("insensitivity", _INSENSITIVITY, "1"): insensitivity,
+        further("least_speed_with_friction", "speed at which the sleeve falls to its lowest", "rad s-1"): falls,
+        further("greatest_speed_with_friction", "speed at which the sleeve rises to its highest", "rad s-1"): rises,
+        further("sleeve_force", _SLEEVE_FORCE, "N"): half.sleeve,
+        ElementResult("effort", _EFFORT, "N"): effort,
+        ElementResult("power", "effort times the lift that the given change of speed makes", "J", None, True): power,
     }
     if g.governor.engine is None:
         return results
@@ -335,7 +336,7 @@ def near_equilibrium(g: GovernorVariants, marks: Marks) -> Columns:
         numbers = n["engine.inertia"], new.mass, n["damping"], new.stiffness, n["engine.self_regulation"]
         rows = over_arrays(stability_with_engine, *numbers, new.gain, pull, balls)
     steady = new.lift, new.speed / ratio, (new.speed - old.speed) / ratio
-    return results | named_in_order(OF_ENGINE, (*steady, *rows))
+    return results | dict(zip(OF_ENGINE, (*steady, *rows), strict=True))
 
 
 def search_errors(g: GovernorVariants, marks: Marks, found: Columns) -> Columns:

@@ -4,14 +4,14 @@ A governor has two balls. The stops are given by radii of the balls; sleeve lift
 """
 
 import math
+from functools import cached_property
 from typing import Annotated, ClassVar
 
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import ROUNDING, Answers, Element, ElementResult, Numbers, further, nudged
+from engine.elements.element import ROUNDING, Answers, ElementResult, NamingElement, Numbers, by_name, further, nudged
 from engine.elements.governors.equilibria import (
-    OF_ENGINE,
     GovernorVariants,
     governor_marks,
     governor_variants,
@@ -33,28 +33,6 @@ from engine.units.display import quantity_text
 from engine.words.verdicts import Verdict
 
 _FLAG = {"units": "1", "exact": True}
-_STATICS = (
-    further("inner_speed", "speed of the spindle in equilibrium at the inner stop", "rad s-1"),
-    further("outer_speed", "speed of the spindle in equilibrium at the outer stop", "rad s-1"),
-    further("inner_force", "controlling force of one ball at the inner stop", "N"),
-    further("outer_force", "controlling force of one ball at the outer stop", "N"),
-    further("stable_from", "radius at which the longest stable stretch begins", "m"),
-    further("stable_to", "radius at which the longest stable stretch ends", "m"),
-    ElementResult("least_speed", "minimum speed of the spindle in the stable stretch", "rad s-1"),
-    ElementResult("greatest_speed", "maximum speed of the spindle in the stable stretch", "rad s-1"),
-    ElementResult("mean_speed", "mean of the minimum and maximum speed", "rad s-1"),
-    ElementResult("non_uniformity", "range of speeds in the stable stretch over the mean speed", "1"),
-    further("least_stability", "minimum of (dω²/dr)/(ω²/r) in equilibrium between the stops; 0 is isochronous", "1"),
-    further("least_stability_radius", "radius at which the governor is least stable", "m"),
-    ElementResult("isochronous", "the governor is isochronous (1 or 0)", **_FLAG),
-    ElementResult("sleeve_lift", "lift of the sleeve between the stops", "m"),
-    ElementResult("insensitivity", "maximum range of speeds within which friction holds the sleeve, relative", "1"),
-    further("least_speed_with_friction", "speed at which the sleeve falls to its lowest", "rad s-1"),
-    further("greatest_speed_with_friction", "speed at which the sleeve rises to its highest", "rad s-1"),
-    further("sleeve_force", "force at the sleeve that holds the balls, at half of the stable lift", "N"),
-    ElementResult("effort", "mean force at the sleeve for the given change of speed, at half of the stable lift", "N"),
-    ElementResult("power", "effort times the lift that the given change of speed makes", "J", None, True),
-)
 _TRANSIENT = (
     ElementResult("highest_speed", "highest speed of the engine after the change of load", "rad s-1"),
     ElementResult("lowest_speed", "lowest speed of the engine after the change of load", "rad s-1"),
@@ -76,7 +54,7 @@ _FLAT = 1e-12
 _POSITIONS, BEYOND = 401, 0.25
 
 
-class Governor(Element):
+class Governor(NamingElement):
     """Common to all governors: two balls, a sleeve with friction, damping and a spring, stops, optionally an engine.
 
     `sleeve_mass` includes the central load. The spring on the sleeve has the force `preload` at the inner stop.
@@ -128,16 +106,17 @@ class Governor(Element):
         """Positions at which the balls have a radius; NaN where they can't reach it."""
         return radius
 
-    def results(self) -> tuple[ElementResult, ...]:
+    @cached_property
+    def own_results(self) -> tuple[ElementResult, ...]:
         """Results of the governor; with an engine, its stability; with a simulated change of load, the response."""
-        of_engine = OF_ENGINE if self.engine is not None else ()
-        return (*_STATICS, *of_engine, *(_TRANSIENT if self.is_followed else ()))
+        g, marks, _ = governor_marks(governor_variants(self, self.own_numbers()))
+        return (*near_equilibrium(g, marks), *(_TRANSIENT if self.is_followed else ()))
 
     def evaluate(self, n: Numbers) -> Answers:
         """Statics with errors by perturbation, motion with errors by comparison, and verdicts."""
         g = governor_variants(self, {key: row for key, row in n.items() if not key.startswith(CYCLE)})
         g, marks, verdicts = governor_marks(g)
-        found, errors = nudged(lambda m: near_equilibrium(g.with_numbers(m), marks), g.n)
+        found, errors = nudged(lambda m: by_name(near_equilibrium(g.with_numbers(m), marks)), g.n)
         errors = {name: OF_ARMS * row for name, row in errors.items()}
         for name, more in search_errors(g, marks, found).items():
             errors[name] = errors[name] + ROUNDING * more
@@ -234,7 +213,7 @@ def _panels(governor: Governor, cycle: np.ndarray | None = None) -> tuple[Panel,
     panels = [_characteristic(found, between, stops, title), _speeds(found, between, governor.friction)]
     if governor.engine is None or verdict != Verdict.OK:
         return tuple(panels)
-    steady = {name: row[0] for name, row in near_equilibrium(g, marks).items()}
+    steady = {result.name: row[0] for result, row in near_equilibrium(g, marks).items()}
     # A valve has no linear stability.
     panels += [] if governor.has_valve else [_diagram(steady["vyshnegradsky_x"], steady["vyshnegradsky_y"])]
     if governor.is_followed:

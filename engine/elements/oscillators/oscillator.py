@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field
 
 from engine.elements.compliances.stiffnesses import cantilever_stiffness
-from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, named_in_order, nudged
+from engine.elements.element import ROUNDING, Answers, Element, ElementResult, NamedRows, NamingElement, Numbers, nudged
 from engine.elements.oscillators import one_mass, over_time
 from engine.elements.oscillators.excitations import (
     CantileverSpring,
@@ -35,42 +35,11 @@ _LET_GO = 1e-3
 DISPLACEMENT = PanelAxis("displacement", "m", "x")
 # Variants per block for formulas, each of which expands to thousands of rows.
 _FORMULA_BLOCK = 32
-_CONSTANTS = (
-    ElementResult("stiffness", "stiffness of the spring", "N m-1"),
-    ElementResult("natural_frequency", "natural frequency without damping", "rad s-1"),
-    ElementResult("damping", "damping", "N s m-1"),
-    ElementResult("damping_ratio", "damping over critical damping", "1"),
-    ElementResult("damped_frequency", "frequency of the free motion", "rad s-1", None, True),
-    ElementResult("decrement", "logarithmic decrement", "1", None, True),
-    ElementResult("energy_absorption", "energy absorption in a cycle at the natural frequency", "1"),
-)
-_FREE = (
-    ElementResult("free_greatest", "peak displacement of the free motion", "m"),
-    ElementResult("free_greatest_at", "time of the peak displacement of the free motion", "s"),
-    ElementResult("free_displacement", "displacement of the free motion at the time asked for", "m"),
-    ElementResult("free_velocity", "velocity of the free motion at the time asked for", "m s-1"),
-)
-_FORCED = (
-    ElementResult("frequency_ratio", "exciting over natural frequency", "1"),
-    ElementResult("dynamic_factor", "dynamic factor", "1"),
-    ElementResult("amplitude", "amplitude of the forced vibration", "m"),
-    ElementResult("phase_lag", "phase lag of the forced vibration behind the excitation", "rad"),
-    ElementResult("transmitted_force", "amplitude of the force of spring and damper", "N"),
-    ElementResult("dissipated_power", "mean power dissipated by the damper", "W"),
-    ElementResult("resonance_speed", "exciting frequency of the peak amplitude", "rad s-1", None, True),
-    ElementResult("resonance_amplitude", "peak amplitude at any exciting frequency", "m", None, True),
-)
-_THROUGH = (
-    ElementResult("run_through_amplitude", "peak amplitude during the passage through resonance", "m", None, True),
-    ElementResult("run_through_speed", "speed at the peak amplitude", "rad s-1", None, True),
-    ElementResult("run_through_time", "time of the peak amplitude", "s", None, True),
-    ElementResult(
-        "run_through_share", "peak amplitude during the passage, over that of steady resonance", "1", None, True
-    ),
-)
+# Results of the passage through resonance.
+_THROUGH = "run_through_amplitude", "run_through_speed", "run_through_time", "run_through_share"
 
 
-class OscillatorElement(Element):
+class OscillatorElement(NamingElement):
     """A mass on a spring, given by its `stiffness` or as a cantilever, with a damper.
 
     The damper is given by its `damping`, its `damping_ratio`, the logarithmic `decrement`, or `energy_absorption`, the
@@ -108,33 +77,41 @@ class OscillatorElement(Element):
         return _FORMULA_BLOCK if by_formula else Element.variants_at_once
 
     def results(self) -> tuple[ElementResult, ...]:
-        """Results for the start, excitation and passage given."""
+        """Results for the keys given; those over time are listed without computing the motion."""
         if isinstance(self.excitation, OverTime):
-            return _CONSTANTS + over_time.OVER_TIME_RESULTS
-        found = _CONSTANTS
-        found += _FREE if self.start is not None else ()
-        found += _FORCED if self.excitation is not None else ()
-        found += _THROUGH if self.run_through is not None else ()
-        return found
+            still = self.model_copy(update={"excitation": None, "start": None})
+            return *still.results(), *over_time.OVER_TIME_RESULTS
+        return super().results()
 
-    def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants; infinite at an undamped resonance, NaN where undefined."""
+    def named(self, n: Numbers) -> NamedRows:
+        """Results for the start, excitation and passage given; infinite at an undamped resonance."""
         stiffness, frequency, ratio, damping = constants = _constants(self, n)
         damped = frequency * np.sqrt(np.where(ratio < 1.0, (1.0 - ratio) * (1.0 + ratio), math.nan))
-        decrement, absorption = one_mass.decrement_of_ratio(ratio), 2.0 * math.tau * ratio
-        found = named_in_order(_CONSTANTS, (stiffness, frequency, damping, ratio, damped, decrement, absorption))
+        yield ElementResult("stiffness", "stiffness of the spring", "N m-1"), stiffness
+        yield ElementResult("natural_frequency", "natural frequency without damping", "rad s-1"), frequency
+        yield ElementResult("damping", "damping", "N s m-1"), damping
+        yield ElementResult("damping_ratio", "damping over critical damping", "1"), ratio
+        yield ElementResult("damped_frequency", "frequency of the free motion", "rad s-1", None, True), damped
+        yield ElementResult("decrement", "logarithmic decrement", "1", None, True), one_mass.decrement_of_ratio(ratio)
+        words = "energy absorption in a cycle at the natural frequency"
+        yield ElementResult("energy_absorption", words, "1"), 2.0 * math.tau * ratio
         if isinstance(self.excitation, OverTime):
-            return found | over_time.over_time_columns(self.excitation, n, stiffness, ratio)[0]
+            columns = over_time.over_time_columns(self.excitation, n, stiffness, ratio)[0]
+            yield from zip(over_time.OVER_TIME_RESULTS, columns.values(), strict=True)
+            return
         if self.start is not None:
             start = n["start.displacement"], n["start.velocity"]
             greatest, when = one_mass.greatest_displacement(frequency, ratio, *start)
             moved, velocity = one_mass.free_motion(frequency, ratio, *start, n["start.time"])
-            found |= named_in_order(_FREE, (greatest, when, moved, velocity))
+            yield ElementResult("free_greatest", "peak displacement of the free motion", "m"), greatest
+            yield ElementResult("free_greatest_at", "time of the peak displacement of the free motion", "s"), when
+            words = "displacement of the free motion at the time asked for"
+            yield ElementResult("free_displacement", words, "m"), moved
+            yield ElementResult("free_velocity", "velocity of the free motion at the time asked for", "m s-1"), velocity
         if self.excitation is not None:
-            found |= _forced(self, n, constants)
+            yield from _forced(self, n, constants)
         if self.run_through is not None:
-            found |= _run_through(n, frequency, ratio)
-        return found
+            yield from _run_through(n, frequency, ratio)
 
     def evaluate(self, n: Numbers) -> Answers:
         """Results with errors; over time, errors include those of the linear pieces of a formula, and rounding."""
@@ -142,9 +119,9 @@ class OscillatorElement(Element):
         if self.run_through is not None:
             time = found["run_through_time"]
             turned = (np.abs(n["run_through.start"]) + np.abs(n["run_through.acceleration"]) * time) * time
-            for result in _THROUGH:
+            for name in _THROUGH:
                 # The angle turned by the rotor rounds in a few steps; all results depend on it.
-                errors[result.name] += 4.0 * EPS * turned * np.abs(found[result.name])
+                errors[name] += 4.0 * EPS * turned * np.abs(found[name])
         if isinstance(self.excitation, OverTime):
             stiffness, _, ratio, _ = _constants(self, n)
             coarse, carried = over_time.over_time_columns(self.excitation, n, stiffness, ratio, over_time.PIECES // 2)
@@ -259,7 +236,7 @@ def _damping_ratio(n: Numbers, mass: np.ndarray, frequency: np.ndarray) -> np.nd
     return n.get("damping_ratio", np.zeros_like(mass))
 
 
-def _forced(element: OscillatorElement, n: Numbers, constants: _Constants) -> Columns:
+def _forced(element: OscillatorElement, n: Numbers, constants: _Constants) -> NamedRows:
     """Steady vibration under a harmonic excitation, and its peak over the exciting frequency."""
     stiffness, frequency, ratio, damping = constants
     speed = n["excitation.speed"]
@@ -287,14 +264,29 @@ def _forced(element: OscillatorElement, n: Numbers, constants: _Constants) -> Co
         # Without a damper the power is 0 even at infinite amplitude.
         power = np.where(damping > 0.0, 0.5 * damping * (speed * stretch) ** 2, 0.0)
     transmitted = stiffness * np.hypot(1.0, 2.0 * ratio * eta) * stretch
-    at_resonance = best * frequency, unit * greatest
-    return named_in_order(_FORCED, (eta, factor, amplitude, lag, transmitted, power, *at_resonance))
+    yield ElementResult("frequency_ratio", "exciting over natural frequency", "1"), eta
+    yield ElementResult("dynamic_factor", "dynamic factor", "1"), factor
+    yield ElementResult("amplitude", "amplitude of the forced vibration", "m"), amplitude
+    yield ElementResult("phase_lag", "phase lag of the forced vibration behind the excitation", "rad"), lag
+    yield ElementResult("transmitted_force", "amplitude of the force of spring and damper", "N"), transmitted
+    yield ElementResult("dissipated_power", "mean power dissipated by the damper", "W"), power
+    words = "exciting frequency of the peak amplitude"
+    yield ElementResult("resonance_speed", words, "rad s-1", None, True), best * frequency
+    words = "peak amplitude at any exciting frequency"
+    yield ElementResult("resonance_amplitude", words, "m", None, True), unit * greatest
 
 
-def _run_through(n: Numbers, frequency: np.ndarray, ratio: np.ndarray) -> Columns:
+def _run_through(n: Numbers, frequency: np.ndarray, ratio: np.ndarray) -> NamedRows:
     start, acceleration = n["run_through.start"], n["run_through.acceleration"]
     peak, time = run_through_peak(frequency, ratio, start, acceleration)
     unit = n["excitation.mass"] * n["excitation.radius"] / n["mass"]
     with np.errstate(invalid="ignore"):
         share = peak / one_mass.resonance_factor(ratio)
-    return named_in_order(_THROUGH, (unit * peak, start + acceleration * time, time, share))
+    results = (
+        ("peak amplitude during the passage through resonance", "m", unit * peak),
+        ("speed at the peak amplitude", "rad s-1", start + acceleration * time),
+        ("time of the peak amplitude", "s", time),
+        ("peak amplitude during the passage, over that of steady resonance", "1", share),
+    )
+    for name, (words, units, row) in zip(_THROUGH, results, strict=True):
+        yield ElementResult(name, words, units, None, True), row

@@ -129,5 +129,5 @@ def run_through_peak(
         moved, change = run_through_motion(frequency, ratio, start, acceleration, time)
         return np.abs(moved), (moved.conj() * change).real
 
-    peak, time = sampled_peak(lambda t: size(t)[0], lambda t: size(t)[1], times)
+    peak, time = sampled_peak(lambda t: size(t)[0], times, lambda t: size(t)[1])
     return np.where(valid, peak, math.nan), np.where(valid, time, math.nan)

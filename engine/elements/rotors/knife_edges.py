@@ -10,19 +10,7 @@ Source: K. V. Frolov et al., Theory of Mechanisms and Machines (static unbalance
 import numpy as np
 from numpy.typing import ArrayLike
 
-from engine.elements.element import Columns, ElementResult
-
-KNIFE_EDGES = (
-    ElementResult(
-        "knife_edge_unbalance", "unbalance that rolling friction on knife edges leaves", "kg m", "rolling_arm"
-    ),
-    ElementResult(
-        "knife_edge_angle",
-        "maximum angle between the heavy side and the lowest position at rest on knife edges",
-        "rad",
-        "rolling_arm",
-    ),
-)
+from engine.elements.element import ElementResult, NamedRows, Numbers
 
 
 def residual_unbalance(mass: ArrayLike, arm: ArrayLike) -> np.ndarray:
@@ -61,9 +49,10 @@ def resting_angle(unbalance: ArrayLike, mass: ArrayLike, arm: ArrayLike) -> np.n
         return np.where(residual >= unbalance, np.pi, np.arcsin(np.minimum(residual / unbalance, 1.0)))
 
 
-def on_knife_edges(unbalance: ArrayLike, mass: ArrayLike, arm: ArrayLike) -> Columns:
-    """The results `KNIFE_EDGES`; parameters as for `resting_angle`."""
-    return {
-        "knife_edge_unbalance": residual_unbalance(mass, arm),
-        "knife_edge_angle": resting_angle(unbalance, mass, arm),
-    }
+def knife_edge_results(unbalance: np.ndarray, n: Numbers) -> NamedRows:
+    """Results on knife edges, for a rotor with a `mass` and a `rolling_arm`; unbalance as for `resting_angle`."""
+    if "rolling_arm" in n:
+        given, words = (n["mass"], n["rolling_arm"]), "unbalance that rolling friction on knife edges leaves"
+        yield ElementResult("knife_edge_unbalance", words, "kg m"), residual_unbalance(*given)
+        words = "maximum angle between the heavy side and the lowest position at rest on knife edges"
+        yield ElementResult("knife_edge_angle", words, "rad"), resting_angle(unbalance, *given)

@@ -7,20 +7,19 @@ Source: ISO 21940-11; the equations are those of this room's other modules.
 """
 
 import math
-from collections.abc import Iterator
 from contextlib import suppress
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers, Rank, further, nudged
+from engine.elements.element import Answers, Columns, ElementResult, NamedRows, NamingElement, Numbers, further, nudged
 from engine.elements.panels import Curve, Panel, PanelAxis
 from engine.elements.rotors.bearings import peak_forces, rotating_forces, static_forces
 from engine.elements.rotors.correction import correct, corrected_unbalance, misplaced_share
 from engine.elements.rotors.grades import grade_needed, grade_reached, permissible_unbalance, tolerance_shares
 from engine.elements.rotors.hole_pattern import PatternError, best_holes
-from engine.elements.rotors.knife_edges import KNIFE_EDGES, on_knife_edges
+from engine.elements.rotors.knife_edges import knife_edge_results
 from engine.elements.rotors.rotor_parts import CorrectionPlane, Unbalance
 from engine.elements.rotors.unbalance import (
     Resultant,
@@ -48,7 +47,7 @@ _SINGLE_PLANE = "position at which a single correction leaves the least couple"
 _PERMISSIBLE = "permissible residual unbalance in the plane of the"
 
 
-class RotorElement(Element):
+class RotorElement(NamingElement):
     """A rigid rotor in two bearings, with masses off its axis and correction planes.
 
     `centre` is the position of the centre of mass along the axis, as are the positions of bearings and planes. `grade`
@@ -57,35 +56,6 @@ class RotorElement(Element):
     """
 
     picture: ClassVar = "plan"
-    RESULTS: ClassVar = (
-        ElementResult("unbalance", "resultant unbalance", "kg m"),
-        ElementResult("couple", "moment unbalance about the centre of mass", "kg m2"),
-        further("kind", _KINDS, "1", exact=True),
-        further("single_plane", _SINGLE_PLANE, "m", may_be_undefined=True),
-        ElementResult("permissible_unbalance", "permissible residual unbalance", "kg m"),
-        *(further(f"{side}_permissible", f"{_PERMISSIBLE} {side} bearing", "kg m") for side in _SIDES),
-        *(further(f"quality_{state}", f"balance quality e ω {words}", "m s-1") for state, words in _STATES.items()),
-        *(
-            ElementResult(f"grade_{state}", f"finest grade G held {words}", "m s-1", None, True, True)
-            for state, words in _STATES.items()
-        ),
-        further(
-            "error_allowance", "error of every correction that the grade allows, as a share of it", "1", None, True
-        ),
-        *(
-            ElementResult(
-                f"{side}_{kind}_{when}",
-                f"{force} on the {side} bearing{weight} {when} balancing",
-                "N",
-                rank=Rank.FURTHER if when == "before" else Rank.ANSWER,
-            )
-            for kind, force, weight in (("force", "rotating force", ""), ("peak", "force", " with the weight"))
-            for when in ("before", "after")
-            for side in _SIDES
-        ),
-        ElementResult("correction_mass", "mass added in all planes", "kg"),
-        *KNIFE_EDGES,
-    )
 
     type: Literal["rotor"]
     mass: Annotated[Mass, Field(gt=0)]
@@ -105,16 +75,6 @@ class RotorElement(Element):
         if len(positions) > 1 and len(set(positions)) == 1:
             yield f"planes {', '.join(self.planes)} are in one place; move one, or leave all but one out"
 
-    def results(self) -> tuple[ElementResult, ...]:
-        """Results of the rotor and of its planes."""
-        found = [r for r in self.RESULTS if r.needs is None or getattr(self, r.needs) is not None]
-        for name, plane in self.planes.items():
-            found.append(ElementResult(f"{name}.mass", f"mass added in plane {name}", "kg"))
-            found.append(ElementResult(f"{name}.angle", f"angle of the mass added in plane {name}", "rad"))
-            if plane.holes is not None:
-                found += _hole_results(name, plane)
-        return tuple(found)
-
     def evaluate(self, n: Numbers) -> Answers:
         """Results with error estimates by nudging all numbers, and the corrections added as well.
 
@@ -125,34 +85,42 @@ class RotorElement(Element):
 
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by name; NaN if there is no such rotor or correction."""
+        return {name: np.where(np.isfinite(row), row, math.nan) for name, row in super().values(n).items()}
+
+    def named(self, n: Numbers) -> NamedRows:
+        """Results of the rotor and of its planes."""
         unbalances, places = rotor_unbalances(self, n)
         before = resultant_unbalance(unbalances, places, n["centre"])
         made, planes, added = rotor_corrections(self, n, before)
         after = corrected_unbalance(before, made, planes)
         bearings = n["first_bearing"], n["second_bearing"]
         forces = [rotating_forces(state, *bearings, n["speed"]) for state in (before, after)]
-        weights = static_forces(n["mass"], n["centre"], *bearings)
+        peaks = [peak_forces(force, static_forces(n["mass"], n["centre"], *bearings)) for force in forces]
         permissible = permissible_unbalance(n["grade"], n["mass"], n["speed"])
         allowed_couple = permissible * np.abs(bearings[1] - bearings[0])
         shares = np.array(tolerance_shares(n["centre"], *bearings))
-        rolling_arm = n.get("rolling_arm", np.full_like(permissible, math.nan))
-        columns = added | {
-            "unbalance": np.abs(before.unbalance),
-            "couple": np.abs(about(before, n["centre"]).moment),
-            "kind": kind(before, n["centre"], permissible, allowed_couple).astype(float),
-            "single_plane": single_plane(before),
-            "permissible_unbalance": permissible,
-            "first_permissible": shares[0] * permissible,
-            "second_permissible": shares[1] * permissible,
-            **_qualities(n, (before, after), made, planes, permissible, shares, correction_errors(self, n)),
-            **_named(forces[0], "force_before"),
-            **_named(forces[1], "force_after"),
-            **_named(peak_forces(forces[0], weights), "peak_before"),
-            **_named(peak_forces(forces[1], weights), "peak_after"),
-            "correction_mass": sum(added[f"{name}.mass"] for name in self.planes),
-            **on_knife_edges(np.abs(before.unbalance), n["mass"], rolling_arm),
-        }
-        return {name: np.where(np.isfinite(row), row, math.nan) for name, row in columns.items()}
+        yield ElementResult("unbalance", "resultant unbalance", "kg m"), np.abs(before.unbalance)
+        couple = np.abs(about(before, n["centre"]).moment)
+        yield ElementResult("couple", "moment unbalance about the centre of mass", "kg m2"), couple
+        found = kind(before, n["centre"], permissible, allowed_couple).astype(float)
+        yield further("kind", _KINDS, "1", exact=True), found
+        yield further("single_plane", _SINGLE_PLANE, "m", may_be_undefined=True), single_plane(before)
+        yield ElementResult("permissible_unbalance", "permissible residual unbalance", "kg m"), permissible
+        for side, share in zip(_SIDES, shares, strict=True):
+            yield further(f"{side}_permissible", f"{_PERMISSIBLE} {side} bearing", "kg m"), share * permissible
+        yield from _qualities(n, (before, after), made, planes, permissible, shares, correction_errors(self, n))
+        for name, force, weight, states in (
+            ("force", "rotating force", "", forces),
+            ("peak", "force", " with the weight", peaks),
+        ):
+            for when, described, rows in zip(("before", "after"), (further, ElementResult), states, strict=True):
+                for side, row in zip(_SIDES, rows, strict=True):
+                    words = f"{force} on the {side} bearing{weight} {when} balancing"
+                    yield described(f"{side}_{name}_{when}", words, "N"), np.abs(row)
+        mass = sum(row for result, row in added if result.units == "kg")
+        yield ElementResult("correction_mass", "mass added in all planes", "kg"), mass
+        yield from knife_edge_results(np.abs(before.unbalance), n)
+        yield from added
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Polygons of unbalances and of moments about the first plane; unbalance at the bearings before and after."""
@@ -177,12 +145,13 @@ class RotorElement(Element):
         return forces, vector_polygon(names, vectors * arms, len(planes[0]), about_plane, "kg m2"), at_bearings
 
 
-def _hole_results(name: str, plane: CorrectionPlane) -> Iterator[ElementResult]:
-    yield ElementResult(f"{name}.pieces", f"pieces added in plane {name}", "1", exact=True)
-    for k in range(1, plane.used + 1):
+def _hole_results(name: str, places: np.ndarray, pieces: np.ndarray) -> NamedRows:
+    """Numbers of the holes used in a plane, and of their pieces, each (variants, used)."""
+    yield ElementResult(f"{name}.pieces", f"pieces added in plane {name}", "1", exact=True), pieces.sum(axis=-1)
+    for k, (hole, own) in enumerate(zip(places.T, pieces.T, strict=True), 1):
         words = f"hole {k} used in plane {name}, counted from 1 (0 for none)"
-        yield ElementResult(f"{name}.hole_{k}", words, "1", exact=True)
-        yield ElementResult(f"{name}.pieces_{k}", f"pieces in hole {k} used in plane {name}", "1", exact=True)
+        yield ElementResult(f"{name}.hole_{k}", words, "1", exact=True), hole
+        yield ElementResult(f"{name}.pieces_{k}", f"pieces in hole {k} used in plane {name}", "1", exact=True), own
 
 
 def correction_errors(rotor: RotorElement, n: Numbers) -> np.ndarray:
@@ -199,7 +168,7 @@ def _qualities(
     permissible: np.ndarray,
     shares: np.ndarray,
     off: np.ndarray,
-) -> Columns:
+) -> NamedRows:
     """Quality and grade before, after, and with all errors adding up."""
     first, second = n["first_bearing"], n["second_bearing"]
     before, after = (np.abs(unbalance_in_two_planes(state, first, second)) for state in states)
@@ -208,11 +177,15 @@ def _qualities(
         # Correction of each plane resolved into the planes of the bearings: (bearings, planes, variants).
         felt = np.abs(levers * made.T)
         room = ((shares * permissible - after) / felt.sum(axis=1)).min(axis=0)
-    columns = {"error_allowance": room}
-    for word, residuals in (("before", before), ("after", after), ("at_worst", after + (felt * off).sum(axis=1))):
-        needed = grade_needed(tuple(residuals), tuple(shares), n["mass"], n["speed"])
-        columns[f"quality_{word}"], columns[f"grade_{word}"] = needed, grade_reached(needed) / 1000
-    return columns
+    residuals = before, after, after + (felt * off).sum(axis=1)
+    needed = [grade_needed(tuple(row), tuple(shares), n["mass"], n["speed"]) for row in residuals]
+    for (state, words), quality in zip(_STATES.items(), needed, strict=True):
+        yield further(f"quality_{state}", f"balance quality e ω {words}", "m s-1"), quality
+    for (state, words), quality in zip(_STATES.items(), needed, strict=True):
+        grade = ElementResult(f"grade_{state}", f"finest grade G held {words}", "m s-1", None, True, True)
+        yield grade, grade_reached(quality) / 1000
+    words = "error of every correction that the grade allows, as a share of it"
+    yield further("error_allowance", words, "1", None, True), room
 
 
 def rotor_unbalances(rotor: RotorElement, n: Numbers) -> tuple[np.ndarray, np.ndarray]:
@@ -222,7 +195,7 @@ def rotor_unbalances(rotor: RotorElement, n: Numbers) -> tuple[np.ndarray, np.nd
     return np.stack(parts, axis=-1), np.stack([n[f"{u}.position"] for u in at], axis=-1)
 
 
-def rotor_corrections(rotor: RotorElement, n: Numbers, before: Resultant) -> tuple[np.ndarray, np.ndarray, Columns]:
+def rotor_corrections(rotor: RotorElement, n: Numbers, before: Resultant) -> tuple[np.ndarray, np.ndarray, list]:
     """Corrections of a rotor.
 
     Parameters
@@ -238,25 +211,24 @@ def rotor_corrections(rotor: RotorElement, n: Numbers, before: Resultant) -> tup
         Unbalances added, in whole pieces if the plane has holes [kg·m].
     positions : ndarray (variants, planes)
         Their positions [m].
-    columns : dict of str to ndarray (variants,)
+    added : list of (ElementResult, ndarray (variants,))
         Masses, angles and numbers of pieces.
     """
     at = [f"planes.{name}" for name in rotor.planes]
     positions, radii = (np.stack([n[f"{p}.{key}"] for p in at], axis=-1) for key in ("position", "radius"))
     wanted = correct(before, positions, radii)
-    made, columns = np.empty_like(wanted), {}
+    made, added = np.empty_like(wanted), []
     for k, (name, plane) in enumerate(rotor.planes.items()):
-        meant, path = wanted[:, k], at[k]
-        columns[f"{name}.mass"] = np.abs(meant) / radii[:, k]
+        meant, path, in_holes = wanted[:, k], at[k], []
+        mass = np.abs(meant) / radii[:, k]
         if plane.holes is not None:
             meant, places, pieces = _in_holes(plane, n, path, meant)
-            columns[f"{name}.pieces"] = pieces.sum(axis=-1)
-            columns[f"{name}.mass"] = columns[f"{name}.pieces"] * n[f"{path}.piece"]
-            for i in range(plane.used):
-                columns[f"{name}.hole_{i + 1}"], columns[f"{name}.pieces_{i + 1}"] = places[:, i], pieces[:, i]
-        columns[f"{name}.angle"] = np.angle(meant) % math.tau
+            mass, in_holes = pieces.sum(axis=-1) * n[f"{path}.piece"], _hole_results(name, places, pieces)
+        added.append((ElementResult(f"{name}.mass", f"mass added in plane {name}", "kg"), mass))
+        angle = ElementResult(f"{name}.angle", f"angle of the mass added in plane {name}", "rad")
+        added += [(angle, np.angle(meant) % math.tau), *in_holes]
         made[:, k] = meant * n.get(f"{path}.added", 1.0) ** STEPS
-    return made, positions, columns
+    return made, positions, added
 
 
 def _in_holes(plane: CorrectionPlane, n: Numbers, path: str, wanted: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -282,7 +254,3 @@ def _holes_used(filled: np.ndarray, used: int) -> tuple[np.ndarray, np.ndarray]:
     order = np.argsort(padded == 0, axis=1, kind="stable")[:, :used]
     pieces = np.take_along_axis(padded, order, axis=1)
     return np.where(pieces > 0, order + 1, 0), pieces
-
-
-def _named(forces: np.ndarray, ending: str) -> Columns:
-    return {f"{side}_{ending}": np.abs(row) for side, row in zip(_SIDES, forces, strict=True)}

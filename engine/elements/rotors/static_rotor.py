@@ -12,16 +12,16 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Columns, Element, ElementResult, Numbers
+from engine.elements.element import ElementResult, NamedRows, NamingElement, Numbers
 from engine.elements.panels import Panel
-from engine.elements.rotors.knife_edges import KNIFE_EDGES, on_knife_edges
+from engine.elements.rotors.knife_edges import knife_edge_results
 from engine.elements.rotors.rotor_parts import OffAxis
 from engine.elements.rotors.unbalance import vector_polygon
 from engine.laws.rounding import EPS
 from engine.parts.skeleton import AngularSpeed, Length, Mass, Name
 
 
-class StaticRotor(Element):
+class StaticRotor(NamingElement):
     """A flat rotor, such as a wheel or a disc: all masses off its axis are assumed to be in one plane.
 
     One mass at `correction_radius` balances them. On knife edges, with the rotor's `mass` and the arm of rolling
@@ -30,15 +30,6 @@ class StaticRotor(Element):
 
     needs: ClassVar = {"rolling_arm": ("mass",)}
     picture: ClassVar = "plan"
-    RESULTS: ClassVar = (
-        ElementResult("unbalance", "resultant unbalance", "kg m"),
-        ElementResult("unbalance_angle", "angle of the resultant unbalance", "rad", None, True),
-        ElementResult("correction_mass", "mass that balances the rotor", "kg"),
-        ElementResult("correction_angle", "angle of the mass that balances the rotor", "rad", None, True),
-        ElementResult("eccentricity", "distance of the centre of mass from the axis", "m", "mass"),
-        ElementResult("centrifugal_force", "force of the unbalance on the bearings", "N", "speed"),
-        *KNIFE_EDGES,
-    )
 
     type: Literal["static_rotor"]
     unbalances: Annotated[dict[Name, OffAxis], Field(min_length=1)]
@@ -47,8 +38,8 @@ class StaticRotor(Element):
     rolling_arm: Annotated[Length, Field(gt=0)] | None = None
     speed: Annotated[AngularSpeed, Field(gt=0)] | None = None
 
-    def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by name."""
+    def named(self, n: Numbers) -> NamedRows:
+        """Results of a set of variants."""
         masses = [[n[f"unbalances.{name}.{key}"] for name in self.unbalances] for key in ("mass", "radius", "angle")]
         mass, radius, angle = np.array(masses)
         parts = mass * radius * np.exp(1j * angle)
@@ -57,16 +48,17 @@ class StaticRotor(Element):
         # The remainder of unbalances that cancel is rounding, and has no direction.
         size = np.where(size <= 4.0 * EPS * np.abs(parts).sum(axis=0), 0.0, size)
         direction = np.where(size > 0.0, np.angle(total), math.nan)
-        own, arm = n.get("mass", math.nan), n.get("rolling_arm", math.nan)
-        return {
-            "unbalance": size,
-            "unbalance_angle": direction,
-            "correction_mass": size / n["correction_radius"],
-            "correction_angle": np.where(direction > 0.0, direction - math.pi, direction + math.pi),
-            "eccentricity": size / own,
-            "centrifugal_force": size * n.get("speed", math.nan) ** 2,
-            **on_knife_edges(size, own, arm),
-        }
+        turned = np.where(direction > 0.0, direction - math.pi, direction + math.pi)
+        yield ElementResult("unbalance", "resultant unbalance", "kg m"), size
+        yield ElementResult("unbalance_angle", "angle of the resultant unbalance", "rad", None, True), direction
+        yield ElementResult("correction_mass", "mass that balances the rotor", "kg"), size / n["correction_radius"]
+        yield ElementResult("correction_angle", "angle of the mass that balances the rotor", "rad", None, True), turned
+        if "mass" in n:
+            yield ElementResult("eccentricity", "distance of the centre of mass from the axis", "m"), size / n["mass"]
+        if "speed" in n:
+            words = "force of the unbalance on the bearings"
+            yield ElementResult("centrifugal_force", words, "N"), size * n["speed"] ** 2
+        yield from knife_edge_results(size, n)
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Polygon of the unbalances, closed by the balance mass."""

@@ -5,16 +5,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from engine.compiling.decorators import routine
-from engine.compiling.running import over_variants
-from engine.laws.rounding import EPS
+from engine.cycle.regula_falsi import regula_falsi
 
-# Samples per wave of the highest order, from which the extremes are refined.
-_PER_WAVE = 16
-# Newton's method converges linearly at a flat top, where the curvature vanishes too.
-_NARROWINGS = 40
-# Loss of the sample nearest to a peak, at most (π/16)²/2 = 0.0193 of the sum of all magnitudes times (order/highest)².
-_MISSED = 0.02
+# Samples per wave of the highest order, from which the peaks are refined.
+_PER_WAVE = 32
+# Loss of the sample nearest to a peak, at most (π/32)²/2 = 0.0048 of the sum of all magnitudes times (order/highest)².
+_MISSED = 0.005
 # Longest common period of orders that are summed together: in revolutions, and in waves of the lowest of them.
 _REVOLUTIONS, _WAVES = 12, 24
 _WHOLE = 1e-9
@@ -76,84 +72,30 @@ def _extremes_together(orders: Sequence[float], amplitudes: np.ndarray) -> np.nd
     if len(orders) == 1:
         total = np.abs(amplitudes[0])
         return np.array([-total, total])
-    h = waves_together(orders)
-    samples = _PER_WAVE * int(h.max())
-    waves = np.exp(1j * h[:, None] * (math.tau / samples * np.arange(samples)))
-    sums = np.ascontiguousarray(amplitudes.reshape(len(orders), -1).T)
-    found = np.empty((2, sums.shape[0]))
-    _extremes(len(sums), h, waves.real.copy(), waves.imag.copy(), sums, found)
-    return found.reshape(2, *amplitudes.shape[1:])
+    h, sums = waves_together(orders), amplitudes.reshape(len(orders), -1)
+    return np.array([-_peaks(h, -sums), _peaks(h, sums)]).reshape(2, *amplitudes.shape[1:])
 
 
-@routine
-def _narrowed(h: np.ndarray, own: np.ndarray, sign: float, phi: float, step: float) -> float:
-    """Height of the peak near an angle, by Newton's method on the slope; uphill where the curve is hollow."""
-    angle, height = phi, -math.inf
-    for _ in range(_NARROWINGS):
-        # Powers of one unit vector: much faster than separate sines, and as accurate for a few dozen orders.
-        c, s = math.cos(angle), math.sin(angle)
-        x, y, power = 1.0, 0.0, 0
-        value, slope, curved = 0.0, 0.0, 0.0
-        for j in range(h.size):
-            while power < h[j]:
-                x, y = x * c - y * s, x * s + y * c
-                power += 1
-            real = own[j].real * x - own[j].imag * y
-            value += real
-            slope -= h[j] * (own[j].real * y + own[j].imag * x)
-            curved -= h[j] * h[j] * real
-        height = max(height, sign * value)
-        if sign * curved < 0.0:
-            move = min(max(-slope / curved, -step), step)
-            if abs(curved) * move * move < EPS * height:
-                break
-        else:
-            move = math.copysign(step / 4.0, sign * slope)
-        angle += move
-    return height
+def _peaks(h: np.ndarray, amplitudes: np.ndarray) -> np.ndarray:
+    """Maxima over φ of Re Σ A_h e^(i h φ), by the roots of the slope next to the highest samples."""
+    samples, waves = _PER_WAVE * int(h.max()), h[:, None]
+    spectrum = np.zeros((samples // 2 + 1, amplitudes.shape[1]), complex)
+    spectrum[h] = 0.5 * samples * amplitudes
+    values = np.fft.irfft(spectrum, samples, axis=0)
+    bends = ((waves / h.max()) ** 2 * np.abs(amplitudes)).sum(axis=0)
+    found, higher = values.max(axis=0), np.maximum(values, np.roll(values, -1, axis=0))
+    # The peak may lie next to any sample that is high enough.
+    k, who = np.nonzero(higher > found - _MISSED * bends)
+    low, high = (math.tau / samples * end for end in (k, k + 1.0))
 
+    def sums(phi: np.ndarray, parts: np.ndarray) -> np.ndarray:
+        """Re Σ A_h e^(i h φ); powers of one unit vector are much faster than exponentials, and as accurate."""
+        turned = np.cumprod(np.broadcast_to(np.exp(1j * phi), (h.max(), phi.size)), axis=0)[h - 1]
+        return (parts * turned).real.sum(axis=0)
 
-@over_variants
-def _extremes(
-    begin: int,
-    end: int,
-    h: np.ndarray,
-    cosines: np.ndarray,
-    sines: np.ndarray,
-    amplitudes: np.ndarray,
-    found: np.ndarray,
-) -> None:
-    """Minimum and maximum of sums `begin` … `end` − 1.
-
-    Parameters
-    ----------
-    begin, end : int
-    h : ndarray of int (orders,)
-        Ascending.
-    cosines, sines : ndarray (orders, samples)
-    amplitudes : ndarray of complex (sums, orders)
-    found : ndarray (2, sums)
-    """
-    samples = cosines.shape[1]
-    values, step = np.empty(samples), math.tau / samples
-    for i in range(begin, end):
-        bend = 0.0
-        for k in range(samples):
-            values[k] = 0.0
-        for j in range(h.size):
-            a, b = amplitudes[i, j].real, amplitudes[i, j].imag
-            bend += (h[j] / h[-1]) ** 2 * math.hypot(a, b)
-            for k in range(samples):
-                values[k] += a * cosines[j, k] - b * sines[j, k]
-        for side in range(2):
-            sign = 2.0 * side - 1.0
-            sampled = -math.inf
-            for k in range(samples):
-                sampled = max(sampled, sign * values[k])
-            # A peak may lie next to any sample that is high enough, even where the samples rise throughout.
-            highest, enough = sampled, sampled - _MISSED * bend
-            for k in range(samples):
-                if max(sign * values[k], sign * values[(k + 1) % samples]) >= enough:
-                    highest = max(highest, _narrowed(h, amplitudes[i], sign, step * (k + 0.5), step))
-            # An infinite or NaN amplitude gives NaN.
-            found[side, i] = sign * highest if bend < math.inf else math.nan
+    chosen = amplitudes[:, who]
+    slopes = 1j * waves * chosen
+    turns = (sums(low, slopes) > 0.0) & (sums(high, slopes) < 0.0)
+    at = np.where(turns, regula_falsi(lambda phi: sums(phi, slopes), low, high), low)
+    np.maximum.at(found, who, sums(at, chosen))
+    return np.where(np.isfinite(bends), found, math.nan)

@@ -1,7 +1,8 @@
 """Torsional trains: natural frequencies and modes, distance from resonances, forced vibration."""
 
 import math
-from collections.abc import Iterator
+from collections import defaultdict
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Annotated, ClassVar, Literal
 
@@ -10,7 +11,7 @@ from pydantic import Field
 
 from engine.cycle.measured import Measured, maximum, measured, where
 from engine.elements.compliances.elastic_parts import ElasticPart
-from engine.elements.element import Answers, Element, ElementResult, Numbers, check_result, further
+from engine.elements.element import Answers, ElementResult, NamedRows, NamingElement, Numbers, check_result, further
 from engine.elements.engines.engine import OF_SHAKING, EngineElement
 from engine.elements.panels import SPEED, Curve, Mark, Panel, PanelAxis
 from engine.elements.torsional_trains.excitation import TrainExcitation, excitation_orders, train_excitation
@@ -82,7 +83,7 @@ class HarmonicMoment(Part):
     phase: Angle = 0.0
 
 
-class TorsionalTrain(Element):
+class TorsionalTrain(NamingElement):
     """Masses connected by shafts and gears, in a chain or branched.
 
     The first `modes` positive natural frequencies and their modes are computed, and the vibration under `excitations`,
@@ -203,13 +204,32 @@ class TorsionalTrain(Element):
         nodes = len(self.layout.parents)
         return max(1, min(4096, _BLOCK // (nodes * max(nodes, len(excitation_orders(self))))))
 
-    def results(self) -> tuple[ElementResult, ...]:
-        """Results of its modes, and of its vibration if it is excited."""
-        return tuple(_results(self))
+    def named(self, n: Numbers) -> NamedRows:
+        """Modes, and vibration if anything excites the train; infinite at a resonance without damping."""
+        reduced = reduced_train(self, n)
+        natural = natural_vibration(reduced, self.reported_modes)
+        frequencies = list(map(Measured, natural.frequencies, natural.frequency_errors))
+        words = "natural frequencies of zero: the whole train turns"
+        free = Measured(1.0 if self.layout.is_free else 0.0)
+        yield check_result("rigid_body_modes", words, "1", exact=True), free
+        for k, frequency in enumerate(frequencies, 1):
+            yield ElementResult(f"frequency_{k}", f"natural frequency {k} above zero", "rad s-1"), frequency
+        for k in range(self.reported_modes):
+            yield from _shape(self, reduced, natural, k)
+        if self.is_excited:
+            excitation = train_excitation(self, reduced, n)
+            yield from _margins(frequencies, excitation) if excitation.orders else ()
+            yield from _vibration(self, reduced, excitation)
+
+    @cached_property
+    def own_results(self) -> tuple[ElementResult, ...]:
+        """Results available with the keys given, named for any numbers of the machine."""
+        with np.errstate(all="ignore"):
+            return tuple(result for result, _ in self.named(defaultdict(lambda: np.ones(1), self.own_numbers())))
 
     def evaluate(self, n: Numbers) -> Answers:
         """Results with error estimates."""
-        return Answers.of(_found(self, n))
+        return Answers.of(self.values(n))
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Modes along the train, and the Campbell diagram."""
@@ -229,56 +249,7 @@ class TorsionalTrain(Element):
         return ".machine_at", "only a crank that turns fully excites a train"
 
 
-def _results(train: TorsionalTrain) -> Iterator[ElementResult]:
-    yield check_result("rigid_body_modes", "natural frequencies of zero: the whole train turns", "1", exact=True)
-    modes = range(1, train.reported_modes + 1)
-    for k in modes:
-        yield ElementResult(f"frequency_{k}", f"natural frequency {k} above zero", "rad s-1")
-    for k in modes:
-        for mass in train.masses:
-            words = f"amplitude of {mass} in mode {k}, over the maximum of all"
-            yield further(f"mode_{k}.{mass}", words, "1", None, True)
-    if not train.is_excited:
-        return
-    if excitation_orders(train):
-        for k in modes:
-            words = f"distance of the nearest order from natural frequency {k}, over it"
-            yield ElementResult(f"margin_{k}", words, "1")
-            yield ElementResult(f"nearest_order_{k}", f"order nearest to natural frequency {k}", "1", exact=True)
-    for shaft in train.shafts:
-        yield further(f"{shaft}.mean_moment", f"mean torque of {shaft}, at its first end", "N m")
-        yield ElementResult(f"{shaft}.alternating_moment", f"alternating torque of {shaft}: half its range", "N m")
-        yield ElementResult(f"{shaft}.greatest_moment", f"peak torque of {shaft}", "N m")
-    for mass in train.masses:
-        yield ElementResult(f"{mass}.amplitude", f"half the range of the vibration of {mass}", "rad")
-    yield further("dissipated_power", "mean power that all dampers dissipate", "W")
-
-
-def _found(train: TorsionalTrain, n: Numbers) -> dict[str, Measured]:
-    """All results of a torsional train for a set of variants; infinite at a resonance without damping.
-
-    Parameters
-    ----------
-    train : TorsionalTrain
-        Structure and excitations; its own numbers are not used.
-    n : mapping of str to ndarray (variants,)
-        Numbers by their keys, such as "shafts.tail.stiffness".
-    """
-    reduced = reduced_train(train, n)
-    natural = natural_vibration(reduced, train.reported_modes)
-    found: dict[str, Measured] = {"rigid_body_modes": Measured(1.0 if train.layout.is_free else 0.0)}
-    for k in range(train.reported_modes):
-        found[f"frequency_{k + 1}"] = Measured(natural.frequencies[k], natural.frequency_errors[k])
-        found |= _shape(train, reduced, natural, k)
-    if train.is_excited:
-        excitation = train_excitation(train, reduced, n)
-        if excitation.orders:
-            found |= _margins(natural, excitation)
-        found |= _vibration(train, reduced, excitation)
-    return found
-
-
-def _shape(train: TorsionalTrain, reduced: ReducedTrain, natural: NaturalVibration, k: int) -> dict[str, Measured]:
+def _shape(train: TorsionalTrain, reduced: ReducedTrain, natural: NaturalVibration, k: int) -> NamedRows:
     """A mode as rotations of the masses about their own axes, relative to the maximum."""
     layout = train.layout
     own, nodes = np.stack([reduced.ratios[mass] for mass in layout.masses]), list(layout.node_of.values())
@@ -286,44 +257,47 @@ def _shape(train: TorsionalTrain, reduced: ReducedTrain, natural: NaturalVibrati
     amplitudes = Measured(own) * Measured(*mode)
     greatest = np.abs(amplitudes.value).argmax(axis=0), np.arange(own.shape[1])
     shape = amplitudes / amplitudes[greatest]
-    return {f"mode_{k + 1}.{mass}": shape[i] for i, mass in enumerate(layout.masses)}
+    for i, mass in enumerate(layout.masses):
+        words = f"amplitude of {mass} in mode {k + 1}, over the maximum of all"
+        yield further(f"mode_{k + 1}.{mass}", words, "1", None, True), shape[i]
 
 
-def _margins(natural: NaturalVibration, excitation: TrainExcitation) -> dict[str, Measured]:
+def _margins(frequencies: Sequence[Measured], excitation: TrainExcitation) -> NamedRows:
     """Relative distance of the nearest order from each natural frequency."""
-    found: dict[str, Measured] = {}
     orders, speed = np.array(excitation.orders), excitation.speed
     excited = Measured(orders[:, None] * speed, EPS * orders[:, None] * speed)
-    for k, frequency in enumerate(map(Measured, natural.frequencies, natural.frequency_errors), 1):
+    for k, frequency in enumerate(frequencies, 1):
         away = abs(excited / frequency - 1.0)
         nearest = away.value.argmin(axis=0)
-        found[f"margin_{k}"] = away[nearest, np.arange(speed.size)]
-        found[f"nearest_order_{k}"] = Measured(orders[nearest])
-    return found
+        words = f"distance of the nearest order from natural frequency {k}, over it"
+        yield ElementResult(f"margin_{k}", words, "1"), away[nearest, np.arange(speed.size)]
+        words = f"order nearest to natural frequency {k}"
+        yield ElementResult(f"nearest_order_{k}", words, "1", exact=True), Measured(orders[nearest])
 
 
-def _vibration(train: TorsionalTrain, reduced: ReducedTrain, excitation: TrainExcitation) -> dict[str, Measured]:
+def _vibration(train: TorsionalTrain, reduced: ReducedTrain, excitation: TrainExcitation) -> NamedRows:
     """Torques of the shafts, amplitudes of the masses, and dissipated power."""
     layout, orders = train.layout, excitation.orders
     frequencies = np.array(orders).reshape(-1, 1) * excitation.speed
     swings = forced_vibration(reduced, frequencies, excitation.moments)
     mean = under_mean_moments(reduced, excitation.means)
     still = np.zeros((1, excitation.speed.size))
-    found: dict[str, Measured] = {}
     # Infinite values stay infinite when scaled.
     with np.errstate(invalid="ignore"):
         for name in train.shafts:
             ratio = reduced.shaft_ratios[name]
             constant = _shaft_moment(train, reduced, name, mean, still)[0].real / ratio
             least, greatest = _range(orders, _shaft_moment(train, reduced, name, swings, frequencies) / ratio)
-            found[f"{name}.mean_moment"] = constant
-            found[f"{name}.alternating_moment"] = 0.5 * (greatest - least)
-            found[f"{name}.greatest_moment"] = maximum(abs(constant + greatest), abs(constant + least))
+            yield further(f"{name}.mean_moment", f"mean torque of {name}, at its first end", "N m"), constant
+            words = f"alternating torque of {name}: half its range"
+            yield ElementResult(f"{name}.alternating_moment", words, "N m"), 0.5 * (greatest - least)
+            peak = maximum(abs(constant + greatest), abs(constant + least))
+            yield ElementResult(f"{name}.greatest_moment", f"peak torque of {name}", "N m"), peak
         for mass, node in layout.node_of.items():
             least, greatest = _range(orders, reduced.ratios[mass] * swings.angles[node])
-            found[f"{mass}.amplitude"] = 0.5 * (greatest - least)
-        found["dissipated_power"] = swings.dissipated
-    return found
+            words = f"half the range of the vibration of {mass}"
+            yield ElementResult(f"{mass}.amplitude", words, "rad"), 0.5 * (greatest - least)
+        yield further("dissipated_power", "mean power that all dampers dissipate", "W"), swings.dissipated
 
 
 def _shaft_moment(

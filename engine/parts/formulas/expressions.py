@@ -24,24 +24,16 @@ from engine.words.glossary import unknown_name_message
 LONGEST = 2000
 DEEPEST = 50
 
-# Number of operands of a function: (minimum, maximum).
-FUNCTIONS = {
-    "sqrt": (np.sqrt, 1, 1),
-    "sin": (np.sin, 1, 1),
-    "cos": (np.cos, 1, 1),
-    "tan": (np.tan, 1, 1),
-    "asin": (np.arcsin, 1, 1),
-    "acos": (np.arccos, 1, 1),
-    "atan": (np.arctan, 1, 1),
+_OF_ONE = {
+    **{"sqrt": np.sqrt, "sin": np.sin, "cos": np.cos, "tan": np.tan},
+    **{"asin": np.arcsin, "acos": np.arccos, "atan": np.arctan, "abs": np.abs, "sign": np.sign},
+    **{"exp": np.exp, "log": np.log, "radians": np.radians, "degrees": np.degrees},
+}
+# Functions with the number of their operands: (minimum, maximum).
+FUNCTIONS = {name: (ufunc, 1, 1) for name, ufunc in _OF_ONE.items()} | {
     "atan2": (np.arctan2, 2, 2),
-    "abs": (np.abs, 1, 1),
-    "sign": (np.sign, 1, 1),
     "min": (np.minimum, 2, LONGEST),
     "max": (np.maximum, 2, LONGEST),
-    "exp": (np.exp, 1, 1),
-    "log": (np.log, 1, 1),
-    "radians": (np.radians, 1, 1),
-    "degrees": (np.degrees, 1, 1),
 }
 
 ALLOWED = (
@@ -53,23 +45,12 @@ _ARITHMETIC = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow:
 _COMPARISONS = {ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "==", ast.NotEq: "!="}
 
 _UFUNCS = {
-    "+": np.add,
-    "-": np.subtract,
-    "*": np.multiply,
-    "/": np.divide,
-    "**": np.power,
-    "negative": np.negative,
-    "<": np.less,
-    "<=": np.less_equal,
-    ">": np.greater,
-    ">=": np.greater_equal,
-    "==": np.equal,
-    "!=": np.not_equal,
-    "and": np.logical_and,
-    "or": np.logical_or,
-    "not": np.logical_not,
-    "if": np.where,
-} | {name: ufunc for name, (ufunc, _, _) in FUNCTIONS.items()}
+    **{"+": np.add, "-": np.subtract, "*": np.multiply, "/": np.divide, "**": np.power, "negative": np.negative},
+    **{"<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal},
+    **{"==": np.equal, "!=": np.not_equal},
+    **{"and": np.logical_and, "or": np.logical_or, "not": np.logical_not, "if": np.where},
+    **{name: ufunc for name, (ufunc, _, _) in FUNCTIONS.items()},
+}
 
 _REPEATED = {"and", "or", "min", "max"}
 

@@ -41,6 +41,21 @@ least_radius = "0.15 m", greatest_radius = "0.2 m" }
 elements.measured = { type = "table_governor", ball_mass = "5 kg", over_radius = ["0.1 m", "0.2 m"], \
 controlling_force = ["9 N", "20 N"], interpolation = "linear", least_radius = "0.1 m", greatest_radius = "0.2 m", \
 lift_ratio = 1 }
+elements.chain = { type = "chain_drive", pitch = "8 mm", driving_teeth = 9, driven_teeth = 9, speed = "9 rpm", \
+moment = "1 N m", distance = "1 m", linear_density = "1 kg/m" }
+elements.wheels = { type = "friction_drive", driving_diameter = "1 m", driven_diameter = "1 m", friction = 0.2, \
+speed = "9 rpm", moment = "1 N m", press_force = "9 N" }
+elements.axle = { type = "locomotive", cylinder_spacing = "1 m", wheel_spacing = "2 m", stroke = "1 m", \
+reciprocating_mass = "1 kg", balance_radius = "1 m", speed = "9 rpm", crank_angle = 0 }
+elements.lever = { type = "rotating_guide", mass = "1 kg", speed = "9 rpm", start_radius = "1 m", length = "2 m" }
+elements.disc = { type = "static_rotor", unbalances = { a = { mass = "1 kg", radius = "1 m" } }, mass = "9 kg", \
+correction_radius = "1 m", rolling_arm = "1 mm", speed = "9 rpm" }
+elements.tie = { type = "tethered_body", mass = "1 kg", length = "1 m", stiffness = "9 N/m", strength = "9 N", \
+speed = "1 m/s" }
+elements.egg = { type = "tilted_body", mass = "1 kg", semi_axis_x = "1 m", semi_axis_y = "1 m", semi_axis_z = "1 m", \
+speed = "9 rpm" }
+elements.tape = { type = "wound_flywheel", bore = "1 m", winding_diameter = "2 m", diameter = "3 m", width = "1 m", \
+density = "7850 kg/m3", winding_stress = "9 MPa", speed = "9 rpm", strength = "90 MPa" }
 """
 _COUPLINGS = (
     'couplings.joint = { type = "friction_clutch", shaft = "rotor", capacity = "50 N m" }',
