@@ -93,6 +93,21 @@ def test_study_with_files_in_other_folders__is_that_of_one_machine(client, tmp_p
     assert MappedResult(path).variants == 12
 
 
+def test_edited_study__is_extended_as_on_one_machine(client, tmp_path):
+    edited = GOOD.replace("'40 mm', '50 mm'", "'40 mm', '45 mm', '50 mm', '900 mm'")
+    edited = edited.replace('"excess_work"]', '"excess_work", "ram.slide.max"]')
+    found = {}
+    for name, on in (("alone", None), ("on", client)):
+        folder = tmp_path / name
+        folder.mkdir()
+        run_study(study_of(folder, GOOD), folder / "study.h5", client=on)
+        told = []
+        path = run_study(study_of(folder, edited), folder / "study.h5", client=on, tell=told.append)
+        assert told == []
+        found[name] = contents(path)
+    assert found["on"] == found["alone"]
+
+
 @pytest.mark.parametrize("first", ["on", "alone"])
 def test_interrupted_run__goes_on_with_or_without_the_cluster(first, client, tmp_path):
     whole = contents(run(tmp_path, DISTINCT, "whole"))

@@ -116,7 +116,7 @@ def test_within_limits__agrees_with_the_reading_of_texts():
                 continue
             seen.add((path, part.get("type")))
             held = part[key]
-            for value in (-1.0, 0.0, 0.4, 1.0, 3.0):
+            for value in (-1.0, 0.0, 0.4, 1.0, 3.0, np.nan, np.inf):
                 part[key] = value
                 try:
                     Scene.model_validate(data)

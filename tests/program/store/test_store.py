@@ -50,6 +50,13 @@ def test_part_of_another_study__set_aside_as_a_source(path: Path, part: Path) ->
         assert store.notes == []
 
 
+def test_part_of_another_study_without_a_block__thrown_away(path: Path) -> None:
+    Store.open(path, layout()).close()
+    with Store.open(path, other_study()) as store:
+        assert (store.sources, store.notes) == ((), [])
+    assert files(path.parent) == ["out.part.h5"]
+
+
 @pytest.mark.parametrize(
     "changes",
     [
@@ -105,6 +112,12 @@ def test_restart__old_file_stays_until_the_new_one_is_finished(path: Path) -> No
     complete(path, other_study())
     assert MappedResult(path).attributes["study_hash"] == "9z9z"
     assert files(path.parent) == ["out.h5"]
+
+
+def test_restart__throws_away_part_file(path: Path) -> None:
+    begun(path, 0)
+    with Store.open(path, layout(), restart=True) as store:
+        assert len(store.pending) == 6
 
 
 @pytest.mark.parametrize("content", [b"", b"some text"])

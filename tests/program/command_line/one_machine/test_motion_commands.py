@@ -15,7 +15,7 @@ from slips import cases, changed
 from engine import Machine, Scene, Verdict
 from sweeps import SweepResult, read_scene, read_study
 from sweeps.report.regime_words import by_regime, regime_words
-from sweeps.run import cost
+from sweeps.run import blocks, cost
 from sweeps.study.default_summaries import telling_summaries
 
 # Tests of pictures look at what is drawn.
@@ -121,6 +121,12 @@ def test_check_of_a_study_of_motion__estimates_what_it_takes(folder):
     # How many depends on how fast the machine is just now.
     assert re.search(r"saved after (each variant|every \d+ variants)\n", text)
     assert "up to a minute of compilation the first time" in text
+
+
+def test_variants_computed_together__are_fewer_where_motion_is_asked(folder, monkeypatch):
+    monkeypatch.setattr(blocks, "MOST_AT_ONCE_IN_MOTION", 2)
+    study = read_study("study.toml")
+    assert blocks.most_at_once(study, study.machine()) == 2
 
 
 # run
