@@ -218,7 +218,7 @@ def test_wheel_rolling_on_a_circle__acceleration_of_what_touches():
     assert [step.kind for step in leg.steps] == ["normal"]
 
 
-def test_plan_pictures__a_sheet_of_forces_for_what_a_cam_drives(tmp_path):
+def test_plan_pictures__a_sheet_of_forces_for_what_a_cam_drives(tmp_path, blank_pictures):
     made = [path.name for path in plan_pictures(HIGHER["roller"], tmp_path / "a.svg", 1.0)]
     assert made == [
         "a_velocity.svg", "a_acceleration.svg", "a_forces_crank.svg", "a_forces_tappet.svg", "a_reactions.svg",
