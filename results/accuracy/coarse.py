@@ -6,10 +6,14 @@ writes coarse.md beside this file. All machines of a study run in one process, b
 """
 
 import os
-import time
+import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
+
+sys.path.append(str(Path(__file__).parents[1]))
+from measuring import times_by_turns
 
 import sweeps
 from engine import Machine
@@ -36,13 +40,8 @@ def row_of(folder: str, name: str) -> tuple[str, list[float]]:
     varied = {path: np.asarray(values[path])[~dropped] for path in study.paths}
     made = [Machine(study.scene, study.summaries, (), study.paths, accuracy=a) for a in (*ACCURACIES, TRUTH)]
     *found, truth = (machine.evaluate(varied) for machine in made)
-    times = np.empty((ROUNDS, len(ACCURACIES)))
-    for r in range(ROUNDS):
-        for k in range(len(ACCURACIES)):
-            begin = time.thread_time()
-            made[k].evaluate(varied)
-            times[r, k] = time.thread_time() - begin
-    cost = np.median(times, axis=0) / truth.status.size * 1e6
+    runs = [partial(machine.evaluate, varied) for machine in made[:-1]]
+    cost = np.median(times_by_turns(runs, ROUNDS), axis=1) / truth.status.size * 1e6
     cells = [name.replace("_", " "), f"{cost[0]:.1f}"]
     for outcome, microseconds in zip(found[1:], cost[1:], strict=True):
         good, errors, covered = (outcome.status == 0) & (truth.status == 0), [], []

@@ -32,7 +32,6 @@ class Kind(NamedTuple):
     """A structure with its loads: the scene, how its numbers are drawn, fields and summaries that are looked at."""
 
     name: str
-    loads: str
     scene: Scene
     draw: Callable[[np.random.Generator, int], Varied]
     fields: tuple[str, ...]
@@ -130,10 +129,10 @@ def _turning(count: int, amplitude: float) -> tuple[list[float], list[float]]:
     return angles, [amplitude * (math.sin(a) + 0.4 * math.cos(2 * a + 1) - 0.2 * math.sin(3 * a)) for a in angles]
 
 
-def _slider_crank(name: str, loads: str, sized: bool, ranges: dict, **others: dict) -> Kind:
+def _slider_crank(name: str, sized: bool, ranges: dict, **others: dict) -> Kind:
     parts = {**SLIDER_CRANK, **others, "points": {**SLIDER_CRANK["points"], **others.get("points", {})}}
     draw = _drawn(**SLIDER_CRANK_RANGES, **(SIZED if sized else GIVEN), **ranges)
-    return Kind(name, loads, _scene(sized=sized, **parts), draw, SLIDER_CRANK_FIELDS, RAM)
+    return Kind(name, _scene(sized=sized, **parts), draw, SLIDER_CRANK_FIELDS, RAM)
 
 
 def _slider_cranks() -> list[Kind]:
@@ -147,7 +146,6 @@ def _slider_cranks() -> list[Kind]:
     return [
         _slider_crank(
             "slider-crank",
-            "smooth: spring with damper, drag, crank moment by a spline",
             True,
             {
                 "springs__s__stiffness": _decades(100.0, 1e4),
@@ -162,14 +160,12 @@ def _slider_cranks() -> list[Kind]:
         ),
         _slider_crank(
             "press",
-            "force over a stroke, one way only: jumps",
             True,
             {"forces__work__scale": _decades(0.1, 10.0), "forces__work__angle": _uniform(-3.0, 3.0)},
             forces={"work": press},
         ),
         _slider_crank(
             "compressor",
-            "gas: kinks where valves open",
             True,
             {
                 "cylinders__gas__bore": _uniform(0.04, 0.1),
@@ -180,7 +176,6 @@ def _slider_cranks() -> list[Kind]:
         ),
         _slider_crank(
             "turning moment",
-            "crank moment by straight lines: kinks",
             False,
             {"moments__torque__scale": _decades(0.1, 10.0)},
             moments={"torque": line},
@@ -227,7 +222,6 @@ def _four_bars() -> list[Kind]:
     return [
         Kind(
             "crank-rocker",
-            "smooth: constant moment, drag, spring",
             smooth,
             _drawn(**FOUR_BAR_RANGES, **SIZED, **loads),
             fields,
@@ -235,7 +229,6 @@ def _four_bars() -> list[Kind]:
         ),
         Kind(
             "rubbed crank-rocker",
-            "moment against the motion: jumps at dead centres",
             rubbed,
             _drawn(**FOUR_BAR_RANGES, **GIVEN, **rub),
             fields,
@@ -280,7 +273,6 @@ def _six_bars() -> list[Kind]:
     return [
         Kind(
             "Watt six-bar",
-            "drag by the square of the speed: bends at dead centres",
             watt,
             _drawn(**four, **_body_ranges("link", "agitator"), **SIZED, **watt_ranges),
             ("F.x", "agitator.angular_velocity", "agitator.angular_acceleration", "g.inner.reaction"),
@@ -288,7 +280,6 @@ def _six_bars() -> list[Kind]:
         ),
         Kind(
             "toggle press",
-            "force over a stroke, one way only: jumps",
             toggle,
             _drawn(**four, **_body_ranges("lower", "ram"), **GIVEN, **toggle_ranges),
             ("C.x", "ram.velocity", "ram.acceleration", "h.second.reaction"),
@@ -344,7 +335,6 @@ def _quick_returns() -> list[Kind]:
     return [
         Kind(
             "crank shaper",
-            "force over a stroke, one way only: jumps",
             shaper,
             _drawn(**COMMON, **SIZED, **ranges, **bodies),
             ("ram.velocity", "ram.acceleration", "q.inner.reaction", "g.inner.reaction"),
@@ -358,7 +348,6 @@ def _quick_returns() -> list[Kind]:
         ),
         Kind(
             "Scotch yoke",
-            "pump: jumps at dead centres",
             yoke,
             _drawn(**COMMON, **GIVEN, **yoke_ranges, **_body_ranges("crank", "block", "yoke")),
             ("yoke.velocity", "yoke.acceleration", "g.inner.reaction", "g.second.reaction"),
@@ -383,7 +372,6 @@ def _swinging_blocks() -> list[Kind]:
     return [
         Kind(
             "swinging block",
-            "smooth: drag; magnitudes of reactions dip sharply",
             scene,
             _drawn(**COMMON, **SIZED, **ranges, **_body_ranges("crank", "rod", "block")),
             ("rod.angular_velocity", "rod.angular_acceleration", "q.inner.reaction"),

@@ -3,13 +3,17 @@
 The least of several runs, in processor time, which other work on the machine changes least.
 """
 
-import time
+import sys
+from pathlib import Path
 
 import numpy as np
 
+sys.path.append(str(Path(__file__).parents[1]))
+from measuring import least_time
+
 from engine import ElementsAlone, Scene, set_threads
 
-VARIANTS, RUNS = 20_000, 5
+VARIANTS = 20_000
 
 
 def train(masses: int, **others: object) -> dict:
@@ -75,13 +79,7 @@ def microseconds(element: dict, path: str, variants: int) -> float:
     names = list(ElementsAlone(scene).available_summaries)
     ready = ElementsAlone(scene, names, varied=[path])
     values = {path: np.random.default_rng(1).uniform(1e4, 1e5, variants)}
-    ready.evaluate(values)
-    taken = []
-    for _ in range(RUNS):
-        before = time.process_time()
-        ready.evaluate(values)
-        taken.append(time.process_time() - before)
-    return min(taken) / variants * 1e6
+    return least_time(lambda: ready.evaluate(values)) / variants * 1e6
 
 
 if __name__ == "__main__":

@@ -79,8 +79,8 @@ def _equations(triad: ExactTriad, pose: Pose, pin: Pair) -> tuple[list[Decimal],
     return misses, rows, bars
 
 
-def _solved(rows: Sequence[tuple], right: Sequence[Decimal]) -> tuple[tuple[Decimal, ...], Decimal]:
-    """Solution of three linear equations, and their determinant."""
+def solved_triple(rows: Sequence[tuple], right: Sequence) -> tuple[tuple, object]:
+    """Solution of three linear equations of any kind of numbers, and their determinant."""
     (a, b, c), (d, e, f), (g, h, i) = rows
     m0, m1, m2 = e * i - f * h, f * g - d * i, d * h - e * g
     whole = a * m0 + b * m1 + c * m2
@@ -104,7 +104,7 @@ def corrected(triad: ExactTriad, pose: Pose, pin: Pair) -> tuple[Pose, Decimal] 
     before = _LONGEST / _SHORTER
     while True:
         misses, rows, _ = _equations(triad, pose, pin)
-        step, determinant = _solved(rows, [-miss for miss in misses])
+        step, determinant = solved_triple(rows, [-miss for miss in misses])
         size = max(abs(part) for part in step)
         if not size <= _SHORTER * before:
             return None
@@ -139,7 +139,7 @@ def followed_exactly(triad: ExactTriad, start: Pose, steps: int) -> ExactPath:
                 _, rows, bars = _equations(triad, pose, (triad.crank * c, triad.crank * s))
                 # The pin moves across the crank; the first bar alone feels it.
                 miss = triad.crank * (bars[0][1] * c - bars[0][0] * s)
-                rate, _ = _solved(rows, (miss, Decimal(0), Decimal(0)))
+                rate, _ = solved_triple(rows, (miss, Decimal(0), Decimal(0)))
             h, cosine, sine = spans[halved]
             bend = Decimal(0) if old is None else h * h / (2 * old[1])
             guess = [h * v + bend * (v - (v if old is None else old[0][i])) for i, v in enumerate(rate)]

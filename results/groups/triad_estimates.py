@@ -1,22 +1,22 @@
-"""Error estimates of triads near their dead centres against another solution with more digits.
+"""Error estimates of triads near their dead centres against another solution with more digits, by `compared`.
 
-    python results/groups/triad_estimates.py 1000
-
-Of twenty times as many random triads those that come nearest to a dead centre: positions, speeds, accelerations and
-reactions at their peaks, against another solution in 64-bit mantissas. That one solves three distances for the plate's
-place and direction, and its equilibrium for the forces along the three bars; nothing is shared with the engine but the
-geometry. Peaks are looked for beside the best of 720 positions, and beside the place that the engine gives.
+Of many random triads those that come nearest to a dead centre: positions, speeds, accelerations and reactions at their
+peaks, against another solution in 64-bit mantissas. That one solves three distances for the plate's place and
+direction, and its equilibrium for the forces along the three bars; nothing is shared with the engine but the geometry.
+Peaks are looked for beside the best of 720 positions, and beside the place that the engine gives.
 """
 
-import sys
 from typing import NamedTuple
 
 import numpy as np
+from exact_triads import solved_triple
+from mode_campaign import triad_scene
 
-from engine import Machine, Scene
+from engine import Machine, Scene, scene_numbers
 
 LONG = np.longdouble
 BARS = ("rod", "lower", "upper")
+PLACES = [f"{name}.{axis}" for name in "PQCD" for axis in "xy"]
 SPEED, GRAVITY = 6.0, 9.81
 MASSES = {"rod": (1.0, 0.1, 0.02, 0.01), "lower": (0.7, 0.08, -0.02, 0.01), "upper": (1.5, 0.02, 0.0, 0.01)}
 PLATE = (2.0, 0.05, 0.03, 0.02)
@@ -55,42 +55,22 @@ GRID, ZOOM, ZOOMS = 720, 24, 6
 
 def scene() -> Scene:
     """A plate on three bars, each link with its body."""
-    points = {"O": (0.0, 0.0), "P": (0.3, -0.1), "Q": (0.25, 0.3)}
-    corners = {"B": (0.0, 0.0), "C": (0.12, 0.0), "D": (0.06, 0.08)}
     bodies = {**MASSES, "plate": PLATE}
-    return Scene.model_validate(
-        {
-            "gravity": GRAVITY,
-            "points": {n: {"x": x, "y": y} for n, (x, y) in points.items()}
-            | {n: {"link": "plate", "x": x, "y": y} for n, (x, y) in corners.items()},
-            "near": {"C": {"x": 0.3, "y": 0.1}},
-            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.03, "speed": SPEED},
-            "links": {"plate": {}}
-            | {n: {"joints": list(j), "length": 0.2} for n, j in zip(BARS, ("AB", "PC", "QD"), strict=True)},
-            "bodies": {
-                f"{n}_body": {"link": n, "mass": m, "x": x, "y": y, "inertia": i} for n, (m, x, y, i) in bodies.items()
-            },
-        }
-    )
+    data = triad_scene().model_dump(exclude_unset=True)
+    data["input"]["speed"] = SPEED
+    data["bodies"] = {
+        f"{n}_body": {"link": n, "mass": m, "x": x, "y": y, "inertia": i} for n, (m, x, y, i) in bodies.items()
+    }
+    return Scene.model_validate(data | {"gravity": GRAVITY, "near": {"C": {"x": 0.3, "y": 0.1}}})
 
 
 def random_numbers(count: int, seed: int) -> dict[str, np.ndarray]:
     """Numbers of so many triads about that scene."""
     random, found = np.random.default_rng(seed), {}
-    for path, value, by in (
-        ("input.length", 0.06, 0.045),
-        ("links.rod.length", 0.2, 0.05),
-        ("links.lower.length", 0.2, 0.05),
-        ("links.upper.length", 0.2, 0.05),
-        ("points.P.x", 0.3, 0.05),
-        ("points.P.y", -0.1, 0.05),
-        ("points.Q.x", 0.25, 0.05),
-        ("points.Q.y", 0.3, 0.05),
-        ("points.C.x", 0.12, 0.04),
-        ("points.C.y", 0.0, 0.04),
-        ("points.D.x", 0.06, 0.04),
-        ("points.D.y", 0.08, 0.04),
-    ):
+    given = {path: number.value for path, number in scene_numbers(scene()).items()}
+    for path in ("input.length", *(f"links.{bar}.length" for bar in BARS), *(f"points.{p}" for p in PLACES)):
+        by = 0.04 if path[7] in "CD" else 0.05
+        value, by = (0.06, 0.045) if path == "input.length" else (given[path], by)
         found[path] = value + by * random.uniform(-1.0, 1.0, count)
     return found
 
@@ -132,7 +112,7 @@ class Reference:
             arms, bars = self._bars(pose, q)
             rows = [(b.real, b.imag, _cross(a, b)) for a, b in zip(arms, bars, strict=True)]
             right = [(length**2 - abs(b) ** 2) / 2 for b, length in zip(bars, self.lengths, strict=True)]
-            pose = Pose(*(p + d for p, d in zip(pose, _solve(rows, right), strict=True)))
+            pose = Pose(*(p + d for p, d in zip(pose, solved_triple(rows, right)[0], strict=True)))
         return pose
 
     def curves(self, pose: Pose, q: np.ndarray) -> dict[str, np.ndarray]:
@@ -142,11 +122,11 @@ class Reference:
         rows = [(b.real, b.imag, _cross(a, b)) for a, b in zip(arms, bars, strict=True)]
         pin = self.crank * np.exp(1j * q)
         far_v, far_a = [1j * w0 * pin, 0 * pin, 0 * pin], [-(w0**2) * pin, 0 * pin, 0 * pin]
-        vx, vy, w = _solve(rows, [_dot(b, v) for b, v in zip(bars, far_v, strict=True)])
+        vx, vy, w = solved_triple(rows, [_dot(b, v) for b, v in zip(bars, far_v, strict=True)])[0]
         at_v = [vx + 1j * vy + 1j * w * arm for arm in arms]
         apart = [a - f for a, f in zip(at_v, far_v, strict=True)]
         right = [_dot(b, fa + w**2 * arm) - abs(d) ** 2 for b, fa, arm, d in zip(bars, far_a, arms, apart, strict=True)]
-        ax, ay, e = _solve(rows, right)
+        ax, ay, e = solved_triple(rows, right)[0]
         at_a = [ax + 1j * ay + (1j * e - w**2) * arm for arm in arms]
         turn = np.exp(1j * pose.angle)
         mass, x, y, inertia = map(LONG, PLATE)
@@ -171,7 +151,7 @@ class Reference:
             f = 1j * u * across
             need = [need[0] - f.real, need[1] - f.imag, need[2] - _cross(arm, f)]
             rows[k] = (u.real, u.imag, _cross(arm, u))
-        along = _solve(list(zip(*rows, strict=True)), need)
+        along = solved_triple(list(zip(*rows, strict=True)), need)[0]
         found |= {n: np.hypot(s, across) for n, s, (_, across, _) in zip(BARS, along, known, strict=True)}
         found["dax"] = at_a[2].real
         return found
@@ -225,19 +205,6 @@ def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return a.real * b.real + a.imag * b.imag
 
 
-def _solve(rows: list, right: list) -> list[np.ndarray]:
-    """Three linear equations, by their determinants."""
-    (a, b, c), (d, e, f), (g, h, i) = rows
-    m0, m1, m2 = e * i - f * h, f * g - d * i, d * h - e * g
-    whole = a * m0 + b * m1 + c * m2
-    p, q, r = right
-    return [
-        (p * m0 + q * (c * h - b * i) + r * (b * f - c * e)) / whole,
-        (p * m1 + q * (a * i - c * g) + r * (c * d - a * f)) / whole,
-        (p * m2 + q * (b * g - a * h) + r * (a * e - b * d)) / whole,
-    ]
-
-
 def compared(count: int, tried: int, seed: int, accuracy: float | None) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Errors and estimates of so many triads, those nearest to a dead centre among all that are tried."""
     numbers = random_numbers(tried, seed)
@@ -271,24 +238,3 @@ def compared(count: int, tried: int, seed: int, accuracy: float | None) -> dict[
         )
         for name in SUMMARIES[:-1]
     }
-
-
-def main() -> None:
-    """Print the coverage of each quantity."""
-    count = int(sys.argv[1])
-    for accuracy in (None, 1e-3):
-        found = compared(count, 20 * count, 5, accuracy)
-        print(f"accuracy {accuracy}")
-        for name, (error, estimate, size, sine) in found.items():
-            ratio = error / estimate
-            worst = np.argsort(ratio)[-3:][::-1]
-            print(
-                f"{name:32s} {100 * (ratio <= 1).mean():6.2f} %",
-                [f"{ratio[k]:.2g} (γ {sine[k]:.1e}, rel {error[k] / size[k]:.1e})" for k in worst],
-                f"median {np.median(ratio):.1e}",
-                flush=True,
-            )
-
-
-if __name__ == "__main__":
-    main()

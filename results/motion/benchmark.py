@@ -12,7 +12,7 @@ needs heyoka.py (pip install heyoka).
 
 import math
 import platform
-import time
+import sys
 from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
@@ -22,9 +22,12 @@ import numpy as np
 from cases import CASES, Batch, Case, prepare, require_engine_agrees, sample
 from fixed_steps import LANES
 from matplotlib.figure import Figure
-from ours import ACCURACIES, STEPS_PER_TURN, by_accuracy, by_classical_steps
+from ours import ACCURACIES, OUR_RK4, OURS, OWN
 from peers import HEYOKA_LANES, PEERS
 from reference import reference
+
+sys.path.append(str(Path(__file__).parents[1]))
+from measuring import processor, times_by_turns
 
 from engine.compiling.threads import set_threads
 
@@ -43,7 +46,6 @@ ELSEWHERE = (
     "Ratios depend on the processor: on an Intel Xeon with AVX-512, at commit 0940de1e, those of heyoka.py were",
     "1.3 … 1.8, 0.54 … 0.73 and 0.62 … 0.87.",
 )
-OURS, OUR_RK4 = "this project", "this project, rk4"
 HEYOKA, BY_HAND = "heyoka.py batch", "RK8 over φ, lanes"
 
 
@@ -71,9 +73,8 @@ Curves = dict[str, list[Run]]
 
 def entries_of(case: Case, batch: Batch) -> list[Entry]:
     """All methods at all their settings."""
-    found = [Entry(OURS, a, lambda a=a: by_accuracy(case, batch.varied, a)) for a in ACCURACIES]
-    found += [Entry(OUR_RK4, n, lambda n=n: by_classical_steps(case, batch.varied, n)) for n in STEPS_PER_TURN]
-    for peer in PEERS:
+    found = []
+    for peer in (*OWN, *PEERS):
         for setting in peer.settings:
             solve = peer.prepare(case, batch, setting)
             found.append(Entry(peer.name, setting, lambda solve=solve: solve(slice(0, VARIANTS))))
@@ -93,14 +94,7 @@ def race(case: Case) -> Curves:
         with np.errstate(invalid="ignore"):
             worst = np.abs(found[:, :CHECKED] / true - 1).max(axis=1)
         errors.append((float(worst[0]), float(worst[1])))
-    times = np.empty((len(entries), ROUNDS))
-    for r in range(ROUNDS):
-        for i, entry in enumerate(entries):
-            # What the method before left in caches and freed from memory would count for this one.
-            entry.compute()
-            start = time.process_time()
-            entry.compute()
-            times[i, r] = (time.process_time() - start) / VARIANTS
+    times = times_by_turns([entry.compute for entry in entries], ROUNDS, twice=True) / VARIANTS
     curves: Curves = {}
     for entry, own, worst in zip(entries, times, errors, strict=True):
         curves.setdefault(entry.method, []).append(Run(entry.setting, tuple(own), worst))
@@ -168,14 +162,6 @@ def run_table(curves: Curves) -> list[str]:
             errors = " | ".join(f"{e:.1e}" for e in run.errors)
             lines.append(f"| {name} | {run.setting:g} | {np.median(run.seconds / middle):.3g} | {errors} |")
     return [*lines, ""]
-
-
-def processor() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-        return next(line.split(":")[1].strip() for line in lines if line.startswith("model name"))
-    except (OSError, StopIteration):
-        return platform.processor() or platform.machine()
 
 
 def report(results: dict[str, Curves]) -> str:

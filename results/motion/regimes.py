@@ -3,13 +3,15 @@
 python results/motion/regimes.py
 """
 
-import time
+import sys
 import tomllib
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 from cases import CASES, sample
+
+sys.path.append(str(Path(__file__).parents[1]))
+from measuring import least_time
 
 from engine import Machine, Scene, scene_numbers
 from engine.compiling.threads import set_threads
@@ -18,20 +20,9 @@ from engine.parts.regimes import RunRegime, SteadyRegime
 from sweeps.text.templates import template_text
 
 HERE = Path(__file__).parent
-VARIANTS, ROUNDS, CYCLES = 2000, 5, 20.0
+VARIANTS, CYCLES = 2000, 20.0
 ACCURACIES = (1e-4, 1e-6, 1e-9)
 ASKED = ("work.speed_fluctuation", "work.mean_speed", "work.multiplier", "work.motor_moment_rms")
-
-
-def least_time(evaluate: Callable[[], object]) -> float:
-    """CPU time [s], the least of some rounds after a first one, which compiles."""
-    evaluate()
-    times = []
-    for _ in range(ROUNDS):
-        start = time.process_time()
-        evaluate()
-        times.append(time.process_time() - start)
-    return min(times)
 
 
 def settled_press() -> list[str]:

@@ -32,19 +32,19 @@ CRANK = {"type": "crank", "pivot": "O", "pin": "A", "length": 0.05, "speed": 12.
 CRANK_BODY = {"link": "crank", "mass": 2.0, "x": 0.02, "y": 0.005, "inertia": 0.01}
 FLYWHEEL = {"speed_fluctuation": 0.02}
 
+
+def dyad(inner: str, link: str, joint: str, length: float, /, **second: object) -> dict:
+    """A group RRR or RRP, by what its second link has."""
+    first = {"link": link, "joint": joint, "length": length}
+    return {"type": "RRR" if "joint" in second else "RRP", "inner": inner, "first": first, "second": second}
+
+
 SLIDER_CRANK = {
     "gravity": 9.81,
     "points": {"O": {"x": 0.0, "y": 0.0}},
     "guides": {"way": {"x": 0.0, "y": 0.01, "angle": 0.1}},
     "input": CRANK,
-    "groups": {
-        "g": {
-            "type": "RRP",
-            "inner": "B",
-            "first": {"link": "rod", "joint": "A", "length": 0.2},
-            "second": {"link": "ram", "guide": "way", "offset": 0.004},
-        }
-    },
+    "groups": {"g": dyad("B", "rod", "A", 0.2, link="ram", guide="way", offset=0.004)},
     "bodies": {
         "crank": CRANK_BODY,
         "rod": {"link": "rod", "mass": 1.0, "x": 0.08, "y": 0.01, "inertia": 0.004},
@@ -78,14 +78,7 @@ FOUR_BAR = {
     "gravity": 9.81,
     "points": {"O": {"x": 0.0, "y": 0.0}, "D": {"x": 0.22, "y": 0.01}, "C": {"link": "rod", "x": 0.1, "y": 0.06}},
     "input": CRANK,
-    "groups": {
-        "g": {
-            "type": "RRR",
-            "inner": "B",
-            "first": {"link": "rod", "joint": "A", "length": 0.2},
-            "second": {"link": "rocker", "joint": "D", "length": 0.15},
-        }
-    },
+    "groups": {"g": dyad("B", "rod", "A", 0.2, link="rocker", joint="D", length=0.15)},
     "bodies": {
         "crank": CRANK_BODY,
         "rod": {"link": "rod", "mass": 1.0, "x": 0.1, "y": 0.01, "inertia": 0.01},
@@ -98,21 +91,8 @@ FOUR_BAR = {
 
 SIX_BAR = {
     **FOUR_BAR,
-    "points": {
-        "O": {"x": 0.0, "y": 0.0},
-        "D": {"x": 0.22, "y": 0.01},
-        "E": {"x": 0.45, "y": -0.03},
-        "C": {"link": "rocker", "x": 0.12, "y": -0.06},
-    },
-    "groups": {
-        **FOUR_BAR["groups"],
-        "h": {
-            "type": "RRR",
-            "inner": "F",
-            "first": {"link": "bar", "joint": "C", "length": 0.18},
-            "second": {"link": "lever", "joint": "E", "length": 0.16},
-        },
-    },
+    "points": FOUR_BAR["points"] | {"E": {"x": 0.45, "y": -0.03}, "C": {"link": "rocker", "x": 0.12, "y": -0.06}},
+    "groups": {**FOUR_BAR["groups"], "h": dyad("F", "bar", "C", 0.18, link="lever", joint="E", length=0.16)},
     "bodies": {
         **FOUR_BAR["bodies"],
         "bar": {"link": "bar", "mass": 0.8, "x": 0.09, "y": 0.012, "inertia": 0.005},

@@ -12,13 +12,11 @@ is made: slices with other seeds add up. Counts of an earlier state of the progr
 """
 
 import argparse
-import json
-import os
-import platform
 import subprocess
 import tempfile
 import time
 from collections import Counter
+from functools import partial
 from pathlib import Path
 
 from bench import Bench
@@ -27,6 +25,7 @@ from killing import AT_ONCE, interrupt, kill
 from many_variants import most_memory
 from spoiling import damage, damage_search, spoil_cache
 from surroundings import cache_refused, clock_set_back, empty_cache, full_disk, room_again, together
+from tally import Tally
 
 HERE = Path(__file__).parent
 # How often each kind of fault is done in a turn.
@@ -44,95 +43,48 @@ TURN = {
     cache_refused: 0.3,
     empty_cache: 0.1,
 }
-# So many texts of what went wrong are kept.
-TOLD = 60
 
 
-class Tally:
-    """Counts of all slices, in a file of JSON.
-
-    Parameters
-    ----------
-    path : Path
-    anew : bool
-        Forget what it holds.
-    """
-
-    def __init__(self, path: Path, anew: bool) -> None:
-        self.path = path
-        empty = {"slices": [], "faults": {}, "wrong": [], "most": {}, "many": []}
-        self.data = json.loads(path.read_text()) if path.exists() and not anew else empty
-
-    def note(self, fault: str, way: str, wrong: str) -> None:
-        """Count a fault done."""
-        row = self.data["faults"].setdefault(fault, {"ways": {}, "wrong": 0})
-        row["ways"][way] = row["ways"].get(way, 0) + 1
-        if wrong:
-            row["wrong"] += 1
-            # Of a traceback its last line: others name places of files on this machine.
-            said, marker, trace = wrong.partition("traceback:")
-            wrong = f"{said}{marker} {trace.strip().splitlines()[-1]}" if trace.strip() else wrong
-            self.data["wrong"] = [*self.data["wrong"], f"{fault}: {' '.join(wrong.split())}"[:600]][-TOLD:]
-            print(self.data["wrong"][-1], flush=True)
-
-    def note_memory(self, found: dict[str, float]) -> None:
-        """Put down what a study of so many variants took."""
-        others = [other for other in self.data.get("many", []) if other["variants"] != found["variants"]]
-        self.data["many"] = [*others, found]
-
-    def keep(self, line: str, minutes: float, most: Counter) -> None:
-        """Write the counts, with those of the slice under way, and the table made of them."""
-        for name, value in most.items():
-            self.data["most"][name] = max(self.data["most"].get(name, 0.0), value)
-        others = [found for found in self.data["slices"] if found["line"] != line]
-        self.data["slices"] = [*others, {"line": line, "minutes": round(minutes, 1), "commit": _commit()}]
-        self.path.write_text(json.dumps(self.data, indent=1, ensure_ascii=False) + "\n", encoding="utf8")
-        self.path.with_name("reliability.md").write_text(table(self.data), encoding="utf8")
+def note(tally: Tally, fault: str, way: str, wrong: str) -> None:
+    """Count a fault done; of a traceback its last line: others name places of files on this machine."""
+    if wrong:
+        said, marker, trace = wrong.partition("traceback:")
+        wrong = f"{fault}: {said}{marker} {' '.join(trace.strip().splitlines()[-1:])}"
+    tally.note(fault, way, wrong)
 
 
-def _commit() -> str:
-    line = ["git", "-C", str(HERE), "describe", "--always", "--dirty"]
-    return subprocess.run(line, capture_output=True, text=True).stdout.strip()
+def keep(tally: Tally, line: str, minutes: float, most: Counter) -> None:
+    """Write the counts, with those of the slice under way, and the table made of them."""
+    longest = tally.data.setdefault("most", {})
+    for name, value in most.items():
+        longest[name] = max(longest.get(name, 0.0), value)
+    git = ["git", "-C", str(HERE), "describe", "--always", "--dirty"]
+    commit = subprocess.run(git, capture_output=True, text=True).stdout.strip()
+    tally.keep(line, minutes, f"at {commit}")
+    tally.path.with_name("reliability.md").write_text(table(tally), encoding="utf8")
 
 
-def table(data: dict) -> str:
+def table(tally: Tally) -> str:
     """The counts as a text."""
     rows = []
-    for fault, row in sorted(data["faults"].items()):
-        ways = sorted(row["ways"].items(), key=lambda pair: -pair[1])
-        told = ", ".join(f"{count} {way}" for way, count in ways)
-        rows.append(f"| {fault} | {sum(row['ways'].values())} | {told} | {row['wrong']} |")
-    slices = [f"- `campaign.py {s['line']}`, {s['minutes']:.0f} minutes, at {s['commit']}" for s in data["slices"]]
-    most = [f"- {name}: {value:.2f}" for name, value in data["most"].items()]
-    wrong = [f"- {text}" for text in data["wrong"]]
-    many = [f"| {m['variants']:.3g} | {m['seconds']} | {m['megabytes']} |" for m in data.get("many", [])]
-    title = "Memory of one summary, from the start of Python to the answer:"
-    head = ["", title, "", "| variants | s | most memory, MB |", "|---|---|---|"]
-    return "\n".join(
-        [
-            "# Faults done on purpose",
-            "",
-            f"On {os.cpu_count()} cores that others used too, {platform.system()} {platform.machine()},",
-            f"Python {platform.python_version()}:",
-            "",
-            *slices,
-            "",
-            "A command counts as wrong when something flagged as done differs from an undisturbed run or is computed",
-            "again, the same command doesn't mend it or refuse in words, numbers that changed are shown, a draft stays",
-            f"after a signal, a signal isn't obeyed within {AT_ONCE:g} s (times the processes for each core where",
-            "these are more), a text is carried out or shown as code, or anything but words is said.",
-            "Commands are forks of a process that has everything loaded, but for those from Python's start on; blocks",
-            "are a twelfth of a study.",
-            "",
-            "| fault | times | what came of it | wrong |",
-            "|---|---|---|---|",
-            *rows,
-            *([*head, *many] if many else []),
-            *(["", "Signals:", "", *most] if most else []),
-            *(["", "What went wrong:", "", *wrong] if wrong else []),
-            "",
-        ]
-    )
+    for fault, row in sorted(tally.data["kinds"].items()):
+        rows.append(f"| {fault} | {sum(row['ways'].values())} | {tally.ways(fault)} | {row['wrong']} |")
+    if many := tally.data.get("many"):
+        rows += ["", "Memory of one summary, from the start of Python to the answer:", ""]
+        rows += ["| variants | s | most memory, MB |", "|---|---|---|"]
+        rows += [f"| {m['variants']:.3g} | {m['seconds']} | {m['megabytes']} |" for m in many]
+    if most := tally.data.get("most"):
+        rows += ["", "Signals:", "", *(f"- {name}: {value:.2f}" for name, value in most.items())]
+    words = f"""A command counts as wrong when something flagged as done differs from an undisturbed run or is computed
+again, the same command doesn't mend it or refuse in words, numbers that changed are shown, a draft stays
+after a signal, a signal isn't obeyed within {AT_ONCE:g} s (times the processes for each core where
+these are more), a text is carried out or shown as code, or anything but words is said.
+Commands are forks of a process that has everything loaded, but for those from Python's start on; blocks
+are a twelfth of a study.
+
+| fault | times | what came of it | wrong |
+|---|---|---|---|"""
+    return tally.text("Faults done on purpose", "campaign.py", words, rows)
 
 
 def main() -> None:
@@ -149,13 +101,15 @@ def main() -> None:
     kinds = {kind: often for kind, often in TURN.items() if asked.only in (None, kind.__name__)}
     tally, begun = Tally(asked.counts, asked.anew), time.monotonic()
     if asked.variants:
-        tally.note_memory(most_memory(asked.variants))
+        found = most_memory(asked.variants)
+        others = [other for other in tally.data.get("many", []) if other["variants"] != found["variants"]]
+        tally.data["many"] = [*others, found]
         line += f" --variants {asked.variants}"
-        tally.keep(line, 0.0, Counter())
+        keep(tally, line, 0.0, Counter())
     if not asked.minutes:
         return
     with tempfile.TemporaryDirectory(prefix="reliability-") as folder:
-        bench = Bench(Path(folder), asked.seed, tally.note)
+        bench = Bench(Path(folder), asked.seed, partial(note, tally))
         due: Counter = Counter()
         try:
             minutes = 0.0
@@ -166,7 +120,7 @@ def main() -> None:
                         due[kind] -= 1
                         kind(bench)
                 minutes = (time.monotonic() - begun) / 60
-                tally.keep(line, minutes, bench.most)
+                keep(tally, line, minutes, bench.most)
         finally:
             bench.close()
 

@@ -4,48 +4,10 @@ import re
 from pathlib import Path
 
 from bench import Bench
+from hostile import TEXTS
 
 from sweeps.text.templates import template_text
 
-CODE = "open('carried_out', 'w').close()"
-TEXTS = (
-    f"__import__('builtins').{CODE}",
-    f"[c for c in ().__class__.__base__.__subclasses__()][0] or {CODE}",
-    "().__class__.__mro__[1].__subclasses__()",
-    f"(lambda: {CODE})()",
-    f'f"{{{CODE}}}"',
-    f"exec({CODE!r})",
-    f"eval('{CODE[:4]}')",
-    f"1 if {CODE} else 2",
-    f"(x := {CODE})",
-    f'"); {CODE}; ("',
-    f"'\n{CODE}\n'",
-    f"a\n    {CODE}",
-    f"0.0\n\n\n{CODE}\n#",
-    '""" + ' + CODE + ' + """',
-    "${touch carried_out} `touch carried_out` $(touch carried_out)",
-    "; touch carried_out #",
-    "| touch carried_out",
-    "../../../../../../etc/passwd",
-    "/etc/passwd",
-    "file:///etc/passwd",
-    "/dev/zero",
-    "/dev/stdin",
-    "/proc/self/environ",
-    "\x1b]0;title\x07\x1b[2J",
-    "\x9b2J\u202e\u0000",
-    "<script>alert(1)</script>",
-    '"><img src=x onerror=alert(1)>',
-    "</style></title></script><script>alert(1)</script>",
-    "]]><!ENTITY x SYSTEM 'file:///etc/passwd'>&x;",
-    "=cmd|' /C calc'!A0",
-    "{0.__class__.__init__.__globals__}",
-    "%(carried_out)s %n%n%n",
-    "os.system('touch carried_out')",
-    "@import('x')",
-    "\\input{/etc/passwd}",
-    "$\\input{/etc/passwd}$",
-)
 _SCENE = template_text("slider_crank")
 # Where a text goes: into the scene, or into the study. What it stands for is written as TOML's basic text.
 _PLACES = {

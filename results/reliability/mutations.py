@@ -21,11 +21,9 @@ import contextlib
 import copy
 import importlib
 import io
-import json
 import multiprocessing
 import os
 import pkgutil
-import platform
 import random
 import resource
 import shutil
@@ -41,6 +39,8 @@ from pathlib import Path
 from typing import Any
 
 import tomlkit
+from hostile import TEXTS
+from tally import Tally
 
 import sweeps
 
@@ -57,35 +57,12 @@ BATCH, NUMBERS_BATCH = 60, 300
 BATCH_SECONDS = 15.0
 # Values that a number takes at most in a study of which only numbers change, and variants where they are sampled.
 VALUES, SAMPLED = 2, 8
-# Parts of a slice, after each of which its counts are written; and how many texts on what went wrong are kept.
-TURNS, TOLD = 20, 60
+# Parts of a slice, after each of which its counts are written.
+TURNS = 20
 
 NUMBERS = ("0", "-1", "1", "1e-300", "1e12", "1e150", "1e300", "1e400", "nan", "inf", "-inf", "1/0", "٣")  # fmt: skip
 UNITS = ("", "mm", "m", "deg", "rpm", "kg", "N", "N m", "s", "1/s", "kg m2", "m/s**999", "furlong", "degC")  # fmt: skip
-CODE = "open('carried_out', 'w').close()"
-HOSTILE = (
-    f"__import__('builtins').{CODE}",
-    f"[c for c in ().__class__.__base__.__subclasses__()][0] or {CODE}",
-    f"(lambda: {CODE})()",
-    f'f"{{{CODE}}}"',
-    f"exec({CODE!r})",
-    f"1 if {CODE} else 2",
-    f"x := {CODE}",
-    f'"); {CODE}; ("',
-    f"'\n{CODE}\n'",
-    "${touch carried_out} `touch carried_out` $(touch carried_out)",
-    "../../../../etc/passwd",
-    "/dev/zero",
-    "/dev/stdin",
-    "9**9**9**9",
-    "(" * 3000 + ")" * 3000,
-    "\x1b]0;title\x07\x1b[2J",
-    "<script>alert(1)</script>",
-    "a" * 100_000,
-    "\u202e\u0000",
-    "{0.__class__}",
-)
-
+HOSTILE = (*TEXTS, "9**9**9**9", "(" * 3000 + ")" * 3000, "a" * 100_000)
 
 # Units of one dimension.
 SAME = (
@@ -413,9 +390,8 @@ def _slow(*_: object) -> None:
     raise Slow
 
 
-def campaign(kind: str, count: int, seed: int, folder: Path, keep: Path | None, data: dict[str, Any]) -> None:
+def campaign(kind: str, count: int, seed: int, folder: Path, keep: Path | None, tally: Tally) -> None:
     """Garbled texts or lines of one kind, counted: how many ended how, longest time, memory, what was wrong."""
-    row = data["kinds"].setdefault(kind, {"ways": {}, "wrong": 0, "longest": 0.0, "memory": 0})
     context = multiprocessing.get_context("fork")
     size = NUMBERS_BATCH if kind == "numbers" else BATCH
     for first in range(0, count, size):
@@ -440,18 +416,15 @@ def campaign(kind: str, count: int, seed: int, folder: Path, keep: Path | None, 
                 case = told[1]
                 continue
             case, how, content, took, memory = told
-            row["longest"], row["memory"] = max(row["longest"], took), max(row["memory"], memory)
             fine = how.removeprefix("run: ") in ("results", "refused")
             if memory > MOST_MEMORY and kind in ("texts", "numbers"):
                 fine, how = False, f"{memory / 1e6:.0f} MB; {how}"
             way = how if fine else "run: wrong" if how.startswith("run: ") else "wrong"
-            row["ways"][way] = row["ways"].get(way, 0) + 1
-            if not fine:
-                row["wrong"] += 1
-                data["wrong"] = [*data["wrong"], " ".join(f"{case}: {how}".split())[:300]][-TOLD:]
-                print(data["wrong"][-1], flush=True)
-                if keep:
-                    (keep / f"{case.replace(' ', '_')}.txt").write_text(content, encoding="utf8", errors="replace")
+            row = tally.note(kind, way, "" if fine else f"{case}: {how}")
+            row["longest"] = max(row.get("longest", 0.0), took)
+            row["memory"] = max(row.get("memory", 0), memory)
+            if keep and not fine:
+                (keep / f"{case.replace(' ', '_')}.txt").write_text(content, encoding="utf8", errors="replace")
 
 
 def main() -> None:
@@ -464,9 +437,7 @@ def main() -> None:
     asked = parser.parse_args()
     if asked.keep:
         asked.keep.mkdir(parents=True, exist_ok=True)
-    begun, counts = time.monotonic(), HERE / "mutations.json"
-    empty = {"slices": [], "kinds": {}, "wrong": []}
-    data = json.loads(counts.read_text()) if counts.exists() and not asked.anew else empty
+    begun, tally = time.monotonic(), Tally(HERE / "mutations.json", asked.anew)
     line = " ".join(f"--{name} {getattr(asked, name)}" for name in ("texts", "numbers", "evaluated", "lines", "seed"))
     load()
     with tempfile.TemporaryDirectory(prefix="mutations-") as scratch:
@@ -478,13 +449,9 @@ def main() -> None:
         for turn in range(TURNS):
             for kind in ("texts", "lines", "numbers", "evaluated"):
                 share = getattr(asked, kind) * (turn + 1) // TURNS - getattr(asked, kind) * turn // TURNS
-                campaign(kind, share, asked.seed * TURNS + turn, folder, asked.keep, data)
-            minutes = (time.monotonic() - begun) / 60
-            others = [found for found in data["slices"] if found["line"] != line]
-            told = f"{turn + 1} of {TURNS} turns"
-            data["slices"] = [*others, {"line": line, "minutes": round(minutes, 1), "turns": told}]
-            counts.write_text(json.dumps(data, indent=1, ensure_ascii=False) + "\n", encoding="utf8")
-            (HERE / "mutations.md").write_text(table(data), encoding="utf8")
+                campaign(kind, share, asked.seed * TURNS + turn, folder, asked.keep, tally)
+            tally.keep(line, (time.monotonic() - begun) / 60, f"{turn + 1} of {TURNS} turns")
+            (HERE / "mutations.md").write_text(table(tally), encoding="utf8")
 
 
 def load() -> None:
@@ -503,38 +470,20 @@ NAMES = {
 }
 
 
-def table(data: dict[str, Any]) -> str:
+def table(tally: Tally) -> str:
     """The counts as a text."""
     rows = []
-    for kind, row in data["kinds"].items():
-        ways = sorted(row["ways"].items(), key=lambda pair: -pair[1])
-        told = ", ".join(f"{count} {way}" for way, count in ways)
-        times = sum(count for way, count in ways if kind == "numbers" or not way.startswith("run: "))
+    for kind, row in tally.data["kinds"].items():
+        times = sum(count for way, count in row["ways"].items() if kind == "numbers" or not way.startswith("run: "))
         figures = f"{row['longest']:.1f} | {row['memory'] / 1e6:.0f} | {row['wrong']}"
-        rows.append(f"| {NAMES[kind]} | {times} | {told} | {figures} |")
-    slices = [f"- `mutations.py {s['line']}`, {s['minutes']:.0f} minutes, {s['turns']}" for s in data["slices"]]
-    wrong = [f"- {text}" for text in data["wrong"]]
-    return "\n".join(
-        [
-            "# Texts and command lines garbled at random",
-            "",
-            f"On {os.cpu_count()} cores that others used too, {platform.system()} {platform.machine()},",
-            f"Python {platform.python_version()}:",
-            "",
-            *slices,
-            "",
-            f"Wrong is a traceback, a crash, more than {READ_WITHIN:g} s of processor time or {MOST_MEMORY / 1e9:g} GB",
-            f"to read a text, more than {RUN_WITHIN:g} s to run one of at most {FEW} variants, a failure without a",
-            "word, a message of more than 3000 characters, and code in a text that is carried out.",
-            "",
-            "| what | times | what came of it | longest, s of processor | memory, MB | wrong |",
-            "|---|---|---|---|---|---|",
-            *rows,
-            "",
-            *(["", "What went wrong:", "", *wrong] if wrong else []),
-            "",
-        ]
-    )
+        rows.append(f"| {NAMES[kind]} | {times} | {tally.ways(kind)} | {figures} |")
+    words = f"""Wrong is a traceback, a crash, more than {READ_WITHIN:g} s of processor time or {MOST_MEMORY / 1e9:g} GB
+to read a text, more than {RUN_WITHIN:g} s to run one of at most {FEW} variants, a failure without a
+word, a message of more than 3000 characters, and code in a text that is carried out.
+
+| what | times | what came of it | longest, s of processor | memory, MB | wrong |
+|---|---|---|---|---|---|"""
+    return tally.text("Texts and command lines garbled at random", "mutations.py", words, rows)
 
 
 if __name__ == "__main__":

@@ -186,21 +186,6 @@ def test_python__runs(folder, monkeypatch):
     matplotlib.pyplot.close("all")
 
 
-def test_formulas__work_as_the_guide_says(folder):
-    """The spring of the buffer is met on the way out, over 10 mm of the 250 mm that the piston reaches."""
-    scene = read_scene(folder / "compressor_formulas.toml")
-    asked = ["rings.moment.mean", "buffer.moment.mean", "fan.moment.mean"]
-    outcome = Machine(scene, asked, varied=["forces.buffer.numbers.x0"]).evaluate(
-        {"forces.buffer.numbers.x0": np.array([0.24, 0.245])}
-    )
-    assert (outcome.status == Verdict.OK).all()
-    turn, rings, stop, fan = 2 * np.pi, *(outcome.summaries[name] for name in asked)
-    # There and back over the stroke of 100 mm.
-    np.testing.assert_allclose(rings, -2 * 0.1 * (40 + 120 / 3) / turn, rtol=1e-12)
-    np.testing.assert_allclose(stop, -0.5 * 8e3 * np.array([0.01, 0.005]) ** 2 / turn, rtol=1e-11)
-    np.testing.assert_allclose(fan, -1 - 3e-4 * (10 * np.pi) ** 2, rtol=1e-13)
-
-
 @pytest.mark.parametrize("chapter", HOSTS)
 def test_fragments__are_understood_in_a_scene(chapter, tmp_path):
     found = blocks("toml fragment", GUIDE[chapter])

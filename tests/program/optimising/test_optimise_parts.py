@@ -19,7 +19,6 @@ from sweeps.optimising.optimum import choices, front
 from sweeps.optimising.pareto import pareto_front
 from sweeps.optimising.trials import Trials
 from sweeps.page.digest import Digest
-from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.sweep.front_picture import front_picture
 from sweeps.pictures.sweep.result_pictures import result_pictures, sweep_data
 from sweeps.study.sampling import Columns, Design, Linear, Listed, Logarithmic, Sampled
@@ -165,27 +164,6 @@ def test_command__tells_the_best_what_holds_it_and_its_files(folder):
     assert read_study("best.toml").scene.input.length == pytest.approx(0.045, rel=1e-6)
 
 
-def test_command__goes_on_where_it_was_interrupted(folder):
-    study_of(folder, ASKED)
-
-    def stop(self: object, done: int, before: int, words: str) -> None:
-        assert words.startswith("objective_1 ") or done == before == 0
-        if done == 5:
-            raise KeyboardInterrupt
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("sweeps.run.progress.ProgressBar.update", stop)
-        assert said("optimise", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 1
-    shown = said("show", "r.candidates.part.h5").stdout.splitlines()[0]
-    assert shown == "Which crank?: 50 of 80 variants done; run the study again to resume"
-    done("optimise", "study.toml", "--no-plots", "--out", "r.h5")
-    done("optimise", "study.toml", "--no-plots", "--out", "r.h5")
-    study_of(folder, ASKED.replace("= 8", "= 9"))
-    another = said("optimise", "study.toml", "--no-plots", "--out", "r.h5", "--quiet")
-    assert another.exit_code == 0
-    assert another.stderr == "The previous r.h5 is kept as r.previous.h5.\n"
-
-
 def test_command__shows_a_front_from_its_first_objective_on(folder):
     study_of(folder, TWO.replace("= 40\n", "= 12\n"))
     answer = done("optimise", "study.toml", "--out", "f.h5", "--quiet")
@@ -218,14 +196,6 @@ def test_picture__shows_the_front_and_its_chosen_machines_to_one_scale(tmp_path)
     assert "mm²" in top.get_xlabel()
     np.testing.assert_allclose(drawn.get_xdata(), 1e6 * result.columns["objective_1"][front(result)], rtol=1e-15)
     assert result_pictures(result, tmp_path / "again.png") == [tmp_path / "again.png"]
-
-
-def test_picture_of_an_empty_front__is_refused(tmp_path):
-    asked = TWO.replace("= 40\n", "= 8\n") + "where = \"ram.stroke < '1 mm'\"\n"
-    result = searched(tmp_path, asked)
-    assert not front(result).size
-    with pytest.raises(PictureError, match="there is no front to draw"):
-        front_picture(result, sweep_data(result, ())[0])
 
 
 # Conditions on what is derived
@@ -295,15 +265,3 @@ def test_pareto_front__as_by_comparing_all_pairs(data):
     minimise = data.draw(st.lists(st.booleans(), min_size=objectives, max_size=objectives))
     values = np.array(rows).reshape(-1, objectives)
     assert pareto_front(values, minimise).tolist() == brute_force_front(values, minimise).tolist()
-
-
-def test_pareto_front_of_a_million_points__the_known_front():
-    rng = np.random.default_rng(7)
-    x = rng.random(1_000_000)
-    values = np.column_stack([x, 1 - x + rng.exponential(size=x.size)])
-    front = np.linspace(0, 1, 50)
-    values[:50] = np.column_stack([front, 1 - front - 1e-3])
-    found = np.flatnonzero(pareto_front(values, [True, True]))
-    # Any other point lies above the line x + y = 1, the fifty 0.001 below it, 1/49 apart.
-    assert set(range(50)) <= set(found)
-    assert (values[found].sum(axis=1) < 1 + 1 / 49).all()

@@ -169,7 +169,7 @@ def test_page__names_within_it_stand_once(page):
     assert len(ids) == len(set(ids)) > 10
 
 
-def test_page__scene_is_computed_first(tmp_path, page):
+def test_page__scene_is_computed_first(tmp_path, page, blank_pictures):
     scene = tmp_path / "scene.toml"
     scene.write_text(SCENE)
     done("report", str(scene))
@@ -184,9 +184,13 @@ def test_page__scene_is_computed_first(tmp_path, page):
 # The machine in motion, and the variants, as data
 
 
-def data_of(page: Path, name: str) -> dict:
-    (found,) = re.findall(rf'<script type="application/json" id="{name}">(.*?)</script>', page.read_text("utf8"))
+def data_in(text: str, name: str) -> dict:
+    (found,) = re.findall(rf'<script type="application/json" id="{name}">(.*?)</script>', text)
     return json.loads(found)
+
+
+def data_of(page: Path, name: str) -> dict:
+    return data_in(page.read_text("utf8"), name)
 
 
 def best_crank(result: Path) -> float:
@@ -213,7 +217,7 @@ def test_page__carries_machines_of_other_variants_in_the_order_of_merit(page, re
     assert len(numbers) == len(set(numbers))
 
 
-def test_page__carries_the_front_of_a_search(tmp_path, monkeypatch):
+def test_page__carries_the_front_of_a_search(tmp_path, blank_pictures, monkeypatch):
     monkeypatch.setattr(digest_module, "MOST_BEST", 1)
     monkeypatch.setattr(digest_module, "MOST_SAMPLED", 5)
     found = searched(tmp_path, TWO.replace("population = 40", "population = 8").replace("= 40", "= 3"))
@@ -437,13 +441,10 @@ def test_acting_characters_of_a_foreign_result__are_spelled_out(result, folder):
         text = file.read_text("utf8").replace("\r\n", "\n")
         text = re.sub(r"<script>.*?</script>", "", text, flags=re.S) if file.suffix == ".html" else text
         assert not (found := ACTS.search(text)), (file.name, text[max(found.start() - 60, 0) : found.end() + 20])
-    page = (folder / "page.html").read_text("utf8")
-    assert "\\u202egnp.exe" in page
-    (data,) = re.findall(r'<script type="application/json" id="variants">(.*?)</script>', page)
-    columns = json.loads(data)["columns"]
+    assert "\\u202egnp.exe" in Path("page.html").read_text("utf8")
+    columns = data_of(Path("page.html"), "variants")["columns"]
     texts = [text for column in columns for text in (column["name"], column["label"], *column["lines"])]
-    (motion,) = re.findall(r'<script type="application/json" id="motion">(.*?)</script>', page)
-    texts += [machine["name"] for machine in json.loads(motion)["machines"]]
+    texts += [machine["name"] for machine in data_of(Path("page.html"), "motion")["machines"]]
     assert any("gnp.exe" in text for text in texts)
     assert not any(ACTS.search(text) for text in texts)
 

@@ -2,7 +2,6 @@
 
 import contextlib
 import http.client
-import json
 import re
 import signal
 import subprocess
@@ -13,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from commands import ROOT, refused
-from test_page import BROWSER, QUIET, in_browser
+from test_page import BROWSER, QUIET, data_in, in_browser
 
 from sweeps.cli.named_machine import machine_of
 from sweeps.cli.shared import foreseen_errors
@@ -67,8 +66,7 @@ def replaced(path: Path, old: str, new: str) -> None:
 
 def crank_of(text: str) -> float:
     """Length of the crank in the drawing of a page [m]: half the size of the path of A."""
-    (found,) = re.findall(r'<script type="application/json" id="motion">(.*?)</script>', text)
-    machine = json.loads(found)["machines"][0]
+    machine = data_in(text, "motion")["machines"][0]
     across = machine["points"]["A"][::2]
     return 0.5 * (max(across) - min(across)) * machine["unit"]
 
@@ -114,11 +112,6 @@ def test_page__with_regimes_says_what_draws_them(tmp_path):
     path = tmp_path / "press.toml"
     path.write_text(template_text("press_with_motor"), encoding="utf8")
     assert "sweeps plot press.toml draws the regimes: start, work, stop." in watched(path).text
-
-
-def test_page__of_a_machine_that_cannot_be_assembled_says_so(scene):
-    replaced(scene, '"160 mm"', '"10 mm"')
-    assert "assemble" in watched(scene).message
 
 
 def test_page__follows_the_files_that_the_scene_names(tmp_path, scene):

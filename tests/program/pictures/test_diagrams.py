@@ -1,7 +1,6 @@
 """Diagrams of one machine: the engine's rows, Wittenbauer's tangents, dead centres, motion, shaking forces."""
 
 import math
-from pathlib import Path
 from xml.etree import ElementTree
 
 import machines
@@ -11,17 +10,13 @@ from drawn_machines import four_bar, scotch_yoke, slider_crank, sliding_input
 from each_case import refusals
 from machines import crank, rrp
 
-import sweeps
 from engine import Machine, MovingMachine, Scene, balance, quantity_text
-from sweeps.pictures.machine.cycle_rows import main_slider
 from sweeps.pictures.machine.cycle_sheets import indicator_diagrams, motion_of_part
 from sweeps.pictures.machine.diagrams import diagrams
 from sweeps.pictures.machine.hodographs import hodographs, order_sizes, shaking_force
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import save
-from sweeps.text.scene_text import read_scene
 
-TEMPLATES = Path(sweeps.__file__).parent / "templates"
 AIR = {"type": "compressor", "piston": "piston", "bore": 0.09, "clearance": 0.06, "suction": 1e5, "discharge": 6e5}
 COMPRESSOR = slider_crank(title="Compressor", cylinders={"air": AIR}, flywheel={"speed_fluctuation": 0.04})
 
@@ -50,17 +45,6 @@ def test_diagrams__six_panels_with_the_engine_s_rows(tmp_path):
     assert title == f"δ = {quantity_text(delta, '1')}, mean {mean}"
 
 
-@pytest.mark.parametrize("template", ["motion/press_with_motor", "linkages/slider_crank"])
-def test_flywheel_of_a_machine_in_numpy__is_that_of_compiled_code(template):
-    """Given, or needed for a fluctuation; the load of the press jumps."""
-    scene = read_scene(TEMPLATES / f"{template}.toml")
-    names = ["flywheel_wittenbauer", "flywheel_used", "speed_fluctuation"]
-    outcome, moving = Machine(scene, names).evaluate({}), MovingMachine(scene)
-    assert [moving.summary(name) for name in names] == pytest.approx(
-        [outcome.summaries[n][0] for n in names], rel=1e-10
-    )
-
-
 def test_mean_moment__is_that_of_the_cycle_where_the_load_jumps():
     """10 N m over 100.2 of 360 degrees; the mean of rows half a degree apart would be that of 100 or 100.5."""
     load = {"type": "formula", "on": "crank", "moment": "-m if phi > begin and phi < end else 0 * m"}
@@ -80,26 +64,6 @@ def test_tangents__touch_the_loop_from_outside_with_the_slopes_of_the_speeds():
         assert slope == pytest.approx(0.5 * 6.0**2 * (1 + sign * 0.02) ** 2)
         above = sign * (y0 + slope * (inertia - x0) - work)
         assert above.min() == pytest.approx(0, abs=1e-9 * np.ptp(work))
-
-
-def test_loop__has_arrows_in_the_sense_of_the_cycle():
-    axes = diagrams(COMPRESSOR).axes[4]
-    inertia, work = axes.lines[0].get_data()
-    arrows = [text for text in axes.texts if text.arrow_patch is not None]
-    assert len(arrows) == 4
-    for arrow in arrows:
-        tail, tip = (np.argmin(np.hypot(inertia - x, work - y)) for x, y in (arrow.get_position(), arrow.xy))
-        assert 0 < tip - tail < 20
-
-
-def test_dead_centres__marked_where_the_in_line_slider_has_them():
-    axes = diagrams(COMPRESSOR).axes[0]
-    assert main_slider(COMPRESSOR) == "piston"
-    marked = sorted(line.get_xdata()[0] % 360 for line in axes.lines[1:])
-    # A dead centre at 0 may be found at 360 less a rounding.
-    assert [min(m, abs(m - 360)) for m in marked] == pytest.approx([0, 180], abs=1e-6) or marked == pytest.approx(
-        [180, 360], abs=1e-6
-    )
 
 
 def test_diagrams_without_cycle__four_panels_over_the_displacement():

@@ -79,16 +79,6 @@ def test_stand__on_the_side_where_its_link_is_not(mode):
     assert (np.sign(height) == mode).all()
 
 
-def test_slider__rectangle_along_its_guide():
-    drawn = primitives(slider_crank(angle=0.5), 1.0)
-    (box,) = boxes(drawn)
-    joint = circle(drawn, "B")
-    assert abs(sum(box.points) / 4 - joint.points[0]) < EXACT
-    along = box.points[1] - box.points[0]
-    assert is_parallel(along, complex(math.cos(0.5), math.sin(0.5)))
-    assert abs(along) == pytest.approx(2 * HALF_LENGTH * joint.size)
-
-
 def of_slider(word, angle):
     """Corners of a slider's outlines from its joint, along the guide and across it, in hinge radii."""
     group = rrp("B", ("rod", "A", 0.2), word, "way")
@@ -214,15 +204,6 @@ def test_slider_on_moving_guide__sleeve_turned_with_its_carrier():
     assert sum(p.fill == "solid" and p.layer == "links" for p in drawn) == 2
 
 
-def test_slider_beside_a_moving_guide__on_a_rod_through_its_joint():
-    drawn = primitives(on_moving_guide(offset=0.02), 1.0)
-    f = circle(drawn, "F").points[0]
-    (sleeve,) = boxes(drawn)
-    bars = [p.points for p in drawn if p.kind == "line" and p.layer == "links"]
-    rods = [(a, b) for a, b in bars if is_parallel(b - a, long_side(sleeve))]
-    assert any(abs(((f - a) / (b - a)).imag) < 1e-9 and 0 < ((f - a) / (b - a)).real < 1 for a, b in rods)
-
-
 def test_gears__pitch_circles_touch_in_the_ratio_of_speeds():
     drawn = primitives(geared_five_bar(ratio=-2.0), 1.0)
     one, two = [p for p in drawn if p.layer == "pitch"]
@@ -292,15 +273,6 @@ def test_arrows_of_second_inputs__ahead_of_them_by_the_laws_and_none_at_rest(spe
             along = (tip - tail) * np.exp(-0.3j)
             assert abs(along.imag) < EXACT
             assert along.real * slides * speed > 0
-
-
-def test_arrow_of_second_input_on_the_cranks_pin__turns_by_its_law_against_the_crank():
-    # It turns back by half a turn of the crank's, so forward in the frame.
-    scene = {"points": {"O": {"x": 0, "y": 0}, "T": {"link": "arm", "x": 0.04, "y": 0}}, "input": crank(revolutions=2)}
-    scene |= {"inputs": {"arm": {"type": "crank", "pivot": "A", "ratio": -0.5}}}
-    drawn = primitives(Scene.model_validate(scene), 1.0)
-    _, arc = [np.array(p.points) for p in drawn if p.layer == "names" and p.kind == "line"]
-    assert np.all(np.diff(np.unwrap(np.angle(arc - 0.05 * np.exp(1j)))) < 0)
 
 
 def test_paths__closed_curve_and_a_to_and_fro_drawn_once():
@@ -463,15 +435,6 @@ def test_rack_that_a_slider_carries__reaches_from_its_stem_to_the_pinion():
     bar, (joint,) = along_bar(scene, "B")
     assert min(bar) < joint.real < max(bar)
     assert min(bar) < 0.6 < max(bar)
-
-
-def test_rack_with_points_far_off__carries_them():
-    points = {"O": frame(0.0, 0.0), "E": {"link": "table", "x": 0.4, "y": 0.0}}
-    pinion = {"guide": "way", "pivot": "B", "radius": 0.03}
-    rack = {"pinion": "wheel", "pivot": "B", "guide": "way", "radius": -0.03}
-    parts = {"points": points, "pinions": {"wheel": pinion}, "racks": {"table": rack}}
-    bar, (end,) = along_bar(Scene.model_validate(machines.slider_crank(**parts)), "E")
-    assert min(bar) < end.real < max(bar)
 
 
 def test_path_that_is_wanted__is_drawn_with_its_places():

@@ -3,20 +3,18 @@
 import csv
 import math
 from functools import cache
-from itertools import pairwise
 
 import numpy as np
 import pytest
 from drawn_machines import slider_crank
 
 from engine import Machine, Verdict, history, quantity_text, show_units
-from sweeps.pictures.machine.motion_diagrams import MOST_INSTANTS, _thinned, courses, cycle_diagrams, history_diagrams
+from sweeps.pictures.machine.motion_diagrams import MOST_INSTANTS, _thinned, cycle_diagrams, history_diagrams
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.picture_files import machine_pictures
 from sweeps.report.files.data_files import write_table
 from sweeps.report.files.exports import history_table
 from sweeps.report.regime_words import failure_text
-from sweeps.text.scene_text import with_values
 
 RPM = 30 / math.pi
 MOMENTS = {
@@ -125,15 +123,6 @@ def test_cycle_sheet__marks_mean_speed_and_fluctuation():
     assert axes[0].lines[0].get_xdata()[[0, -1]] == pytest.approx([0, 360])
 
 
-def test_cycle_sheet_of_a_clockwise_machine__counts_downwards():
-    scene = with_values(SCENE, {"input.speed": -6.0})
-    axes = cycle_diagrams(scene, history(scene), "work").axes
-    line = axes[0].lines[0]
-    assert line.get_xdata()[[0, -1]] == pytest.approx([0, -360])
-    assert line.get_ydata().max() < 0
-    assert axes[0].lines[1].get_ydata()[0] < 0
-
-
 def test_machine_that_does_not_start__is_a_page_that_says_why():
     scene = machine(moments=MOMENTS | {"rub": {"type": "against_motion", "on": "crank", "moment": 30.0}})
     seen = history(scene)
@@ -177,15 +166,6 @@ def test_long_row__keeps_its_extremes_when_thinned():
     assert _thinned(short, short)[1] is short
 
 
-def test_courses__begin_each_regime_at_zero_and_go_on_with_the_works():
-    parts = courses(seen())
-    assert [part.name for part in parts] == ["start", "work", "stop"]
-    for before, after in pairwise(parts):
-        assert after.time[0] == 0
-        works = [part.rows["works"] for part in (before, after)]
-        assert all(row[0] == works[0][key][-1] for key, row in works[1].items() if key != "energy")
-
-
 # As a table
 
 
@@ -216,12 +196,3 @@ def test_table_of_the_history__holds_the_equation_of_motion(tmp_path):
     left = (inertia + 0.5) * epsilon[shared] + 0.5 * slope * omega[shared] ** 2
     # Both sides are sums of a few terms of at most 20 N·m in rounding.
     assert left == pytest.approx(moment[chosen][shared], abs=1e-10)
-
-
-def test_history_of_a_sized_flywheel__keeps_the_required_fluctuation():
-    scene = machine(flywheel={"speed_fluctuation": 0.02})
-    seen = history(scene)
-    speed = seen.speed[seen.regime == "work"]
-    # Extremes at nodes miss the true ones by the square of half a step.
-    assert 2 * np.ptp(speed) / (speed.max() + speed.min()) == pytest.approx(0.02, rel=1e-3)
-    assert cycle_diagrams(scene, seen, "work").axes[0].get_title().startswith("δ = 0.02, ")

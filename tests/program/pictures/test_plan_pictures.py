@@ -10,26 +10,22 @@ from commands import done
 from drawn_machines import crank, four_bar
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from machines import chain
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.text import Text
 from plan_machines import MACHINES, MECHANISMS, cycle_of
 
-from engine import FRAME, Machine, Scene
-from engine.scene.pairs import pairs
+from engine import Machine, Scene
 from sweeps.pictures.drawing.racks import rack_shapes
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.plans.bearing_loads import bearing_load, least_loaded, load_polar, shares
+from sweeps.pictures.plans.bearing_loads import bearing_load, least_loaded, shares
 from sweeps.pictures.plans.files import bearing_pictures, plan_pictures, reaction_pictures
 from sweeps.pictures.plans.forces.force_plan import force_plan, force_polygon
 from sweeps.pictures.plans.forces.free_body import LONGEST, free_body
 from sweeps.pictures.plans.kinematic_plans import draw_plan
 from sweeps.pictures.plans.mechanism_plan import mechanism_plan
-from sweeps.pictures.plans.paper import Paper, round_scale
+from sweeps.pictures.plans.paper import round_scale
 from sweeps.pictures.plans.polygons import accelerations, velocities
 from sweeps.pictures.plans.pose import MachineCycle
-from sweeps.pictures.plans.sheets import kinematic_sheet
 from sweeps.pictures.style import BLUE, MM_PER_INCH
 from sweeps.study.bundled import bundled_studies
 from sweeps.text.scene_text import read_scene
@@ -62,36 +58,6 @@ def test_load_of_a_heavy_wheel__stands_in_the_frame_and_turns_in_the_shaft():
     assert shares(shaft) == pytest.approx(np.full(360, 1 / 36), abs=1.01 / 720)
     # The middle of 240 whole degrees.
     assert least_loaded(frame) == pytest.approx(math.radians(270.5))
-
-
-@pytest.mark.parametrize("name", ["stephenson_six_bar", "crank_shaper", "sliding input"])
-def test_bearing_loads__one_magnitude_in_all_axes_and_opposite_on_the_two_links(name):
-    cycle = cycle_of(name)
-    for pair in pairs(cycle.scene):
-        if pair.kind != "revolute":
-            continue
-        frame, own = (bearing_load(cycle, pair.name, axes) for axes in (FRAME, pair.link))
-        assert np.allclose(np.abs(own.force), np.abs(frame.force), rtol=1e-12)
-        assert abs(frame.force[frame.peak]) == pytest.approx(np.abs(frame.force).max(), rel=1e-15)
-        # Each position lies within 10° of ten whole degrees.
-        assert shares(own).sum() == pytest.approx(10.0)
-        if pair.other != FRAME:
-            other = bearing_load(cycle, pair.name, pair.other)
-            assert other.on == pair.other
-            assert np.allclose(other.force * cycle.motion.axes(pair.other)[1], -frame.force, rtol=1e-12)
-
-
-@pytest.mark.parametrize("name", ["stephenson_six_bar", "crank_shaper"])
-def test_marks_of_bearing_loads__none_on_another(name):
-    cycle = cycle_of(name)
-    figure = Figure(figsize=(7, 7), dpi=100)
-    for k, pair in enumerate([pair for pair in pairs(cycle.scene) if pair.kind == "revolute"][:4]):
-        axes = figure.add_subplot(2, 2, k + 1, projection="polar")
-        load_polar(bearing_load(cycle, pair.name), axes)
-        figure.draw_without_rendering()
-        boxes = [text.get_window_extent() for text in axes.texts if text.get_text().startswith("φ")]
-        assert boxes
-        assert not any(one.overlaps(two) for one, two in combinations(boxes, 2))
 
 
 def test_bearing_load_of_a_guide__refused():
@@ -184,14 +150,6 @@ def test_free_body__an_arrow_for_each_load_none_longer_than_the_longest():
     assert {text.get_text() for text in ax.texts} >= {load.text for load in loads}
 
 
-def test_paper__a_vector_too_short_to_be_seen_left_out():
-    ax = axes_on_paper()
-    paper = Paper(ax, [0j, 100 + 0j])
-    paper.arrow(0j, 0.3 * paper.per_mm + 0j, "short", "black")
-    paper.letter()
-    assert not ax.texts
-
-
 # Files
 
 
@@ -221,31 +179,6 @@ def test_bearing_pictures__those_named_once_each(tmp_path, blank_pictures):
     assert [path.name for path in made] == ["a_bearing_drive_inner.svg", "a_bearing_input.svg"]
     with pytest.raises(PictureError, match="input is unloaded"):
         bearing_pictures(four_bar(), tmp_path / "b.svg", ["input"])
-
-
-def test_plan_pictures_of_many_bearings__those_that_bear_most(tmp_path, blank_pictures, monkeypatch):
-    scene = MACHINES["slider_crank"]
-    monkeypatch.setattr("sweeps.pictures.plans.files.MOST_BEARINGS", 1)
-    drawn = [path.stem for path in plan_pictures(scene, tmp_path / "a.svg") if "bearing" in path.stem]
-    bearings = ("input", "drive.inner", "drive.first")
-    peaks = {pair: np.abs(bearing_load(MachineCycle(scene), pair).force).max() for pair in bearings}
-    assert drawn == [f"a_bearing_{max(peaks, key=peaks.get).replace('.', '_')}"]
-
-
-def test_values_of_many_points__in_a_strip_under_the_plan_clear_of_the_notes():
-    few = kinematic_sheet(cycle_of("four_bar").at(1.0), "acceleration")
-    many = kinematic_sheet(MachineCycle(Scene.model_validate(chain(1, 6, in_series=True))).at(1.0), "acceleration")
-    assert many.get_size_inches()[1] > few.get_size_inches()[1]
-    texts = [
-        text for text in many.findobj(Text) if text.get_transform() is many.transSubfigure and text.get_fontsize() < 8
-    ]
-    boxes = [text.get_window_extent() for text in texts]
-    lowest = min(ax.get_window_extent().y0 for ax in many.axes)
-    for box in boxes:
-        assert 0 <= box.x0 < box.x1 <= many.bbox.x1
-        assert 0 <= box.y0 < box.y1 <= lowest
-    for one, two in combinations(boxes, 2):
-        assert not one.overlaps(two)
 
 
 def test_plot_with_plans__made_at_the_first_angle_asked(folder, monkeypatch):

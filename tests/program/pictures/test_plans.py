@@ -1,19 +1,28 @@
 """Plans as numbers: vectors against derivatives of positions, polygons that close, links in equilibrium."""
 
+import cmath
 import math
+from functools import cache
 
 import numpy as np
 import pytest
 from drawn_machines import slider_crank
 from each_case import each
-from plan_machines import CLOSED, HIGHER, MACHINES, cycle_of, moment_about, poses
+from geared_links import CRANK
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+from plan_machines import CLOSED, HIGHER, MACHINES, cycle_of, moment_about, poses, rubbing
+from rubbing_machines import RHO, press, yoke
 
-from engine import Machine, MovingMachine
+from engine import Scene
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.plans.forces.force_plan import force_polygon
+from sweeps.pictures.plans.files import plan_pictures
+from sweeps.pictures.plans.forces.force_plan import force_lines, force_polygon
+from sweeps.pictures.plans.forces.free_body import free_body
 from sweeps.pictures.plans.forces.loads import group_loads, loads_on_links
 from sweeps.pictures.plans.polygons import accelerations, velocities
 from sweeps.pictures.plans.pose import MachineCycle
+from sweeps.pictures.plans.sheets import force_sheet
 
 # A plan adds a few vectors of the engine's, each good to some tens of roundings of the largest in it.
 EXACT = 1e-12
@@ -136,39 +145,178 @@ def test_force_plan_of_a_group__without_its_inner_pair_and_reactions_last():
     assert [load.text for load in loads] == [f"${s}$" for s in ("G_{2}", "U_{2}", "G_{3}", "U_{3}", "R_{03}", "R_{12}")]
 
 
-def acting(cycle, action, k):
-    """Force or moment of an action on the link that it is described for."""
-    found = [force for force in cycle.link_forces if (force.kind, force.name) == ("load", action)]
-    own = [force for force in found if (force.link, force.source) == (found[0].link, found[0].source)]
-    return sum((force.moment if force.force is None else force.force)[k] for force in own)
-
-
-@each("name", MACHINES)
-def test_acting_forces__their_power_is_their_reduced_moment(name):
-    cycle, scene = cycle_of(name), MACHINES[name]
-    known = Machine(scene).available_fields
-    actions = [field.removesuffix(".force_x") for field in known if field.endswith(".force_x")]
-    moments = [field.removesuffix(".acting_moment") for field in known if field.endswith(".acting_moment")]
-    fields = [f"{action}.moment" for action in (*actions, *moments)]
-    reduced = MovingMachine(scene, positions=720).fields(fields)
-    for pose in poses(name):
-        for action in actions:
-            if action in scene.forces:
-                velocity = pose.point(scene.forces[action].on).v
-            elif action in scene.springs:
-                a, b = scene.springs[action].between
-                velocity = pose.point(b).v - pose.point(a).v
-            else:
-                velocity = pose.origin(scene.cylinders[action].piston).v
-            power = (acting(cycle, action, pose.k).conjugate() * velocity).real
-            # Two products and a sum of the same numbers in another order.
-            greatest = np.abs(reduced[f"{action}.moment"]).max() * abs(cycle.omega)
-            assert power == pytest.approx(reduced[f"{action}.moment"][pose.k] * cycle.omega, abs=1e-12 * greatest)
-        for action in moments:
-            power = acting(cycle, action, pose.k) * pose.turn(scene.moments[action].on).omega
-            assert power == pytest.approx(reduced[f"{action}.moment"][pose.k] * cycle.omega, rel=1e-12)
-
-
 def test_force_plan_of_what_is_not_there__refused():
     with pytest.raises(PictureError, match=r"'rods' is neither a group nor a moving link.*did you mean 'rod'"):
         force_polygon(cycle_of("slider crank").at(1.0), "rods")
+
+
+# Wheels, racks, cams and second inputs: places followed as positions alone show them, known polygons
+
+
+# Weights of derivatives at the middle of nine nodes (B. Fornberg, 1988).
+FIRST = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
+SECOND = np.array([-1 / 560, 8 / 315, -1 / 5, 8 / 5, -205 / 72, 8 / 5, -1 / 5, 8 / 315, -1 / 560])
+
+
+def link_of(pose, plan, name):
+    """The link that an image is of: it is told of one under another's point, the rest have its number."""
+    if name in plan.under:
+        return plan.under[name]
+    number = int(name[1:])
+    (link,) = [link for link, n in pose.cycle.link_numbers.items() if n == number]
+    cams = {cam.follower.link: cam.on for cam in pose.scene.cams.values()}
+    return cams[link] if name[0] == "C" else link
+
+
+@pytest.mark.parametrize("name", HIGHER)
+def test_images_of_contacts__as_their_links_carry_them(name):
+    """A place kept in the axes of a link is followed over nine nodes, by their positions alone."""
+    checked = 0
+    cycle = cycle_of(name)
+    # None of them within four nodes of where a section of a cam's law ends.
+    for k in (77, 260, 640):
+        pose = cycle.at(cycle.motion.q[k])
+        around = np.arange(k - 4, k + 5)
+        step = cycle.motion.q[1] - cycle.motion.q[0]
+        for order, weights, plan in ((1, FIRST, velocities(pose)), (2, SECOND, accelerations(pose))):
+            for image, vector in plan.images.items():
+                if image.rstrip("'") not in plan.places:
+                    continue
+                origin, along = cycle.motion.axes(link_of(pose, plan, image))
+                kept = (plan.places[image.rstrip("'")] - origin[k]) / along[k]
+                path = origin[around] + kept * along[around]
+                rate = (weights @ path) * (cycle.omega / step) ** order
+                # Links 0.3 m about move with parts of seven periods in a turn at most: ninth and tenth derivatives of
+                # those leave a step⁸ 7⁹/630 and a step⁸ 7¹⁰/3150. A rounding of 1e-16 is divided by the step once or
+                # twice.
+                far = max(abs(path)) + 0.3
+                left = step**8 * 7.0**9 / 630 * (7 / 5) ** (order - 1) + 40 * 1e-16 / step**order
+                assert abs(vector - rate) < left * far * cycle.omega**order, image
+                checked += 1
+    assert checked >= 6
+
+
+def test_wheel_rolling_on_a_circle__acceleration_of_what_touches():
+    """A planet of radius r on a fixed sun R: what touches has ω_p² r R/(r + R), from the sun (Euler and Savary)."""
+    sun, planet = 0.02, 0.03
+    data = {
+        "points": {"O": {"x": 0, "y": 0}},
+        "input": CRANK | {"revolutions": 3},
+        "shafts": {
+            "planet": {
+                "geared_to": "frame", "carrier": "crank", "pivot": "A", "ratio": -sun / planet, "inertia": 0.001,
+            }
+        },
+    }  # fmt: skip
+    pose = MachineCycle(Scene.model_validate(data)).at(0.7)
+    turn, u = pose.cycle.omega * (1 + sun / planet), cmath.exp(1j * pose.motion.q[pose.k])
+    assert pose.turn("planet").omega == pytest.approx(turn, rel=EXACT)
+    assert abs(velocities(pose).images["P2"]) < EXACT
+    expected = turn**2 * planet * sun / (planet + sun) * u
+    assert accelerations(pose).images["P2"] == pytest.approx(expected, rel=EXACT)
+    (leg,) = [leg for leg in accelerations(pose).legs if leg.start == "P2'"]
+    assert [step.kind for step in leg.steps] == ["normal"]
+
+
+def test_plan_pictures__a_sheet_of_forces_for_what_a_cam_drives(tmp_path, blank_pictures):
+    made = [path.name for path in plan_pictures(HIGHER["roller"], tmp_path / "a.svg", 1.0)]
+    assert made == [
+        "a_velocity.svg", "a_acceleration.svg", "a_forces_crank.svg", "a_forces_tappet.svg", "a_reactions.svg",
+        "a_bearing_input.svg",
+    ]  # fmt: skip
+
+
+# Friction in the pairs: links in equilibrium, friction circles, friction angles, edges
+
+
+# All kinds of groups, shafts, both kinds of inputs, guides that move; some sliders tilt.
+RUBBING = [("PRP", 0.02), ("turning yoke", None), ("geared five-bar", None), ("sliding input", 0.06)]
+
+
+@cache
+def poses_of(name, length):
+    cycle = MachineCycle(rubbing(name, length))
+    return [cycle.at(cycle.motion.q[k]) for k in (77, 301, 655)]
+
+
+def press_at_one(coefficient):
+    return MachineCycle(Scene.model_validate(press(coefficient))).at(1.0)
+
+
+def distance(point, load):
+    """Of a point from the line of a force, positive to its left [m]."""
+    return ((point - load.at) * load.force.conjugate()).imag / abs(load.force)
+
+
+# Equilibrium
+
+
+@pytest.mark.parametrize(("name", "length"), RUBBING)
+def test_loads_with_friction__every_link_in_equilibrium_and_every_force_plan_closed(name, length):
+    for pose in poses_of(name, length):
+        assert_in_equilibrium(pose)
+        assert_closed(pose, (*pose.scene.groups, *pose.cycle.structure.links))
+
+
+def test_force_plan_of_a_group__has_friction_beside_its_reaction():
+    pose = poses_of("turning yoke", None)[0]
+    assert [load.text for load in group_loads(pose, "h")][-3:] == ["$R_{35}$", r"$F_{\mathrm{f}35}$", "$R_{04}$"]
+
+
+# Lines of reactions
+
+
+def test_reactions_of_a_massless_rod__on_one_line_that_touches_both_friction_circles():
+    pose = press_at_one(0.15)
+    a, b = (pose.motion.points[name][pose.k] for name in "AB")
+    at_a, at_b = loads_on_links(pose)["rod"]
+    # Radii of some 2 mm as differences of places of some 400 mm.
+    roundings = 1000 * np.finfo(float).eps
+    assert at_a.force == pytest.approx(-at_b.force, rel=1e-13)
+    for load in (at_a, at_b):
+        assert abs(distance(a, load)) == pytest.approx(RHO["A"], rel=roundings)
+        assert abs(distance(b, load)) == pytest.approx(RHO["B"], rel=roundings)
+    assert (at_a.rho, at_b.rho) == pytest.approx((RHO["A"], RHO["B"]), rel=1e-12)
+    # The rod turns clockwise on the crank and on the slider: friction turns it the other way.
+    assert pose.turn("rod").omega < 0 < pose.turn("crank").omega
+    assert distance(a, at_a) > 0
+    assert distance(b, at_b) > 0
+
+
+def test_force_of_a_guide__leans_by_the_friction_angle_against_the_motion():
+    f = 0.15
+    pose = press_at_one(f)
+    own = [load for load in loads_on_links(pose)["ram"] if load.pair == "drive.second"]
+    normal, friction = (load for load in own if not load.is_moment)
+    assert friction.is_friction
+    assert abs(cmath.phase((normal.force + friction.force) / normal.force)) == pytest.approx(math.atan(f), rel=1e-12)
+    assert pose.slide("ram")[0] * friction.force.real < 0
+
+
+def test_short_slider_with_an_overhung_load__bears_on_both_edges():
+    f, length = 0.3, 0.12
+    pose = MachineCycle(Scene.model_validate(yoke(length, f))).at(1.0)
+    front, rear, friction = (load for load in loads_on_links(pose)["yoke"] if load.pair == "g.second")
+    assert front.at - rear.at == pytest.approx(length, rel=1e-12)
+    assert front.force == pytest.approx(-rear.force, rel=1e-12)
+    assert abs(friction.force) == pytest.approx(f * (abs(front.force) + abs(rear.force)), rel=1e-12)
+    assert {load.text for load in (front, rear)} == {r"$R^{\prime}_{03}$", r"$R^{\prime\prime}_{03}$"}
+
+
+# Drawing
+
+
+def test_free_body_with_friction__shows_the_friction_circle_to_scale():
+    ax = Figure(figsize=(5, 5)).add_axes((0, 0, 1, 1))
+    pose = press_at_one(0.15)
+    loads = free_body(pose, "rod", ax)
+    circles = [line for line in ax.lines if len(line.get_xdata()) == 49]
+    radii = sorted((np.ptp(line.get_xdata()) + np.ptp(line.get_ydata())) / 4 for line in circles)
+    assert radii == pytest.approx([RHO["B"], RHO["A"]], rel=1e-12)
+    assert force_lines(loads)[1] == r"$\rho_{12}$ = 3 mm"
+
+
+def test_force_sheet_with_friction__says_what_its_letters_mean():
+    pose = press_at_one(0.15)
+    notes = [text.get_text() for text in force_sheet(pose, "drive").findobj(Text)]
+    assert any(r"\rho_{12}$: radius of the friction circle" in note for note in notes)

@@ -103,12 +103,6 @@ def test_per_minute_as_angular_speed__means_revolutions(text):
     assert to_si(text, "angular_speed") == 2 * math.pi
 
 
-@each("text", ["200 Hz", "200 1/s", "200 s-1", "200 1/h"])
-def test_per_second_as_angular_speed__is_refused_as_ambiguous(text):
-    with pytest.raises(UnitError, match="ambiguous for an angular speed: write rpm or rad/s"):
-        to_si(text, "angular_speed")
-
-
 # Pounds that people write for forces, and hyphens, by what they mean in lbf, in and ft.
 HABITS = {
     "moment": {
@@ -158,6 +152,13 @@ TRAPS = {
         ("60 tons", "force"),
         ("60 ton-ft", "moment"),
     ],
+    "ambiguous for an angular speed: write rpm or rad/s": [
+        *(("200 Hz", "angular_speed"), ("200 1/s", "angular_speed"), ("200 s-1", "angular_speed")),
+    ],
+    '5 has no unit: write "5 deg", or "5 rad"': [("5", "angle")],
+    "pressures are absolute: add 14.696 psi": [("190 psig", "pressure")],
+    "pressures are absolute: add 1.01325 bar": [("13 barg", "pressure")],
+    "unknown unit": [("5 nm", "length"), ("5 kn", "speed"), ("3 cal", "energy"), ("1 P", "pressure")],
     "in one piece, without gaps": [("1 000 mm", "length"), ("1 000", "number")],
     "unknown unit 'mmm': did you mean 'mm'": [("80 mmm", "length")],
     r"did you mean 'mm'\?": [("80 MM", "length")],
@@ -201,31 +202,23 @@ def test_absurd_text__is_a_short_unit_error(text):
         assert len(str(caught.value)) < 400
 
 
-@each("value", [True, False, None, [80], b"80 mm", 1j, np.True_])
-def test_value_neither_number_nor_text__is_refused(value):
+NO_QUANTITIES = {
+    "expected a length such as '80 mm', got ": [True, False, None, [80], b"80 mm", 1j, np.True_],
+    "not a finite": [math.nan, math.inf, -math.inf, 10**400],
+}
+
+
+@each("value, message", [(value, words) for words, values in NO_QUANTITIES.items() for value in values])
+def test_value_that_is_no_quantity__is_refused(value, message):
     for read in (to_si, in_text):
-        with pytest.raises(UnitError, match="expected a length such as '80 mm', got "):
+        with pytest.raises(UnitError, match=message):
             read(value, "length")
 
 
-@each("value", [math.nan, math.inf, -math.inf, 10**400])
-def test_number_not_finite_in_float64__is_refused(value):
-    for read in (to_si, in_text):
-        for dimension in ("length", "number"):
-            with pytest.raises(UnitError, match="not a finite"):
-                read(value, dimension)
-
-
-BOTH = 'write "80 mm", or "80 m" if the SI unit is meant'
-WITHOUT = [(in_text, value, "length", BOTH) for value in (80, "80", " 80 ")]
-WITHOUT += [(in_text, 3.5, "mass", r'^3\.5 has no unit: write "3\.5 kg"$')]
-WITHOUT += [(to_si, "5", "angle", '5 has no unit: write "5 deg", or "5 rad"')]
-
-
-@each("read, value, dimension, message", WITHOUT)
-def test_number_without_unit__is_refused_with_the_ways_to_write_it(read, value, dimension, message):
-    with pytest.raises(UnitError, match=message):
-        read(value, dimension)
+@each("value", [80, "80", " 80 "])
+def test_number_without_unit__is_refused_with_the_ways_to_write_it(value):
+    with pytest.raises(UnitError, match='write "80 mm", or "80 m" if the SI unit is meant'):
+        in_text(value, "length")
 
 
 @each("zero", [0, 0.0, "0", "0.0", "-0"])
@@ -323,7 +316,7 @@ anything = st.one_of(
 )
 
 
-@settings(deadline=None, max_examples=500)
+@settings(deadline=None, max_examples=200)
 @given(anything, st.sampled_from(sorted(DIMENSIONS)))
 @example("1e999999 m", "length")
 @example("1/" + "0" * 50, "number")
@@ -336,12 +329,6 @@ def test_any_input__is_a_finite_float_or_a_unit_error(value, dimension):
             continue
         assert type(number) is float
         assert math.isfinite(number)
-
-
-@each("text", ["5 nm", "5 kn", "3 cal", "1 P"])
-def test_units_that_may_be_taken_for_others__are_not_known(text):
-    with pytest.raises(UnitError, match="unknown unit"):
-        in_any_unit(text)
 
 
 @given(st.lists(st.decimals(-(10**6), 10**6, places=6).map(str), min_size=1), st.sampled_from(["mm", "in", "ft"]))
@@ -364,12 +351,6 @@ def test_fractions__are_read_in_columns_and_give_their_unit():
 def test_flows_of_pumps_and_fans__are_gallons_and_cubic_feet_per_minute():
     assert to_si("60 gpm", "m3 s-1") == float(231 * INCH**3)
     assert to_si("60 cfm", "m3 s-1") == float(FOOT**3)
-
-
-@each("text, atmosphere", [("190 psig", "14.696 psi"), ("13 barg", "1.01325 bar")])
-def test_gauge_pressure__is_refused_with_what_to_add(text, atmosphere):
-    with pytest.raises(UnitError, match=f"pressures are absolute: add {atmosphere}"):
-        to_si(text, "pressure")
 
 
 # Shown
@@ -409,10 +390,16 @@ def test_engineer_unit__as_on_a_drawing(units, largest, factor, label):
         (1 / 3, None, "0.33333"),
         (1 / 3, math.nan, "0.33333"),
         (0.0, 1e-5, "0 ± 1e-05"),
+        (0.0, 1e-12, "0 ± 1e-12"),
+        (0.0, 0.0, "0"),
+        (120.0, 1e-4, "120"),
+        (120.0, 1.3e-4, "120 ± 0.0001"),
     ],
 )
 def test_figure__has_no_digits_beyond_its_error(value, error, shown):
+    """Of errors below a millionth of the value, only those that decide something are shown."""
     assert figure_text(value, error, 5) == shown
+    assert figure_text(120.0, 1e-12, 5, True) == "120 ± 1e-12"
 
 
 def test_quantity__is_rounded_in_the_unit_shown():

@@ -135,11 +135,3 @@ def test_condition__is_checked_when_it_is_read():
         Condition.read("stroke > mass", known)
     with pytest.raises(ExpressionError, match="'stroke' compares nothing; a condition such as 'a < b' is needed here"):
         Condition.read("stroke", known)
-
-
-@pytest.mark.parametrize("text", ["swing > 50", "not (length > '1 m' and 50 < swing)"])
-def test_angle_and_a_number_without_unit__are_not_compared(text):
-    dimensions = dimensions_by_unit({"swing": "rad", "length": "m", "ratio": "1"})
-    with pytest.raises(ExpressionError, match="50 has no unit: write '50 deg' or '50 rad'"):
-        Condition.read(text, dimensions)
-    assert Condition.read("swing > 0 and swing < '50 deg' and ratio > 50", dimensions).text

@@ -11,14 +11,12 @@ from matplotlib.figure import Figure
 from press_texts import slider_crank_text
 from slips import cases
 
-from engine import Machine, Verdict
-from sweeps import InputError, Study, SweepResult, read_scene, read_study, run_study
-from sweeps.optimising.search_runner import optimise_study
+from engine import Verdict
+from sweeps import InputError, Study, SweepResult, read_study, run_study
 from sweeps.pictures.style import VERMILION
 from sweeps.pictures.sweep.maps import curves
 from sweeps.pictures.sweep.result_pictures import sweep_data
 from sweeps.run.blocks import evaluate_block, largest_block
-from sweeps.store import MappedResult
 from sweeps.study import sensitivity
 
 EPS = np.finfo(float).eps
@@ -177,20 +175,6 @@ def test_nonlinear_number__error_of_the_band_holds_the_second_order(tmp_path):
     assert 0.999 * exact <= found["ram.stroke.tolerance_worst_case_error"][0] <= 1.02 * exact
 
 
-def test_product_of_numbers__error_of_the_band_holds_their_joint_effect(tmp_path):
-    both = one_tolerance("bodies.ram_body.mass", "0.2 kg").replace("ram.stroke", "reduced_inertia.mean")
-    c = swept(tmp_path, f'{both}"input.length" = "5 mm"\n').columns
-    machine = Machine(
-        read_scene(tmp_path / "scene.toml"), ["reduced_inertia.mean"], varied=["input.length", "bodies.ram_body.mass"]
-    )
-    heavy = {"input.length": np.array([0.05, 0.055]), "bodies.ram_body.mass": np.array([2.0, 2.2])}
-    given, most = machine.evaluate(heavy).summaries["reduced_inertia.mean"]
-    band, error = (c[f"reduced_inertia.mean.tolerance_worst_case{end}"][0] for end in ("", "_error"))
-    # Linear in the mass, nearly quadratic in the crank: 10 % · 2 · 10 % jointly, and 10 % squared by the crank alone.
-    assert most - given - band == pytest.approx(0.03 * given, rel=0.2)
-    assert most - given - band <= error <= 0.05 * given
-
-
 @pytest.mark.parametrize("half", [20, 43, 45])
 def test_three_tolerances__error_of_the_band_holds_their_joint_effect(half, tmp_path):
     """Of the 130 mm by which the rod is longer than crank and offset, three tolerances leave little, or nothing."""
@@ -224,14 +208,6 @@ def test_curves__show_bands_about_their_summary(tmp_path):
     # Strokes of 80 to 120 mm, ± 2 mm.
     heights = bands[0].get_paths()[0].get_extents()
     assert (heights.ymin, heights.ymax) == (pytest.approx(78, rel=1e-5), pytest.approx(122, rel=1e-5))
-
-
-def test_search__leaves_them_to_its_own_columns(tmp_path):
-    asked = '\n[optimise]\nminimise = "ram.stroke"\npopulation = 8\ngenerations = 2\n'
-    study = study_of(tmp_path, ALL + asked)
-    columns = {column.name for column in MappedResult(optimise_study(study, tmp_path / "o.h5")).described}
-    assert "ram.stroke.tolerance" in columns
-    assert not {"ram.stroke.tolerance_rss", "ram.stroke_high.by.ratio"} & columns
 
 
 # Name | what the study says besides | line and key | words of the message.

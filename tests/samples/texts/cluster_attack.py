@@ -6,7 +6,6 @@ import asyncio
 import os
 import pickle
 import sys
-import urllib.error
 import urllib.request
 from pathlib import Path
 
@@ -50,8 +49,6 @@ def page_of(port: str, seconds: float) -> bool:
     for page in ("", "info/main/workers.html", "json/counts.json", "metrics", "sysinfo", "health"):
         try:
             urllib.request.urlopen(f"http://127.0.0.1:{port}/{page}", timeout=seconds)
-        except (OSError, urllib.error.HTTPError):
-            continue
         except Exception:
             continue
         return True

@@ -12,7 +12,7 @@ from press_sweeps import many, study_of
 from sweeps.store import MappedResult
 
 # Blocks of some ten milliseconds, so that kills fall at all moments.
-COUNT = 500_000
+COUNT = 300_000
 LONG = many(COUNT)
 AGAIN = ("run", "long.toml", "--out", "long.h5", "--no-plots", "--quiet")
 

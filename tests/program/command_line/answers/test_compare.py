@@ -3,7 +3,6 @@
 import os
 from pathlib import Path
 
-import pytest
 from commands import STUDY, done, refused, row, said
 from press_texts import PRESS
 
@@ -18,23 +17,18 @@ def counts_of(text: str) -> str:
     return text[text.index("Summaries, number of variants") :]
 
 
-@pytest.fixture
-def results(press_result):
-    """The study's result, and one with a longer rod and a variant more."""
-    Path("press.toml").write_text(PRESS.replace("200 mm", "210 mm"))
-    Path("study.toml").write_text(STUDY.replace('"100 kg"', '"100 kg", "150 kg"'))
-    done("run", "study.toml", "--no-plots", "--quiet", "--out", "b.h5")
-    return press_result, "b.h5"
-
-
 def test_result_beside_itself__agrees(press_result):
     answer = done("compare", press_result, press_result)
     assert "the same" in answer
     assert row(counts_of(answer), "excess_work")[1:3] == ["8", "0"]
 
 
-def test_results_of_other_machines__differ_where_they_should(results):
-    answer = said("compare", *results)
+def test_results_of_other_machines__differ_where_they_should(press_result):
+    """A longer rod, and a mass more."""
+    Path("press.toml").write_text(PRESS.replace("200 mm", "210 mm"))
+    Path("study.toml").write_text(STUDY.replace('"100 kg"', '"100 kg", "150 kg"'))
+    done("run", "study.toml", "--no-plots", "--quiet", "--out", "b.h5")
+    answer = said("compare", press_result, "b.h5")
     assert answer.exit_code == 1
     assert "groups.slide.first.length: 200 mm and 210 mm" in answer.stdout
     assert "Variants: 8 and 12, 8 in common" in answer.stdout
@@ -77,13 +71,10 @@ def test_value_just_beyond_its_figure__is_outside(press_result):
     assert words[4] == "1:"
 
 
-def test_what_is_no_result__is_refused(press_result):
-    assert "not a sweep result" in refused("compare", press_result, "press.toml")
-
-
 def test_results_without_a_variant_in_common__are_refused(press_result):
     done("run", "press.toml", "--no-plots", "--quiet", "--out", "b.h5")
     assert "nothing to compare" in refused("compare", press_result, "b.h5")
+    assert "not a sweep result" in refused("compare", press_result, "press.toml")
 
 
 def test_best_against_best__says_what_changed_by_how_many_per_cent(press_result):

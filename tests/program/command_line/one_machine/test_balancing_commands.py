@@ -15,7 +15,6 @@ from sweeps.pictures.elements.element_pictures import element_sheet
 from sweeps.pictures.elements.engine_sheet import engine_table
 from sweeps.pictures.sweep.result_pictures import result_pictures
 from sweeps.report.order_table import EngineRow, engine_rows, remaining_orders
-from sweeps.text.scene_text import with_values
 from sweeps.text.templates import bundled_templates
 
 # Tests of pictures look at what is drawn.
@@ -105,14 +104,6 @@ def test_plot_of_elements_beside_a_mechanism__adds_their_pictures(folder):
     assert wrote(done("plot", "both.toml")) == ["both.png", "both_diagrams.png", "both_rotor_plan.png"]
 
 
-def test_throws_of_an_engine__survive_a_text():
-    throws = (0.0, math.pi, math.pi, 0.0)
-    scene = Scene.model_validate({"elements": {"engine": template("engine", throws=throws).model_dump()}})
-    again = with_values(scene, {"elements.engine.stroke": 0.09}).elements["engine"]
-    assert again.throws == throws
-    assert again.stroke == 0.09
-
-
 # The sheet of an engine
 
 
@@ -176,13 +167,6 @@ def test_engine_rows__are_the_layouts_with_lengths_as_multiples():
     assert own.forces.major == pytest.approx(plain.forces.major, abs=36 * 64 * EPS / 2e-4)
     assert own.torque_orders == plain.torque_orders == (2.0, 4.0, 6.0)
     assert row.offset * row.ratio == pytest.approx(0.8 / 140)
-    star = {"layout": "radial", "cylinders": 5, "knuckle_radius": 0.05, "link_rod": 0.09, "gas": None}
-    keys = template("engine").elements["engine"].model_dump(exclude_none=True) | star
-    left_out = "firing_order", "throws", "rod_inertia"
-    keys = {key: value for key, value in keys.items() if value is not None and key not in left_out}
-    (row,) = engine_rows(Scene.model_validate({"elements": {"star": keys}}))
-    radius = row.ratio * 0.14
-    assert (row.master.knuckle_radius * radius, row.master.link_rod * radius) == pytest.approx((0.05, 0.09))
 
 
 # Shaking forces of mechanisms
@@ -229,12 +213,16 @@ def test_at_of_a_crank__is_read_as_degrees_or_with_a_unit(seen):
     assert "for example --at 0,60,120" in refused("plot", "compressor", "--at", "sixty")
 
 
-@pytest.mark.parametrize("ending", ["svg", "dxf"])
-def test_export_of_a_sliding_input__has_a_position_without_asking(ending, rack):
-    assert "Wrote a." in done("export", "rack.toml", "--to", f"a.{ending}")
-    assert "Wrote b." in done("export", "rack.toml", "--to", f"b.{ending}", "--at", "60 mm")
-    # The middle of its range.
-    assert Path(f"a.{ending}").stat().st_size == pytest.approx(Path(f"b.{ending}").stat().st_size, rel=0.01)
+def test_export_of_a_sliding_input__has_a_position_without_asking(rack):
+    for ending in ("svg", "dxf"):
+        assert "Wrote a." in done("export", "rack.toml", "--to", f"a.{ending}")
+        assert "Wrote b." in done("export", "rack.toml", "--to", f"b.{ending}", "--at", "60 mm")
+        # The middle of its range.
+        assert Path(f"a.{ending}").stat().st_size == pytest.approx(Path(f"b.{ending}").stat().st_size, rel=0.01)
+    done("export", "rack.toml", "--to", "table.csv")
+    head, first, second = (line.split(",")[0] for line in Path("table.csv").read_text().splitlines()[:3])
+    assert head == "q [mm]"
+    assert [float(first), float(second)] == pytest.approx([0.0, 120 / 360])
 
 
 # Results without a goal

@@ -6,7 +6,6 @@ import math
 import re
 from pathlib import Path
 
-import numpy as np
 import pytest
 from commands import done, refused, said
 from each_case import each
@@ -17,7 +16,6 @@ from engine import Machine, Scene, Verdict
 from sweeps import SweepResult, read_scene, read_study
 from sweeps.report.regime_words import by_regime, regime_words
 from sweeps.run import blocks, cost
-from sweeps.run.blocks import evaluate_block
 from sweeps.study.default_summaries import telling_summaries
 
 # Tests of pictures look at what is drawn.
@@ -129,10 +127,6 @@ def test_variants_computed_together__are_fewer_where_motion_is_asked(folder, mon
     monkeypatch.setattr(blocks, "MOST_AT_ONCE_IN_MOTION", 2)
     study = read_study("study.toml")
     assert blocks.most_at_once(study, study.machine()) == 2
-    # A longer block is computed in parts.
-    whole, *parts = (evaluate_block(study, study.machine(), slice(*piece)) for piece in ((0, 3), (0, 2), (2, 3)))
-    for name, column in whole.items():
-        np.testing.assert_array_equal(column, np.concatenate([part[name] for part in parts]), name)
 
 
 # run
@@ -189,13 +183,13 @@ too short | speed = "60 rpm"\nat_most = 20 | cycles = 30\nat_most = 20 | NO_END 
 """)
 
 
-@pytest.mark.parametrize("case", FAILURES)
+@each("case", FAILURES)
 def test_motion_that_fails__is_explained_with_its_regime_and_a_mend(case, folder):
     old, new, verdict, *words = FAILURES[case]
     change(old, new)
-    checked, ran = said("check", "press.toml").stdout, said("run", "press.toml", "--no-plots").stdout
+    ran = said("run", "press.toml", "--no-plots", "--replace").stdout
     assert SweepResult(Path("results/press.h5")).columns["status"][0] == Verdict[verdict]
-    for text in (checked, ran):
+    for text in (ran, said("check", "press.toml").stdout) if case == "weak motor" else (ran,):
         line = next(line for line in text.splitlines() if f"{words[0]}: " in line)
         assert all(word in line for word in words), line
     # What is known without the motion is told all the same.
@@ -218,25 +212,12 @@ def test_run_of_a_study__counts_what_stalls_and_says_where_to_look(folder):
 # export
 
 
-def test_export_history__is_the_motion_instant_by_instant(folder):
-    assert said("export", "press.toml", "--history", "--to", "h.csv").stdout == "Wrote h.csv of press\n"
-    header, *rows = csv.reader(Path("h.csv").read_text().splitlines())
-    assert header[:2] == ["regime", "time [s]"]
-    assert list(dict.fromkeys(row[0] for row in rows)) == ["start", "work", "stop"]
-    time = np.array([float(row[1]) for row in rows])
-    assert time[0] == 0
-    assert (np.diff(time) >= 0).all()
-    scene = read_scene("press.toml")
-    parts = ["start.time", "work.period", "stop.time"]
-    summaries = Machine(scene, parts).evaluate({}).summaries
-    # Of order four by 360 steps a cycle: far below a millionth.
-    assert time[-1] == pytest.approx(sum(summaries[name][0] for name in parts), rel=1e-6)
-
-
 def test_export_history_with_loads__has_a_column_for_each_and_refuses_others(folder):
     said("export", "press.toml", "--history", "--columns", "input.reaction, frame.reaction_x", "--to", "h.csv")
     header, *rows = csv.reader(Path("h.csv").read_text().splitlines())
+    assert header[:2] == ["regime", "time [s]"]
     assert header[-2:] == ["input.reaction [N]", "frame.reaction_x [N]"]
+    assert list(dict.fromkeys(row[0] for row in rows)) == ["start", "work", "stop"]
     greatest = max(float(row[-2]) for row in rows if row[0] == "stop")
     found = Machine(read_scene("press.toml"), ["stop.input.reaction.max"]).evaluate({})
     value, figure = (part["stop.input.reaction.max"][0] for part in (found.summaries, found.errors))

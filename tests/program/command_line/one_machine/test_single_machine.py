@@ -9,11 +9,10 @@ from pathlib import Path
 import numpy as np
 import press_texts
 import pytest
-from commands import STUDY, done, refused, said
+from commands import done, refused, said
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from motion_scenes import INERTIA, rotor
-from slips import changed
 
 from engine import Machine, Scene
 from sweeps import InputError, read_scene, readings_at, readings_in_time
@@ -75,22 +74,6 @@ def test_show_at__in_json_has_several_angles_and_numbers_set_anew(press_folder):
     assert told["B.y"]["values"] == pytest.approx([slide(0, 0.06), slide(1, 0.06)], abs=1.5 * BY_LINES)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["--at", "37 kg"], "expected an angle"),
-        (["--at", "0.2 s"], "a time needs regimes"),
-        (["--at", "10", "--columns", "B.vz"], "or 'B.vx'?"),
-        (["--at", "10", "--set", "input.length=-3 mm"], "input.length"),
-        (["--set", "input.length=3 mm"], "requires --at"),
-    ],
-)
-def test_show_at__refuses_in_one_sentence(arguments, words, press_folder):
-    message = refused("show", "press.toml", *arguments)
-    assert words in message
-    assert len(message.splitlines()) == 1
-
-
 def test_reading__outside_the_range_of_the_input_is_refused():
     scene = Scene.model_validate(PRESS.model_dump() | {"input": PRESS.input.model_dump() | {"start": 0, "stop": 1}})
     with pytest.raises(InputError, match="outside the input range"):
@@ -122,22 +105,6 @@ def test_run_with_numbers_set_anew__has_their_results(press_folder):
     assert told["files"] == ["results/press.h5"]
 
 
-def test_number_that_varies__is_not_set_anew(press_folder):
-    assert "varies in this study" in refused("check", "study.toml", "--set", "input.length=60 mm")
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["--positions", "7"], "an even number of at least 8"),
-        (["--accuracy", "2"], "must be between 0 and 1"),
-        (["--accuracy", "1 mm"], "expected a number"),
-    ],
-)
-def test_wrong_setting__is_refused(arguments, words, press_folder):
-    assert words in refused("check", "press.toml", *arguments)
-
-
 def test_show_json__has_the_best_and_what_is_listed(press_result):
     told = json.loads(said("show", press_result, "--json", "--limit", "2").stdout)
     assert told["variants"] == 8
@@ -145,12 +112,6 @@ def test_show_json__has_the_best_and_what_is_listed(press_result):
     assert len(told["listed"]) == 2
     assert told["listed"][0]["variant"] == told["best"]
     assert told["units"]["input.length"] == "m"
-
-
-def test_show__lists_a_column_once_however_often_it_is_asked(press_result):
-    shown = said("show", press_result, "--columns", "excess_work,input.length,excess_work", "--limit", "1").stdout
-    heading = next(line for line in shown.splitlines() if line.startswith("variant "))
-    assert (heading.count("excess_work"), heading.count("input.length")) == (1, 1)
 
 
 # Pictures and tables
@@ -170,16 +131,3 @@ def test_table_of_positions__holds_every_field(press):
     assert {name.partition(" ")[0] for name in header} == {"phi", *Machine(press).available_fields}
     height = [1e-3 * float(row[header.index("B.y [mm]")]) for row in rows]
     assert height == pytest.approx([slide(k * math.pi / 4) for k in range(8)], abs=4 * ROUNDING)
-
-
-def test_table_of_a_result__holds_all_that_was_asked(press_folder):
-    asked = 'summaries = ["excess_work"]\nderivatives = ["excess_work by bodies.ram.mass"]'
-    text = changed(STUDY, 'summaries = ["ram.stroke", "excess_work"]', asked)
-    text = changed(text, "where = \"ram.stroke > '90 mm'\"", '[tolerances]\n"input.length" = "0.1 mm"')
-    Path("study.toml").write_text(text)
-    done("run", "study.toml", "--no-plots", "--quiet", "--out", "r.h5")
-    done("export", "r.h5", "--to", "r.csv")
-    names = [name.partition(" ")[0] for name in next(csv.reader(Path("r.csv").read_text().splitlines()))]
-    for asked in ("excess_work.by.bodies.ram.mass", "excess_work.tolerance_rss", "status_by.bodies.ram.mass"):
-        assert asked in names
-    assert len(set(names)) == len(names)

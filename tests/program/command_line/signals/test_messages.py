@@ -8,7 +8,7 @@ import pytest
 from commands import done, refused, said
 from each_case import each
 from press_texts import PRESS
-from slips import cases, changed
+from slips import changed
 
 from sweeps.text.csv_text import read_csv
 from sweeps.text.input_files import InputError
@@ -31,60 +31,24 @@ moment = ["0 N m", "5 N m", "3 N m"]
 interpolation = "linear"
 """
 
-# Name | what stands in the press | what stands there instead | words of the message.
-SLIPS = cases(r"""
-text without quotes | type = "crank" | type = crank | crank is a text
-from for start | speed = "60 rpm" | speed = "60 rpm"\nfrom = "0 deg" | input.from | did you mean 'start'?
-title with an escape | title = "Crank press" | title = "\u001b[31mpress" | control character
-a limit in degrees | speed = "60 rpm" | speed = "0 rpm" | at rest
-""")
 
-
-@pytest.mark.parametrize("slip", SLIPS)
-def test_slip_in_a_scene__is_told_as_that(slip, press_folder):
-    old, new, *words = SLIPS[slip]
-    Path("press.toml").write_text(changed(PRESS, old, new))
-    message = refused("check", "press.toml")
-    for word in words:
-        assert word in message, message
-    assert "\x1b" not in message
-
-
-def test_limit_of_an_angle__is_told_in_degrees_where_it_was_given_so(press_folder):
-    brake = '\n[moments.b]\ntype = "block_brake"\non = "crank"\nforce = "1 N"\nfriction = 0.3\nradius = "1 m"\n'
-    Path("press.toml").write_text(PRESS + brake + 'embrace = "200 deg"\n')
-    # 3.2 rad.
-    assert "must be at most 183.346 deg, got '200 deg'" in refused("check", "press.toml")
-
-
-def test_scene_without_input__is_told_that(press_folder):
-    Path("press.toml").write_text(re.sub(r"\[input\].*?\n\n", "", PRESS, flags=re.DOTALL))
-    message = refused("check", "press.toml")
-    assert "input: is missing" in message
-    assert "sweeps help input" in message
-    assert len(message.splitlines()) == 1
-
-
-@pytest.mark.parametrize("command", ["check triad.toml", "show triad.toml --at 0", "run study.toml"])
-def test_mode_that_no_point_selects__is_told_with_the_file(command, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_mode_that_no_point_selects__is_told_with_the_file(folder):
     done("new", "triad")
     Path("triad.toml").write_text(scene := changed(Path("triad.toml").read_text(), "[near]\nC =", "[near]\n# C ="))
     tables = re.sub(r"^\[", "[scene.", scene.partition("[points]")[2], flags=re.MULTILINE)
     varied = '[vary]\n"input.length" = { values = ["30 mm", "31 mm"] }\n'
     Path("study.toml").write_text(f"{varied}\n[scene.points]{tables}")
-    file = command.split()[1]
-    table = "[near]" if file == "triad.toml" else "[scene.near]"
-    line = Path(file).read_text().splitlines().index(table) + 1
-    told = f"{file}, line {line}: near: rod, lower, upper, plate have 2 assembly modes"
-    assert told in refused(*command.split())
+    for command, table in (("show triad.toml --at 0", "[near]"), ("check study.toml", "[scene.near]")):
+        file = command.split()[1]
+        line = Path(file).read_text().splitlines().index(table) + 1
+        told = f"{file}, line {line}: near: rod, lower, upper, plate have 2 assembly modes"
+        assert told in refused(*command.split())
 
 
-@pytest.mark.parametrize(
-    ("addition", "words"),
+@each(
+    "addition, words",
     [
         (COMPRESSOR.replace("1 bar", "8 bar"), "discharge = 700 kPa is not above suction = 800 kPa"),
-        ('\n[shafts.s]\ngeared_to = "crank"\nratio = 0\n', "shafts.s.ratio: a shaft with the ratio 0"),
         (TABLE.replace("360 deg", "400 deg"), "row 3: over_angle [deg] = 400 is more than one period (360) after"),
         (TABLE, "moments.cam.moment: row 3: moment = 3 one period after the first row, whose moment = 0; make them"),
     ],
@@ -96,21 +60,11 @@ def test_what_no_machine_does__is_refused_with_its_line(addition, words, press_f
     assert "press.toml, line " in message
 
 
-def test_friction_beyond_all_experience__is_asked_about(press_folder):
-    Path("press.toml").write_text(
-        PRESS + '\n[friction]\np = {pair = "slide.inner", coefficient = 8, diameter = "3 mm"}\n'
-    )
-    assert (
-        "friction.p.coefficient: 8 exceeds limits.friction = 1.5; is it a percentage?"
-        in said("check", "press.toml").stdout
-    )
-
-
 # Numbers beyond all bounds
 
 
-@pytest.mark.parametrize(
-    ("old", "new"),
+@each(
+    "old, new",
     [
         ("100 kg", "1e200 kg"),
         ('mass = "100 kg"', 'shape = {type = "disc", diameter = "1e160 m", thickness = "1 m"}\ndensity = "1 kg/m3"'),
@@ -119,15 +73,12 @@ def test_friction_beyond_all_experience__is_asked_about(press_folder):
 )
 def test_overflow__is_a_status_not_an_exception(old, new, press_folder):
     Path("press.toml").write_text(changed(PRESS, old, new) if old else PRESS + new)
-    answer = said("run", "press.toml", "--no-plots", "--quiet")
+    answer = said("run", "press.toml", "--no-plots", "--quiet", "--replace")
     assert answer.exit_code == 1
     assert "not finite" in answer.stdout
     done("export", "press.toml", "--to", "p.csv", "--positions", "8")
-
-
-def test_balance_of_an_infinite_machine__is_refused(press_folder):
-    Path("press.toml").write_text(changed(PRESS, "100 kg", "1e200 kg"))
-    assert "the shaking force is infinite" in refused("balance", "press.toml")
+    if new == "1e200 kg":
+        assert "the shaking force is infinite" in refused("balance", "press.toml")
 
 
 def test_body_without_mass__is_exported(press_folder):
@@ -152,8 +103,9 @@ def test_device_or_pipe__is_refused_at_once(command, press_folder):
 
 @each("command", ["check", "show", "quantities"])
 def test_name_that_no_file_may_have__is_refused_and_not_repeated(command, press_folder):
-    text = refused(command, "(" * 3000)
+    text = refused(command, "\x1b[2J" + "(" * 3000)
     assert "is too long for a file name" in text
+    assert "\\x1b[2J(((" in text
     assert len(text) < 200
 
 
@@ -182,7 +134,7 @@ def test_long_message__is_cut(press_folder):
 # Tables
 
 
-@pytest.mark.parametrize(
+@each(
     "text",
     [
         "input.length [mm],input.speed [rpm]\n40.5,60\n50,70\n",
@@ -201,20 +153,7 @@ def test_table_of_a_spreadsheet__is_read(text, tmp_path):
     }
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("a [mm];b\n1.234,5;1\n", "line 2: column a: '1.234,5' is not a number"),
-        ('a [mm],b\n"1,2\n3",4\n', "a quoted cell spans several lines"),
-    ],
-)
-def test_table_that_cannot_be_read__is_told_precisely(text, words, tmp_path):
-    (tmp_path / "t.csv").write_text(text)
-    with pytest.raises(InputError, match=re.escape(words)):
-        read_csv(tmp_path / "t.csv")
-
-
-@pytest.mark.parametrize("text", ["root:x:0:0:root:/root:/bin/sh\nsecret:x:1:1\n", "a [mm]\nsecret\n"])
+@each("text", ["root:x:0:0:root:/root:/bin/sh\nsecret:x:1:1\n", "a [mm]\nsecret\n"])
 def test_file_that_is_no_table__is_not_quoted(text, tmp_path):
     (tmp_path / "passwd").write_text(text)
     with pytest.raises(InputError) as refusal:

@@ -83,10 +83,8 @@ DIMENSIONS = ("length", "mass", "inertia", "force", "moment", "pressure", "angul
 CASES = {
     "friction/scenes/engine_bearings": """mechanical_efficiency drive.first.friction_work
     drive.first.load_direction_of_crank drive.inner.reaction_along.rms""",
-    "linkages/scenes/geared_five_bar": "second.radial_force.mean rods.inner.reaction_direction.min_at",
     "gears_and_cams/scenes/elliptical_wheels": """input.reaction_across.rms drive.first.load_direction_of_rod
     drive.first.reaction_direction.min_at drive.first.reaction_direction.max drive.first.reaction_direction.range""",
-    "governors/scenes/governed_set": "rod.swing_high_at rod.swing_low_at drive.inner.reaction_direction.max_at",
 }
 
 
@@ -102,7 +100,7 @@ def varied_numbers(scene):
 def test_estimates__cover_what_a_tighter_accuracy_changes(name):
     scene, names = read_scene(STUDIES / f"{name}.toml").model_copy(update={"elements": {}}), CASES[name].split()
     varied, cycle = varied_numbers(scene), 2.0 * math.pi * scene.input.revolutions
-    found = [Machine(scene, names, (), list(varied), accuracy=a).evaluate(varied) for a in (FINE, None, 1e-3, 1e-6)]
+    found = [Machine(scene, names, (), list(varied), accuracy=a).evaluate(varied) for a in (FINE, None, 1e-3)]
     works = np.all([o.status == 0 for o in found], axis=0)
     assert works.sum() > VARIANTS / 2
     missed = {}

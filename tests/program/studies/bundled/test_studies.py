@@ -6,9 +6,7 @@ import re
 from typing import NamedTuple
 
 import numpy as np
-import pytest
 from each_case import each
-from scipy.optimize import brentq
 
 from engine import Machine, Verdict, any_quantity, scene_numbers
 from engine.laws.friction.coefficients import WORN_IN
@@ -23,8 +21,6 @@ offset_slider_crank press_with_motor rack_doubler scotch_yoke slider_crank steph
 triad watt_six_bar whitworth"""
 ELEMENTS = """cam engine rotor governor oscillator torsional_train elastic_drive planetary_train driven_machine"""
 TEMPLATE_NAMES, ELEMENT_TEMPLATE_NAMES = MECHANISMS.split(), ELEMENTS.split()
-# One motor and one flywheel mean nothing to drives that keep to laws of their own.
-WITH_OWN_DRIVES = ("hybrid_five_bar",)
 STUDY_NAMES = ("compressor", "crank_press", "four_stroke_engine", "jaw_crusher", "shaper", "stirling_engine")
 OTHER_STUDIES = """braking_car crankshaft_vibration engine_governor fan_rotor governed_set locomotive planetary_reducer
 press_backlash screw_jack v_twin valve_train four_bar_counterweights elliptical_quick_return geared_five_bar valve_gear
@@ -42,18 +38,18 @@ FIELDS = {
     "toggle": ("B.x",),
     "hybrid_five_bar": ("input_moment_by_equilibrium", "second.driving_moment", "second.angle_phi", "B.x", "B.y"),
     "crank_press": (),
-    "four_stroke_engine": ("gas.moment",),
+    "four_stroke_engine": (),
     "jaw_crusher": (),
     "shaper": ("ram.slide_phi", "cutting.moment"),
     "compressor": (),
     "stirling_engine": (),
-    "engine_bearings": ("gas.moment",),
+    "engine_bearings": (),
     "toggle_press": (),
 }
 
 
-# Of these all summaries are asked, of each other template those that a test of it needs.
-WHOLE = "hybrid_five_bar slider_crank"
+# Of this all summaries are asked, of each other template those that a test of it needs.
+WHOLE = "slider_crank"
 
 
 @functools.cache
@@ -64,7 +60,7 @@ def template(name):
     of_bearings = ("load_direction_of", "load_spread_of", "unloaded_arc_of", "unloaded_middle_of")
     machine = Machine(scene)
     asked = [n for n in machine.available_summaries if not n.rpartition(".")[2].startswith(of_bearings)]
-    if name not in WHOLE.split():
+    if name != WHOLE:
         needed = ("power", "transmission_angle", "stroke", "stroke_time_ratio", "swing", "mass", "width", "diameter")
         asked = [n for n in asked if n.endswith(needed)]
     outcome = Machine(scene, asked, FIELDS.get(name, ())).evaluate({})
@@ -121,21 +117,19 @@ def test_template__assembles_with_every_summary_finite(name):
             assert math.isfinite(error)
 
 
-@each("name", [name for name in TEMPLATE_NAMES if name not in WITH_OWN_DRIVES])
-def test_template__needs_a_motor_and_a_flywheel_of_sensible_proportions(name):
-    values, _, _ = template(name)
+@each("name", TEMPLATE_NAMES)
+def test_template__is_of_sensible_proportions(name):
+    values, _, scene = template(name)
+    # Textbooks ask for 40 deg, 30 deg at the least.
+    assert all(values[f"{group}.transmission_angle"][0] > math.radians(30) for group in scene.groups)
+    if name == "hybrid_five_bar":
+        # One motor and one flywheel mean nothing to drives that keep to laws of their own.
+        return
     names = ("required_power", "wheel_mass", "wheel_width", "wheel_diameter")
     power, mass, width, diameter = (values[n][0] for n in names)
     assert 5 < power < 5000
     assert 1 < mass < 200
     assert width < diameter / 4
-
-
-@each("name", TEMPLATE_NAMES)
-def test_template__transmits_forces_well(name):
-    values, _, scene = template(name)
-    # Textbooks ask for 40 deg, 30 deg at the least.
-    assert all(values[f"{group}.transmission_angle"][0] > math.radians(30) for group in scene.groups)
 
 
 def lever_at(slid):
@@ -198,27 +192,6 @@ def test_hybrid_five_bar_template__needs_the_power_of_both_drives():
     assert np.abs(second).max() > 1.0
 
 
-def test_stephenson_far_side_template__swings_as_its_four_bar_does_between_the_dead_centres_of_crank_and_rod():
-    """There the plate's point F is as far from the crank's bearing as the rod is long, and the crank more or less."""
-    values, _, _ = template("stephenson_far_side")
-    ends = [brentq(lambda at, far=far: abs(four_bar(at)[0] + 0.130 - 0.165j) - far, 0.9, 2.2) for far in REACHES]
-    swing = abs(np.angle(four_bar(ends[0])[1] / four_bar(ends[1])[1]))
-    assert close(values["left.swing"], abs(ends[1] - ends[0]), relative=1e-11)
-    assert close(values["right.swing"], swing, relative=1e-11)
-    assert close(values["required_power"], 20 * 2 * swing * 100 / 60, relative=1e-11)
-
-
-REACHES = (0.190 - 0.035, 0.190 + 0.035)
-
-
-def four_bar(at):
-    """Point F of the plate of stephenson_far_side, and the right rocker's direction, by the left rocker's angle."""
-    left, line = 0.090 * np.exp(1j * at), 0.170 - 0.090 * np.exp(1j * at)
-    along = (abs(line) ** 2 + 0.150**2 - 0.120**2) / (2 * abs(line))
-    plate = line / abs(line) * complex(along, math.sqrt(0.150**2 - along**2)) / 0.150
-    return left + complex(0.075, 0.060) * plate, (left + 0.150 * plate - 0.170) / 0.120
-
-
 def cuts_slowly(rate, moment):
     """Whether a resistance acts on the stroke that takes more of the turn, and there alone."""
     slow = 1 if np.count_nonzero(rate > 0) > np.count_nonzero(rate < 0) else -1
@@ -228,8 +201,7 @@ def cuts_slowly(rate, moment):
 
 @each("name", ["offset_slider_crank", "whitworth", "crank_shaper"])
 def test_quick_return_template__cuts_on_the_slow_stroke(name):
-    _, fields, _ = template(name)
-    assert cuts_slowly(*fields.values())
+    assert cuts_slowly(*template(name)[1].values())
 
 
 def test_toggle_template__spends_half_of_force_times_way_and_does_not_pass_through():
@@ -286,12 +258,6 @@ def variants(name):
     """Parameters, summaries and error estimates of sampled variants."""
     s = sample(name)
     return s.values, *({k: v[:-1] for k, v in table.items()} for table in (s.summaries, s.errors))
-
-
-def as_it_is(name):
-    """Summaries with their error estimates, and fields, of a study's scene."""
-    s = sample(name)
-    return {k: (v[-1], s.errors[k][-1]) for k, v in s.summaries.items()}, {k: v[-1] for k, v in s.fields.items()}
 
 
 def test_studies__are_these():
@@ -378,37 +344,6 @@ def test_compressor_study__does_the_indicated_work_of_the_closed_form():
     assert (abs(o["required_power"] - power) <= e["required_power"] + 1e-9).all()
 
 
-def otto_work(compression_ratio, peak, swept):
-    """Work of the ideal cycle with polytropic compression and expansion, and of the exchange of gas."""
-    intake, exhaust, n_c, n_e = 0.92e5, 1.05e5, 1.32, 1.28
-    least = swept / (compression_ratio - 1)
-    expansion = peak * least / (n_e - 1) * (1 - compression_ratio ** (1 - n_e))
-    compression = intake * least * compression_ratio / (n_c - 1) * (compression_ratio ** (n_c - 1) - 1)
-    return expansion - compression - (exhaust - intake) * swept
-
-
-def test_four_stroke_engine_study__does_the_work_of_the_ideal_cycle():
-    values, o, e = variants("four_stroke_engine")
-    swept = math.pi / 4 * values["cylinders.gas.bore"] ** 2 * 2 * values["input.length"]
-    assert np.allclose(swept, 389.26e-6, rtol=1e-12, atol=0)
-    work = otto_work(values["compression_ratio"], values["cylinders.gas.peak"], swept)
-    # One cycle is two turns; friction takes 4 N m of them.
-    assert (abs(o["gas.moment.mean"] * 2 * TURN - work) <= e["gas.moment.mean"] * 2 * TURN + 1e-9).all()
-    power = (work - 4 * 2 * TURN) * 3000 / 60 / 2
-    assert (abs(o["required_power"] + power) <= e["required_power"] + 1e-9).all()
-
-
-def test_four_stroke_engine_scene__fires_once_in_two_turns_with_the_listed_moment():
-    values, fields = as_it_is("four_stroke_engine")
-    # The source lists 27 N m, at 2500 rpm.
-    assert -values["required_power"][0] / (3000 * TURN / 60) == pytest.approx(27, rel=0.03)
-    # Power, exhaust, intake, compression: half a turn each, the first from 90 deg on. 1440 positions are two turns.
-    power, exhaust, intake, compression = np.roll(fields["gas.moment"], -180).reshape(4, 360).sum(axis=1)
-    assert power > 0 > compression
-    assert max(abs(exhaust), abs(intake)) < 0.02 * power
-    assert 90 < fields["gas.moment"].argmax() / 2 < 150
-
-
 def test_shaper_study__keeps_stroke_and_return_ratio():
     values, o, e = variants("shaper")
     assert (abs(o["ram.stroke"] - 0.450) <= e["ram.stroke"] + 1e-12).all()
@@ -417,7 +352,7 @@ def test_shaper_study__keeps_stroke_and_return_ratio():
     # Chip over nine tenths of the stroke, ways over both strokes, friction over the turn.
     work = values["forces.cutting.scale"] * 3000 * 0.405 + 180 * 0.900 + 30 * TURN
     assert (abs(o["required_power"] - work * values["input.speed"] / TURN) <= e["required_power"] + 1e-9).all()
-    assert cuts_slowly(*as_it_is("shaper")[1].values())
+    assert cuts_slowly(*(field[-1] for field in sample("shaper").fields.values()))
 
 
 def test_jaw_crusher_study__moves_the_jaw_as_its_toggles_slope():
@@ -451,15 +386,3 @@ def test_toggle_press_study__has_the_force_of_leaning_bars():
     works = sum(o[f"{pair}.friction_work"] for pair in ("knee.first", "press.first", "press.inner", "press.second"))
     np.testing.assert_allclose(works, o["friction_loss"], rtol=1e-12)
     assert (e["friction_loss"] <= 0.01 * o["friction_loss"]).all()
-
-
-def test_engine_bearings_study__turns_the_work_of_the_gas_into_work_and_friction():
-    _, o, e = variants("engine_bearings")
-    swept = math.pi / 4 * 0.088**2 * 2 * 0.032
-    work = otto_work(8.0, 59e5, swept)
-    expected = 1 - o["friction_loss"] / work
-    doubt = e["mechanical_efficiency"] + e["friction_loss"] / work + 1e-3
-    assert (abs(o["mechanical_efficiency"] - expected) <= doubt).all()
-    parts = sum(o[f"{pair}.friction_work"] for pair in ("input", "drive.first", "drive.second"))
-    # What is left is the gudgeon pin's: little, it only swings.
-    assert ((parts < o["friction_loss"]) & (o["friction_loss"] < 1.1 * parts)).all()

@@ -35,14 +35,6 @@ def test_interrupted_run__goes_on_with_the_blocks_left(monkeypatch, tmp_path):
     assert numbers_in(tmp_path / "study.h5") == whole
 
 
-def test_finished_run__is_left_alone(tmp_path):
-    path = run(tmp_path, GOOD)
-    before = path.read_bytes()
-    assert counted(GOOD, tmp_path) == []
-    assert path.read_bytes() == before
-    assert counted(GOOD.replace("Which", "What"), tmp_path) == []
-
-
 def test_restart__computes_everything_again(tmp_path):
     path = run(tmp_path, GOOD)
     before = contents(path)

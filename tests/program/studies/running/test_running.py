@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray
 from each_case import each
-from press_sweeps import DISTINCT, FIELDS, GOOD, HEAD, STROKE, numbers_in, run, study_of, text_of
+from press_sweeps import DISTINCT, FIELDS, GOOD, STROKE, numbers_in, run, study_of, text_of
 
 from engine import Verdict, set_threads
 from sweeps import SweepResult
@@ -173,14 +173,6 @@ def test_press_that_does_not_reach__is_blamed_at_the_first_angle(tmp_path):
     assert SweepResult(path).record["groups"][columns["status_group"][1]] == "press"
     # The rod of 200 mm reaches the guide until the pin is 200 mm above it: sin φ = 200/r.
     np.testing.assert_allclose(columns["status_at"][1:], np.arcsin(0.2 / np.array([0.24, 0.201, 1.0])), rtol=1e-9)
-
-
-def test_overflow__is_not_finite_and_no_number(tmp_path):
-    vary = '[vary]\n"input.speed" = {values = ["60 rpm", "1e160 rad/s"]}\n'
-    columns = SweepResult(run(tmp_path, HEAD + vary + '[outputs]\nsummaries = ["input_moment.max"]\n')).columns
-    assert columns["status"].tolist() == [Verdict.OK, Verdict.NOT_FINITE]
-    assert np.isfinite(columns["input_moment.max"]).tolist() == [True, False]
-    assert columns["status_group"].tolist() == [-1, -1]
 
 
 # What results don't depend on
