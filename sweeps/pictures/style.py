@@ -7,7 +7,7 @@ from io import BytesIO
 from pathlib import Path
 
 import numpy as np
-from matplotlib import rc_context
+from matplotlib import rc_context, rc_params_from_file
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backend_bases import RendererBase
@@ -30,51 +30,15 @@ _CONSTANT = 1e-9
 # Screen resolution.
 _PIXELS = 96
 # Colours for the colour-blind (Okabe and Ito).
-BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY = PALETTE = (
-    "#0072b2",
-    "#e69f00",
-    "#009e73",
-    "#d55e00",
-    "#cc79a7",
-    "#56b4e9",
-)
+PALETTE = ("#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9")
+BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY = PALETTE
 GREY = "#8a8f94"
 # Variants that were computed but miss the condition.
 PALE = "#c9cdd1"
 # Colour map.
 COLOURS = "cividis"
 FORMATS = (".svg", ".pdf", ".png")
-_STYLE = {
-    "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans"],
-    "mathtext.fontset": "dejavusans",
-    "font.size": 8,
-    "axes.titlesize": 8,
-    "axes.labelsize": 8,
-    "xtick.labelsize": 7.5,
-    "ytick.labelsize": 7.5,
-    "legend.fontsize": 7,
-    "figure.titlesize": 10,
-    "axes.linewidth": 0.6,
-    "lines.linewidth": 1.3,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "grid.linewidth": 0.4,
-    "grid.color": "#d5d8dc",
-    "axes.formatter.use_mathtext": True,
-    "axes.formatter.limits": (-4, 5),
-    "legend.framealpha": 0.85,
-    "legend.edgecolor": "none",
-    "xtick.direction": "in",
-    "ytick.direction": "in",
-    "hatch.linewidth": 0.5,
-    "pdf.fonttype": 42,
-    # Searchable and editable text.
-    "svg.fonttype": "none",
-    # Reproducible files.
-    "svg.hashsalt": "machine-sweeps",
-    "savefig.dpi": 200,
-}
+_STYLE = rc_params_from_file(Path(__file__).with_name("house.mplstyle"), use_default_template=False)
 
 
 @contextmanager
