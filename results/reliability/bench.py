@@ -206,7 +206,7 @@ class Bench:
                 importlib.import_module(found.name)
         for name in ("matplotlib.pyplot", "matplotlib.backends.backend_agg", "scipy.optimize", "distributed"):
             importlib.import_module(name)
-        runner.block_size = lambda study, machine, seconds: (
+        runner.block_size = lambda study, seconds: (
             20_000 if getattr(seconds, "__func__", None) is Crew.seconds else max(study.design.size // BLOCKS, 1)
         )
         write = Store.write

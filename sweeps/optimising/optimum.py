@@ -9,7 +9,7 @@ from sweeps.report.answers.shown_results import hidden_text, shown_parameters, s
 from sweeps.report.answers.unmet_conditions import no_answer_text
 from sweeps.report.result_report import best_lines, ends_text, value_text
 from sweeps.report.sweep_result import SweepResult
-from sweeps.text.conditions import Condition
+from sweeps.text.conditions import Condition, met_by
 from sweeps.text.tables import table
 
 # Closer to a limit than this share of the range counts as on it.
@@ -50,9 +50,7 @@ def front(result: SweepResult) -> np.ndarray:
 def met(result: SweepResult) -> np.ndarray:
     """Feasible candidates (candidates,)."""
     there, known = result.columns["status"] == Verdict.OK, result.requirements.known(result.columns)
-    for condition in _conditions(result):
-        there = there & condition.judged(*known, there.size).met
-    return there
+    return there & met_by(_conditions(result), *known, there.size)
 
 
 def _conditions(result: SweepResult) -> list[Condition]:

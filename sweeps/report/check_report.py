@@ -189,7 +189,7 @@ def check_text(
     """
     machine = study.machine()
     uncompiled = _uncompiled_text(machine)
-    if on_shafts := "" if uncompiled else on_shafts_text(study, machine):
+    if on_shafts := "" if uncompiled else on_shafts_text(study):
         tell(on_shafts)
     between = "" if uncompiled else between_positions_text(study)
     regimes, known = "", {}
@@ -210,7 +210,7 @@ def check_text(
         ("Variants", f"{study.design.size} = {_design_text(study)}"),
         ("Asked", _asked_text(study, machine, every, f"{nominal}\n{regimes}")),
         *_plan_sections(machine),
-        *(_file_sections(study, machine, out) if uncompiled else _cost_sections(study, machine, out, on_shafts)),
+        *(_file_sections(study, out) if uncompiled else _cost_sections(study, out, on_shafts)),
         *([] if client is None else [("Cluster", _cluster_text(study, client, out, tell))]),
     ]
     return "\n".join(f"{title}\n" + "\n".join(f"  {line}" for line in text.splitlines()) for title, text in sections)
@@ -247,17 +247,15 @@ def _positions_text(machine: engine.Machine) -> str:
     return f"adaptive positions, fields at {machine.nodes.size}"
 
 
-def _cost_sections(
-    study: Study, machine: engine.Machine | engine.ElementsAlone, out: Path, on_shafts: str
-) -> list[tuple[str, str]]:
+def _cost_sections(study: Study, out: Path, on_shafts: str) -> list[tuple[str, str]]:
     """Evaluation, time, memory and file size of a study; runs on elastic shafts report their own."""
-    cost = probe(study, machine)
+    cost, machine = probe(study), study.machine()
     seconds = on_shafts or f"about {_duration(cost.seconds * study.design.size)}"
     if machine.has_regimes:
         seconds += "; plus up to a minute of compilation the first time"
     numbers = 8 * (machine.numbers_kept + 4 * len(study.summaries))
-    block = block_size(study, machine, lambda: cost.seconds)
-    memory = block * (numbers + bytes_of_fields(study, machine))
+    block = block_size(study, lambda: cost.seconds)
+    memory = block * (numbers + bytes_of_fields(study))
     saved = "saved after each variant" if block == 1 else f"saved after every {block} variants"
     reached = [] if cost.tried is None else [("Accuracy", accuracy_words.of_sample(study, cost.tried))]
     return [
@@ -265,7 +263,7 @@ def _cost_sections(
         ("Evaluation", f"no sharing between variants; fields in {study.field_precision}; {saved}"),
         ("Time", seconds),
         ("Memory", f"about {bytes_text(memory + cost.motion_bytes)} plus the program itself"),
-        *_file_sections(study, machine, out),
+        *_file_sections(study, out),
     ]
 
 
@@ -286,10 +284,10 @@ def _uncompiled_text(machine: engine.Machine | engine.ElementsAlone) -> str:
     )
 
 
-def _file_sections(study: Study, machine: engine.Machine | engine.ElementsAlone, out: Path) -> list[tuple[str, str]]:
+def _file_sections(study: Study, out: Path) -> list[tuple[str, str]]:
     """Cost of a study that is known without evaluation."""
     free = shutil.disk_usage(_existing_folder(out)).free
-    return [("File", f"{bytes_text(layout_of(study, machine).bytes())}; {bytes_text(free)} free")]
+    return [("File", f"{bytes_text(layout_of(study).bytes())}; {bytes_text(free)} free")]
 
 
 def _existing_folder(out: Path) -> Path:
@@ -301,7 +299,7 @@ def _cluster_text(study: Study, client: "Client", out: Path, tell: Callable[[str
     """Workers, speed and bottleneck of a study on a cluster."""
     from sweeps.run.cluster.limits import measure_limits
 
-    with crew_of(client, study, layout_of(study, study.machine()), tell) as crew:
+    with crew_of(client, study, layout_of(study), tell) as crew:
         limits = measure_limits(crew, _existing_folder(out))
         words = crew.words
     rates = [

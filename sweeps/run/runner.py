@@ -15,7 +15,7 @@ import llvmlite
 import numba
 import numpy as np
 
-from engine import Machine, Verdict, threads, units_shown
+from engine import Verdict, threads, units_shown
 from sweeps.run.blocks import block_size, largest_block
 from sweeps.run.carrying import Blocks, Earlier, Excerpt, excerpts_of, filled_in
 from sweeps.run.cluster.cluster_errors import UnfinishedError
@@ -40,16 +40,17 @@ IN_ADVANCE = 2
 WORDS = ("title", "question", "study", "study_json", "scene", "scene_text")
 
 
-def layout_of(study: Study, machine: Machine) -> FileLayout:
+def layout_of(study: Study) -> FileLayout:
     """Layout of a study's result file."""
+    machine = study.machine()
     fields, axes = field_columns(machine, study.fields)
     columns = [Column(name, name, study.unit(name)) for name in study.parameters]
     columns += [*number_columns(machine, study.summaries), *study.sensitivity.columns, *fields]
     return FileLayout(
         variants=study.design.size,
-        block=min(largest_block(study, machine), study.design.size),
+        block=min(largest_block(study), study.design.size),
         columns=tuple(columns),
-        attributes=_attributes(study, machine),
+        attributes=_attributes(study),
         coordinates=study.parameters,
         status_codes={int(v): v.name.lower() for v in Verdict if v != Verdict.NOT_COMPUTED},
         position=position_axis(machine),
@@ -57,14 +58,14 @@ def layout_of(study: Study, machine: Machine) -> FileLayout:
     )
 
 
-def _attributes(study: Study, machine: Machine) -> dict[str, str]:
+def _attributes(study: Study) -> dict[str, str]:
     versions = {"machine-sweeps": own_version(), "numba": numba.__version__, "llvmlite": llvmlite.__version__}
     versions |= {"numpy": np.__version__, "h5py": h5py.__version__, "python": platform.python_version()}
     return {
         "title": study.title or study.name,
         "question": study.question,
         "study": study.text,
-        "study_json": json.dumps(study_record(study) | {"groups": list(machine.groups), "units": units_shown()}),
+        "study_json": json.dumps(study_record(study) | {"groups": [*study.machine().groups], "units": units_shown()}),
         "scene": write_scene(study.scene),
         "scene_text": study.scene_text,
         "study_hash": study.digest,
@@ -120,16 +121,15 @@ def run_study(
     """
     path, tell = Path(path), tell or (lambda sentence: None)
     make_folder_of(path)
-    machine = study.machine()
-    layout = layout_of(study, machine)
+    layout = layout_of(study)
     if not restart and _stands(path, layout, tell):
         return path
-    if on_shafts := on_shafts_text(study, machine):
+    if on_shafts := on_shafts_text(study):
         tell(on_shafts)
-    alone = partial(seconds_of_variant, study, machine)
+    alone = partial(seconds_of_variant, study)
     with (
         crew_of(client, study, layout, tell) as crew,
-        Store.open(path, layout, restart, lambda: block_size(study, machine, crew.seconds if crew else alone)) as store,
+        Store.open(path, layout, restart, lambda: block_size(study, crew.seconds if crew else alone)) as store,
     ):
         tell_all(store, tell)
         if store.finished:
