@@ -19,9 +19,7 @@ from sweeps.text.input_files import InputError
 @click.option("--interpolation", type=click.Choice(["linear", "pchip", "spline"]), default="linear", show_default=True)
 @click.option("--inertia", default="0", help="Existing inertia of the machine, such as '0.4 kg m2'.")
 @click.option("--area-energy", help="Energy per unit of area, '4.5 J'; TABLE then lists areas.")
-def flywheel(
-    table: Path, speed: str, fluctuation: str, interpolation: str, inertia: str, area_energy: str | None
-) -> None:
+def flywheel(**asked: str) -> None:
     """Size a flywheel from a turning-moment diagram.
 
     TABLE is a CSV with the columns `phi [deg]` and `moment [N m]`. With --area-energy it has one column, `area [mm2]`:
@@ -29,7 +27,7 @@ def flywheel(
     """
     from sweeps.report.sizing.flywheel_table import flywheel_text
 
-    tell(flywheel_text(table, speed, fluctuation, interpolation, inertia, area_energy))
+    tell(flywheel_text(**asked))
 
 
 @main.command("balance")

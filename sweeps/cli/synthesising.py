@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import main, tell, with_options, write_text
+from sweeps.cli.shared import Options, in_options, main, tell, with_options, write_text
 from sweeps.cli.waiting import doing
 
 _RATIO = click.option(
@@ -35,8 +35,8 @@ def slider_crank_command(stroke: str, ratio: float, rod: str | None, speed: str,
     from sweeps.synthesis.quick_return import quick_slider_crank
     from sweeps.synthesis.synthesised_scenes import slider_crank_text
 
-    wanted = _length("--stroke", stroke)
-    found = quick_slider_crank(wanted, ratio, None if rod is None else _length("--rod", rod))
+    wanted = _number("--stroke", stroke)
+    found = quick_slider_crank(wanted, ratio, None if rod is None else _number("--rod", rod))
     _write(out or Path("slider_crank.toml"), lambda: slider_crank_text(found, wanted, ratio, _speed(speed)))
 
 
@@ -46,16 +46,16 @@ def slider_crank_command(stroke: str, ratio: float, rod: str | None, speed: str,
 @_RATIO
 @click.option("--coupler", help="Coupler length, '200 mm' (default: for the best transmission angle).")
 @_common
-def crank_rocker_command(
-    swing: str, rocker: str, ratio: float, coupler: str | None, speed: str, out: Path | None
-) -> None:
+@in_options
+def crank_rocker_command(asked: Options) -> None:
     """Crank-rocker with a given swing and quick-return ratio."""
     from sweeps.synthesis.quick_return import quick_crank_rocker
     from sweeps.synthesis.synthesised_scenes import crank_rocker_text
 
-    angle, given = _number("--swing", swing, "angle"), None if coupler is None else _length("--coupler", coupler)
-    found = quick_crank_rocker(_length("--rocker", rocker), angle, ratio, given)
-    _write(out or Path("crank_rocker.toml"), lambda: crank_rocker_text(found, angle, ratio, _speed(speed)))
+    angle, ratio = _number("--swing", asked.swing, "angle"), asked.ratio
+    coupler = None if asked.coupler is None else _number("--coupler", asked.coupler)
+    found = quick_crank_rocker(_number("--rocker", asked.rocker), angle, ratio, coupler)
+    _write(asked.out or Path("crank_rocker.toml"), lambda: crank_rocker_text(found, angle, ratio, _speed(asked.speed)))
 
 
 @synthesise.command("shaper")
@@ -68,8 +68,8 @@ def shaper_command(stroke: str, ratio: float, frame: str, speed: str, out: Path 
     from sweeps.synthesis.quick_return import quick_lever
     from sweeps.synthesis.synthesised_scenes import lever_text
 
-    wanted = _length("--stroke", stroke)
-    found = quick_lever(wanted, ratio, _length("--frame", frame))
+    wanted = _number("--stroke", stroke)
+    found = quick_lever(wanted, ratio, _number("--frame", frame))
     _write(out or Path("shaper.toml"), lambda: lever_text(found, wanted, ratio, _speed(speed)))
 
 
@@ -85,14 +85,8 @@ def shaper_command(stroke: str, ratio: float, frame: str, speed: str, out: Path 
     "--turn", "turns", multiple=True, metavar="'ANGLE, 1'", help="Rotation of a link to the second of four positions."
 )
 @_common
-def positions_command(
-    places: tuple[str, ...],
-    pivots: tuple[str, ...],
-    joints: tuple[str, ...],
-    turns: tuple[str, ...],
-    speed: str,
-    out: Path | None,
-) -> None:
+@in_options
+def positions_command(asked: Options) -> None:
     """Four-bar linkage whose coupler passes through given positions in order.
 
     Three positions: give two links by --pivot or --joint; the first is the crank. Four positions: give two links on the
@@ -105,13 +99,14 @@ def positions_command(
     from sweeps.synthesis.synthesised_scenes import positions_text
     from sweeps.text.numbers_in_row import numbers_in_row
 
-    rows = [numbers_in_row("--at", text, ("length", "length", "angle")) for text in places]
+    rows = [numbers_in_row("--at", text, ("length", "length", "angle")) for text in asked.places]
     positions = [PlanePosition(complex(x, y), angle) for x, y, angle in rows]
-    if len(positions) == 4 and not (pivots or joints or turns):
+    chosen = asked.pivots, asked.joints, asked.turns
+    if len(positions) == 4 and not any(chosen):
         found = best_four_bar_through(positions)
     else:
-        found = four_bar_through(positions, *chosen_links(positions, pivots, joints, turns))
-    _write(out or Path("positions.toml"), lambda: positions_text(found, _speed(speed)))
+        found = four_bar_through(positions, *chosen_links(positions, *chosen))
+    _write(asked.out or Path("positions.toml"), lambda: positions_text(found, _speed(asked.speed)))
 
 
 @synthesise.command("path")
@@ -137,11 +132,7 @@ def path_command(table: Path, seed: int, speed: str, out: Path | None) -> None:
     _write(out or Path("path.toml"), lambda: path_text(found, len(x), given), *headers)
 
 
-def _length(option: str, text: str) -> float:
-    return _number(option, text, "length")
-
-
-def _number(option: str, text: str, dimension: str) -> float:
+def _number(option: str, text: str, dimension: str = "length") -> float:
     from sweeps.text.numbers_in_row import numbers_in_row
 
     return numbers_in_row(option, text, (dimension,))[0]

@@ -20,7 +20,7 @@ class Waiting:
 
     def __init__(self) -> None:
         self._ended = threading.Event()
-        self._writing = threading.Lock()
+        self._writing = threading.RLock()
         self._begun: float | None = None
         self._shown = self._task = self._words = ""
 
@@ -43,7 +43,7 @@ class Waiting:
             words = _COMPILING if compiling else self._task
             if words != self._words:
                 self._words, self._begun = words, now
-                self._take_back()
+                self.clear()
             # A poll may finish after the end.
             if words and now - self._begun >= PATIENCE and not self._ended.is_set():
                 self._shown = words
@@ -54,18 +54,15 @@ class Waiting:
         """Set the current task; "" for none."""
         with self._writing:
             self._task = task
-            self._take_back()
+            self.clear()
 
     def clear(self) -> None:
         """Clear the status line."""
         with self._writing:
-            self._take_back()
-
-    def _take_back(self) -> None:
-        if self._shown:
-            sys.stderr.write(_CLEARED)
-            sys.stderr.flush()
-        self._shown = ""
+            if self._shown:
+                sys.stderr.write(_CLEARED)
+                sys.stderr.flush()
+            self._shown = ""
 
     def end(self) -> None:
         """Stop."""

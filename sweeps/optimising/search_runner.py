@@ -245,7 +245,7 @@ def _finish(
     count = places.size
     with Store.open(path, _final_layout(trials, count), restart=not keep) as store:
         for i in range(store.layout.blocks):
-            store.write(i, {name: values[store.slice(i)] for name, values in found.items()})
+            store.write(i, {name: values[store.layout.slice(i)] for name, values in found.items()})
         by = "" if trials.crew is None else f"; computed by {trials.crew.words}"
         store.finish(f"{counted(count, 'candidate')}, {way}{by}", keep_former=keep)
         tell_all(store, tell)

@@ -5,9 +5,10 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.special import ndtri
 
-from engine import ElementsAlone, Machine, Verdict, made_ready
+from engine import Verdict, made_ready
 from sweeps.store import Column
 from sweeps.study.search_task import SearchTask
+from sweeps.study.study_content import ReadyMachine
 from sweeps.study.tolerances import Tolerance
 from sweeps.study.unit_points import sobol_points
 from sweeps.text.conditions import met_by
@@ -65,9 +66,7 @@ def spreads(task: SearchTask, columns: Mapping[str, np.ndarray], chosen: np.ndar
     return found
 
 
-def _spread(
-    task: SearchTask, machine: Machine | ElementsAlone, made: Mapping[str, np.ndarray]
-) -> dict[str, np.ndarray]:
+def _spread(task: SearchTask, machine: ReadyMachine, made: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Columns of `spreads` for one batch."""
     off = np.vstack([_drawn(task.tolerances, task.seed), _moved(task.tolerances)])
     fixed, count = task.study.fixed, made["status"].size

@@ -1,7 +1,7 @@
 """Style, paper size and files of all plots."""
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
@@ -100,11 +100,7 @@ def _lettered(figure: Figure) -> None:
                     axis.set_major_formatter(PlainNumbers())
             elif isinstance(formatter, FuncFormatter):
                 # Tick texts are recreated on drawing.
-                axis.set_major_formatter(FuncFormatter(_legible_texts_of(formatter)))
-
-
-def _legible_texts_of(formatter: FuncFormatter) -> Callable[[float, int | None], str]:
-    return lambda x, pos: _legible(formatter(x, pos))
+                axis.set_major_formatter(FuncFormatter(lambda x, pos, texts=formatter: _legible(texts(x, pos))))
 
 
 def _legible(text: str) -> str:
@@ -195,6 +191,11 @@ def sheet(width: float, height: float, title: str = "") -> Iterator[Figure]:
         yield figure
         if title:
             figure.suptitle(title, fontweight="bold")
+
+
+def remark(ax: Axes, words: str) -> None:
+    """Small words above the right end of axes."""
+    ax.set_title(words, fontsize=7, loc="right", color=GREY)
 
 
 def titled(title: str, words: str) -> str:

@@ -19,6 +19,7 @@ from sweeps.run.runner import crew_of, layout_of
 from sweeps.store import bytes_text
 from sweeps.study.default_summaries import answers
 from sweeps.study.study import Study
+from sweeps.study.study_content import ReadyMachine
 from sweeps.text.tables import table
 
 if TYPE_CHECKING:
@@ -98,7 +99,7 @@ def assembly_text(machine: engine.Machine) -> str:
     return f"assembles only for input {shown}: give input.start and input.stop, or change the lengths"
 
 
-def nominal_text(study: Study, machine: engine.Machine | engine.ElementsAlone) -> str:
+def nominal_text(study: Study, machine: ReadyMachine) -> str:
     """Answers of the unmodified scene, without those of its regimes; by the machine of the study if it has them all."""
     wanted = [name for name in answers(machine) if name.partition(".")[0] not in study.scene.regimes]
     if machine.has_regimes or not set(wanted) <= set(machine.asked_summaries):
@@ -153,9 +154,7 @@ def regimes_text(machine: engine.Machine, outcome: engine.Outcome) -> str:
     return "\n".join(lines)
 
 
-def _asked_rows(
-    machine: engine.Machine | engine.ElementsAlone, outcome: engine.Outcome, names: Sequence[str]
-) -> list[tuple[str, ...]]:
+def _asked_rows(machine: ReadyMachine, outcome: engine.Outcome, names: Sequence[str]) -> list[tuple[str, ...]]:
     """Summaries of the first variant, with their meaning."""
     known, rows = machine.available_summaries, []
     for name in names:
@@ -216,7 +215,7 @@ def check_text(
     return "\n".join(f"{title}\n" + "\n".join(f"  {line}" for line in text.splitlines()) for title, text in sections)
 
 
-def _asked_text(study: Study, machine: engine.Machine | engine.ElementsAlone, every: bool, above: str) -> str:
+def _asked_text(study: Study, machine: ReadyMachine, every: bool, above: str) -> str:
     """Names of the results asked that have no line above, the answers first, and the number of the others."""
     used = names_in_conditions([condition.text for condition in study.require], study.best)
     first = study.summaries if every else answers_among(machine, study.summaries, used)
@@ -228,7 +227,7 @@ def _asked_text(study: Study, machine: engine.Machine | engine.ElementsAlone, ev
     return "\n".join([*lines, *([f"{hidden} more with --all"] if hidden else [])])
 
 
-def _plan_sections(machine: engine.Machine | engine.ElementsAlone) -> list[tuple[str, str]]:
+def _plan_sections(machine: ReadyMachine) -> list[tuple[str, str]]:
     if isinstance(machine, engine.ElementsAlone):
         return [("Computed once for each variant", ", ".join(machine.elements))]
     plan = {f"Computed at {_positions_text(machine)}": machine.computed}
@@ -273,7 +272,7 @@ def _duration(seconds: float) -> str:
     return f"{seconds / size:.3g} {unit}"
 
 
-def _uncompiled_text(machine: engine.Machine | engine.ElementsAlone) -> str:
+def _uncompiled_text(machine: ReadyMachine) -> str:
     """Why `check` doesn't evaluate a machine, or ""."""
     lines = 0 if isinstance(machine, engine.ElementsAlone) else len(machine.source().splitlines())
     if lines <= MOST_COMPILED:

@@ -137,7 +137,7 @@ def run_study(
             return path
         earlier = [Earlier(source, study, store.layout) for source in store.sources]
         pending = store.pending
-        sizes = {i: store.slice(i).stop - store.slice(i).start for i in pending}
+        sizes = {i: store.layout.slice(i).stop - store.layout.slice(i).start for i in pending}
         done = before = study.design.size - sum(sizes.values())
         if progress:
             progress(done, before)
@@ -187,19 +187,19 @@ def _computed(
     """Columns of all pending blocks: in order, or in any order on a cluster."""
 
     def excerpts(i: int) -> list[Excerpt]:
-        return excerpts_of(earlier, study, store.slice(i))
+        return excerpts_of(earlier, study, store.layout.slice(i))
 
     if crew is None:
         blocks, machine = Blocks(study, store.layout), study.machine()
         yield from _in_advance(
-            lambda i, buffer: blocks.columns(store.slice(i), excerpts(i), buffer),
+            lambda i, buffer: blocks.columns(store.layout.slice(i), excerpts(i), buffer),
             store.pending,
             [machine.new_buffer(store.layout.block) for _ in range(min(threads(), IN_ADVANCE) + 1)],
         )
         return
     from sweeps.run.cluster.on_workers import compute_block
 
-    rows = ((i, store.slice(i)) for i in store.pending)
+    rows = ((i, store.layout.slice(i)) for i in store.pending)
     jobs = ((i, (part.start, part.stop, [e.outline for e in excerpts(i)])) for i, part in rows)
     for i, (columns, origin) in crew.results(compute_block, jobs):
         yield i, columns if origin is None else filled_in(columns, origin, excerpts(i))
@@ -226,7 +226,7 @@ def _in_advance(
 
 def _unfinished_text(store: Store, failures: Mapping[int, str]) -> str:
     """Message on failed blocks, with the first reason."""
-    rows = [store.slice(i) for i in sorted(failures)]
+    rows = [store.layout.slice(i) for i in sorted(failures)]
     shown = ", ".join(f"{r.start} … {r.stop - 1}" for r in rows[:FAILURES_NAMED])
     more = f" and {len(rows) - FAILURES_NAMED} blocks more" if len(rows) > FAILURES_NAMED else ""
     why = failures[min(failures)]

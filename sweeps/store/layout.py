@@ -46,6 +46,11 @@ class Column(NamedTuple):
     dims: tuple[str, ...] = ("variant",)
     dtype: Any = np.float64
 
+    def record(self) -> dict[str, Any]:
+        """Identity of the column for resuming, without its name."""
+        about = {"long_name": self.long_name, "units": self.units}
+        return about | {"dims": list(self.dims), "dtype": np.dtype(self.dtype).name}
+
 
 def columns_of_number(name: str, long_name: str, units: str) -> list[Column]:
     """The columns of a number of each variant and of its error estimate."""
@@ -68,13 +73,8 @@ class FieldAxis(NamedTuple):
     def record(self) -> dict[str, Any]:
         """Identity of the axis for resuming."""
         values = np.ascontiguousarray(self.values, dtype="<f8")
-        return {
-            "name": self.name,
-            "long_name": self.long_name,
-            "units": self.units,
-            "count": len(values),
-            "values (sha256)": hashlib.sha256(values.tobytes()).hexdigest(),
-        }
+        about = {"name": self.name, "long_name": self.long_name, "units": self.units, "count": len(values)}
+        return about | {"values (sha256)": hashlib.sha256(values.tobytes()).hexdigest()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,15 +181,7 @@ class FileLayout:
             "variants": self.variants,
             "block": self.block,
             "position": self.position.record() if self.over_positions else None,
-            "columns": {
-                c.name: {
-                    "long_name": c.long_name,
-                    "units": c.units,
-                    "dims": list(c.dims),
-                    "dtype": np.dtype(c.dtype).name,
-                }
-                for c in self.columns
-            },
+            "columns": {c.name: c.record() for c in self.columns},
             "coordinates": list(self.coordinates),
             "status codes": {str(code): meaning for code, meaning in sorted(self.status_codes.items())},
         }

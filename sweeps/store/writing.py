@@ -115,10 +115,6 @@ class Store:
         """Indices of the unfinished blocks."""
         return [] if self.finished else np.flatnonzero(~self._done).tolist()
 
-    def slice(self, i: int) -> slice:
-        """Return the variants of block `i`."""
-        return self.layout.slice(i)
-
     def read(self, i: int) -> dict[str, np.ndarray]:
         """Return the columns of a finished block, including fields.
 
@@ -127,7 +123,7 @@ class Store:
         StoreError
             System error.
         """
-        file, rows = self._opened(), self.slice(i)
+        file, rows = self._opened(), self.layout.slice(i)
         with explained(self.part, "read"):
             return {c.name: file[c.name][rows] for c in self.layout.columns}
 
@@ -148,7 +144,7 @@ class Store:
         ValueError
             The arrays don't match the layout.
         """
-        rows = self.slice(i)
+        rows = self.layout.slice(i)
         arrays = self._checked(rows, arrays)
         file = self._opened()
         with explained(self.part, "write"):
@@ -263,7 +259,7 @@ class Store:
         for i in blocks:
             file["progress/block_done"][i] = 0
             if "status" in file:
-                file["status"][self.slice(i)] = NOT_COMPUTED
+                file["status"][self.layout.slice(i)] = NOT_COMPUTED
         file.flush()
         self._done[blocks] = False
 

@@ -12,7 +12,7 @@ import numpy as np
 
 import engine
 from sweeps.store import Column, columns_of_number
-from sweeps.study.study_content import AskedDerivative, StudyContent
+from sweeps.study.study_content import AskedDerivative, ReadyMachine, StudyContent
 from sweeps.study.tolerances import read_tolerances
 
 # Variants per batch, to bound memory.
@@ -64,7 +64,7 @@ class Sensitivity:
         engine.made_ready(study.scene, [asked.of])
 
     @cached_property
-    def machine(self) -> engine.Machine | engine.ElementsAlone:
+    def machine(self) -> ReadyMachine:
         """The machine, in float64, at the study's positions or accuracy."""
         study = self.study
         names = dict.fromkeys([*(asked.of for asked in study.derivatives), *self._summaries])

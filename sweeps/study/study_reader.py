@@ -364,14 +364,8 @@ def read_study(path: Path | str) -> Study:
         raise InputError.of(str(path), message)
     if study_text.is_scene(data):
         scene = scene_from(data, text, path.name, path.parent)
-        study = Study(
-            scene,
-            summaries=default_summaries(engine.made_ready(scene)),
-            name=path.stem,
-            title=scene.title,
-            text=text,
-            scene_text=text,
-        )
+        words = {"name": path.stem, "title": scene.title, "text": text, "scene_text": text}
+        study = Study(scene, summaries=default_summaries(engine.made_ready(scene)), **words)
     else:
         study = Study(**StudyReader(path, text, data).content())
     return _checked(study, path)
