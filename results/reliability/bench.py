@@ -24,7 +24,7 @@ from sweeps.__main__ import start
 from sweeps.run import runner
 from sweeps.run.cluster.crew import Crew
 from sweeps.store import MappedResult, Store, StoreError
-from sweeps.store.checksums import CHANGING
+from sweeps.store.layout import CHANGING
 from sweeps.text.templates import template_text
 
 # Studies here take about a second: cut into so many blocks, where the program would make one or two.

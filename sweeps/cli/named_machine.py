@@ -11,8 +11,7 @@ from sweeps.report.readings import Readings, readings_at
 from sweeps.study.bundled import find_study
 from sweeps.study.study_text import is_scene
 from sweeps.text.input_files import InputError, is_hdf5, need_known, read_text
-from sweeps.text.scene_settings import changed_scene, given_values
-from sweeps.text.scene_text import scene_from, with_values
+from sweeps.text.scene_text import changed_scene, given_values, scene_from, with_values
 from sweeps.text.toml_text import parse_toml, problems_in
 
 

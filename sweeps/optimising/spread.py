@@ -8,8 +8,8 @@ from scipy.special import ndtri
 from engine import Verdict, made_ready
 from sweeps.store import Column
 from sweeps.study.search_task import SearchTask
+from sweeps.study.sensitivity import Tolerance
 from sweeps.study.study_content import ReadyMachine
-from sweeps.study.tolerances import Tolerance
 from sweeps.study.unit_points import sobol_points
 from sweeps.text.conditions import met_by
 

@@ -83,12 +83,7 @@ class Trials:
         study = self.task.study
         values, missed = study.completed(varied, count)
         dropped = missed.any(axis=0) & drop
-        if self.crew is None:
-            found = evaluate_variants(study, values, dropped)
-        else:
-            from sweeps.run.cluster.sharing import share_out
-
-            found = share_out(self.crew, values, dropped)
+        found = evaluate_variants(study, values, dropped) if self.crew is None else self.crew.share_out(values, dropped)
         for objective in self.task.objectives:
             if not objective.is_column:
                 known = study.requirements.known(found)

@@ -15,9 +15,8 @@ import numpy as np
 from sweeps.text.whole_files import refuse_foreign_link, whole_file
 
 from . import creating
-from .checksums import checksum
 from .errors import DamagedError, StoreError, explained
-from .layout import DONE, NOT_COMPUTED, Column, FileLayout
+from .layout import DONE, NOT_COMPUTED, Column, FileLayout, checksum
 from .reading import MappedResult, damage_text, layout_record, opened
 
 # HDF5's lock doesn't exclude a second store in this process.
