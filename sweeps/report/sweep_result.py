@@ -82,6 +82,10 @@ class SweepResult:
             yield slice(start, min(start + size, self.file.variants))
             self.file.release()
 
+    def release(self) -> None:
+        """Release memory, as `parts` does."""
+        self.file.release()
+
     @cached_property
     def units(self) -> dict[str, str]:
         """Unit of every column."""
@@ -358,7 +362,7 @@ class SweepResult:
             here = here if met is None else here[met(part)]
             for start in range(0, here.size, most):
                 yield here[start : start + most]
-                self.file.release()
+                self.release()
                 empty = False
         if empty:
             yield np.zeros(0, int)

@@ -63,8 +63,8 @@ def comparison(one: SweepResult, other: SweepResult) -> Comparison:
         common, apart = common + here.size, apart + int(differs.sum())
         for gap in shared.values():
             gap.take(here, there)
-        one.file.release()
-        other.file.release()
+        one.release()
+        other.release()
     if not common:
         raise InputError.of(str(one.path), f"has no variant in common with {other.path}")
     parts.append(f"Variants: {one.file.variants} and {other.file.variants}, {common} in common")
