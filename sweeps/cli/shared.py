@@ -204,15 +204,11 @@ ACCURACY = click.option("--accuracy", help="Tolerance of every summary, such as 
 study_options = with_options(SET, POSITIONS, ACCURACY)
 
 
-def _show_errors(_: click.Context, __: click.Parameter, every: bool) -> None:
-    engine.show_errors(every)
-
-
 ERRORS = click.option(
     "--errors",
     is_flag=True,
     expose_value=False,
-    callback=_show_errors,
+    callback=lambda _, __, every: engine.show_errors(every),
     help="Show all error estimates, not only those that matter (above 1e-6 of the value, or deciding a condition or a "
     "tie).",
 )

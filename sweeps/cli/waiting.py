@@ -6,6 +6,8 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+import engine
+
 # Delay before the status line appears, and polling interval [s].
 PATIENCE, LOOK = 1.0, 0.2
 _CLEARED = "\r\x1b[K"
@@ -71,12 +73,8 @@ class Waiting:
 
 
 def _is_compiling() -> bool:
-    # Not imported here: commands without compiled code start quickly.
-    if "engine.compiling.kept_code" not in sys.modules:
-        return False
-    from engine import is_compiling
-
-    return is_compiling()
+    # Not loaded for this: commands without compiled code start quickly.
+    return "engine.compiling.kept_code" in sys.modules and engine.is_compiling()
 
 
 _now: list[Waiting] = []
