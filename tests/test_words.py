@@ -76,7 +76,7 @@ SCOPE = (
     ("engine/warnings", False, BANNED),
     ("engine/words/verdicts.py", False, PLAIN),
 )
-ENDINGS = {".py", ".pyi", ".md", ".toml", ".html", ".js"}
+ENDINGS = {".py", ".pyi", ".md", ".toml", ".txt", ".html", ".js"}
 # Right texts with a banned phrase: file, text, reason.
 EXCEPTIONS = {
     ("engine/elements/elastic_drives/two_masses.py", "greatest, greatest_at :"): "names of attributes",

@@ -24,7 +24,7 @@ from sweeps.__main__ import start
 from sweeps.run import runner
 from sweeps.run.cluster.crew import Crew
 from sweeps.store import MappedResult, Store, StoreError
-from sweeps.store.checksums import CHANGING
+from sweeps.store.layout import CHANGING
 from sweeps.text.templates import template_text
 
 # Studies here take about a second: cut into so many blocks, where the program would make one or two.
@@ -206,7 +206,7 @@ class Bench:
                 importlib.import_module(found.name)
         for name in ("matplotlib.pyplot", "matplotlib.backends.backend_agg", "scipy.optimize", "distributed"):
             importlib.import_module(name)
-        runner.block_size = lambda study, machine, seconds: (
+        runner.block_size = lambda study, seconds: (
             20_000 if getattr(seconds, "__func__", None) is Crew.seconds else max(study.design.size // BLOCKS, 1)
         )
         write = Store.write

@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from engine import counted
+from sweeps.cli import needed
 from sweeps.cli.shared import DAMAGED, DIFFERENT, ERRORS, main, tell, tell_aside
 
 
@@ -14,19 +15,14 @@ from sweeps.cli.shared import DAMAGED, DIFFERENT, ERRORS, main, tell, tell_aside
 @click.argument("words", nargs=-1)
 def quantities(file: str, words: tuple[str, ...]) -> None:
     """List the quantities of a scene, study or result: name, symbol, unit, meaning. WORDS filter the list."""
-    from sweeps.cli.named_machine import machine_of
-    from sweeps.report.help.quantity_list import quantities_text
-
-    tell(quantities_text(machine_of(file, None).written, file, words))
+    tell(needed.quantities_text(needed.machine_of(file, None).written, file, words))
 
 
 @main.command("help")
 @click.argument("words", nargs=-1)
 def help_command(words: tuple[str, ...]) -> None:
     """Explain a key of scenes and studies, input.length, a table, or a type such as compressor; or search for words."""
-    from sweeps.report.help.key_help import key_text, tables_text
-
-    tell(key_text(" ".join(words)) if words else tables_text())
+    tell(needed.key_text(" ".join(words)) if words else needed.tables_text())
 
 
 @main.command("compare")
@@ -38,12 +34,9 @@ def compare_command(one: Path, other: Path) -> None:
 
     The exit code is 1 if values or verdicts differ.
     """
-    from sweeps.report.answers.comparison import comparison
-    from sweeps.report.sweep_result import SweepResult
-
-    results = SweepResult(one), SweepResult(other)
+    results = needed.SweepResult(one), needed.SweepResult(other)
     results[0].show_own_units()
-    found = comparison(*results)
+    found = needed.comparison(*results)
     tell(found.text)
     if not found.agrees:
         sys.exit(DIFFERENT)
@@ -53,9 +46,7 @@ def compare_command(one: Path, other: Path) -> None:
 @click.argument("file", type=click.Path(path_type=Path))
 def verify(file: Path) -> None:
     """Check a result file against its checksums; exit code 1 if it was modified."""
-    from sweeps.store import MappedResult, damage_text
-
-    found = MappedResult(file)
+    found = needed.MappedResult(file)
     if not found.has_checksums:
         tell_aside(f"{file} has no checksums (written by an older version).")
         sys.exit(DAMAGED)
@@ -65,7 +56,9 @@ def verify(file: Path) -> None:
     for name in found.edited:
         tell_aside(f"{file}: {name.removeprefix('progress/')} was modified")
     if damaged:
-        tell_aside(f"{file}: variants {damage_text(found, damaged)} are damaged; run the study again to repair them")
+        tell_aside(
+            f"{file}: variants {needed.damage_text(found, damaged)} are damaged; run the study again to repair them"
+        )
     if damaged or found.edited:
         sys.exit(DAMAGED)
     left = f", {found.variants - variants} not computed yet" if variants < found.variants else ""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from engine import counted
-from sweeps.cli import shared
+from sweeps.cli import needed, shared
 from sweeps.cli.shared import main
 from sweeps.text.interruption import keeping
 
@@ -29,17 +29,13 @@ if TYPE_CHECKING:
 @shared.in_options
 def check(asked: shared.Options) -> None:
     """Show what a study or scene will compute, what is skipped and why, and the time, memory and file size."""
-    from sweeps.report.check_report import check_text
-    from sweeps.study.bundled import find_study
-    from sweeps.study.settings import changed_study
-    from sweeps.study.study_reader import read_study
-
-    found = changed_study(read_study(find_study(asked.study)), asked.settings, asked.positions, asked.accuracy)
+    found = needed.read_study(needed.find_study(asked.study))
+    found = needed.changed_study(found, asked.settings, asked.positions, asked.accuracy)
     if asked.source:
         shared.tell(found.machine().source())
     else:
         with shared.cluster_client(asked.cluster) as client:
-            shared.tell(check_text(found, asked.out, client, shared.tell_aside, asked.every))
+            shared.tell(needed.check_text(found, asked.out, client, shared.tell_aside, asked.every))
 
 
 def _made(asked: shared.Options, result: "SweepResult", study: Path) -> list[Path]:
@@ -89,33 +85,23 @@ def run(asked: shared.Options) -> None:
 
     The exit code is 1 if no variant has a result, or none meets the conditions of the question.
     """
-    from sweeps.report.check_report import between_positions_text
-    from sweeps.report.files.result_data import result_data
-    from sweeps.report.result_report import answer_text, counts_text
-    from sweeps.report.sweep_result import SweepResult
-    from sweeps.run.progress import ProgressBar
-    from sweeps.run.runner import run_study
-    from sweeps.store import variants_kept
-    from sweeps.study.bundled import find_study
-    from sweeps.study.settings import changed_study
-    from sweeps.study.study_reader import read_study
-
-    begun, file = time.perf_counter(), find_study(asked.study)
-    found = changed_study(read_study(file), asked.settings, asked.positions, asked.accuracy)
+    begun, file = time.perf_counter(), needed.find_study(asked.study)
+    found = needed.changed_study(needed.read_study(file), asked.settings, asked.positions, asked.accuracy)
     asked.out, count = asked.out or Path("results") / f"{found.name}.h5", found.design.size
-    bar = ProgressBar(count, asked.quiet, kept=0 if asked.restart else variants_kept(asked.out))
+    bar = needed.ProgressBar(count, asked.quiet, kept=0 if asked.restart else needed.variants_kept(asked.out))
     with keeping(bar.kept_text):
-        _compute(asked, bar, partial(run_study, found))
-        result = SweepResult(asked.out, found)
+        _compute(asked, bar, partial(needed.run_study, found))
+        result = needed.SweepResult(asked.out, found)
         if asked.as_json:
             best = result.best()
             told = [best] if best is not None else range(min(count, 1))
             files = [str(path) for path in _made(asked, result, file)]
-            shared.tell_data(result_data(result, told) | {"warnings": shared.warnings_of(result), "files": files})
+            data = needed.result_data(result, told)
+            shared.tell_data(data | {"warnings": shared.warnings_of(result), "files": files})
         else:
             head = f"{found.title or found.name}: {counted(count, 'variant')}"
-            answer = head, counts_text(result), answer_text(result, asked.every)
-            _tell(asked, result, file, begun, answer, between_positions_text(found))
+            answer = head, needed.counts_text(result), needed.answer_text(result, asked.every)
+            _tell(asked, result, file, begun, answer, needed.between_positions_text(found))
     shared.stop_without_answer(result)
 
 
@@ -130,22 +116,13 @@ def optimise(asked: shared.Options) -> None:
 
     The exit code is 1 if no candidate meets the conditions.
     """
-    from sweeps.optimising.optimum import optimum_text
-    from sweeps.optimising.search_runner import optimise_study
-    from sweeps.report.result_report import counts_text
-    from sweeps.report.sweep_result import SweepResult
-    from sweeps.run.progress import ProgressBar
-    from sweeps.study.bundled import find_study
-    from sweeps.study.search_task import task_of
-    from sweeps.study.study_reader import read_study
-
-    begun, file = time.perf_counter(), find_study(asked.study)
-    found = read_study(file)
+    begun, file = time.perf_counter(), needed.find_study(asked.study)
+    found = needed.read_study(file)
     asked.out = asked.out or Path("results") / f"{found.name}_optimised.h5"
-    bar = ProgressBar(task_of(found).generations, asked.quiet, "generations")
+    bar = needed.ProgressBar(needed.task_of(found).generations, asked.quiet, "generations")
     with keeping(bar.kept_text):
-        _compute(asked, bar, partial(optimise_study, found))
-        result = SweepResult(asked.out)
+        _compute(asked, bar, partial(needed.optimise_study, found))
+        result = needed.SweepResult(asked.out)
         head = f"{found.title or found.name}: {counted(result.file.variants, 'candidate')}"
-        _tell(asked, result, file, begun, (head, counts_text(result), optimum_text(result, asked.every)))
+        _tell(asked, result, file, begun, (head, needed.counts_text(result), needed.optimum_text(result, asked.every)))
     shared.stop_without_answer(result)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli import shared
+from sweeps.cli import needed, shared
 from sweeps.cli.shared import main, write_text
 from sweeps.cli.waiting import doing
 from sweeps.text.input_files import InputError
@@ -44,13 +44,6 @@ def export(asked: shared.Options) -> None:
     keeps its author's comments and units; only the variant's numbers change. Fields of a result (--columns) get one row
     per variant and position.
     """
-    from sweeps.cli import named_machine
-    from sweeps.pictures import picture_files
-    from sweeps.pictures.elements.cam_drawing import export_cam
-    from sweeps.report.files import exports
-    from sweeps.report.files.data_files import write_table
-    from sweeps.report.readings import readings_at
-
     if asked.to.suffix not in (*TABLES, *DRAWINGS, ".toml"):
         allowed = ", ".join((*TABLES, *DRAWINGS, ".toml"))
         raise InputError.of(str(asked.to), f"ending {asked.to.suffix!r}: allowed are {allowed}", key="--to")
@@ -58,34 +51,34 @@ def export(asked: shared.Options) -> None:
         message = f"writes a table, {', '.join(TABLES)}, not {asked.to.suffix!r}"
         raise InputError.of(str(asked.to), message, key="--history")
 
-    if named_machine.is_result(asked.file):
+    if needed.is_result(asked.file):
         shared.tell_altered(asked.file)
 
     of_one = asked.variant is not None or asked.at or asked.history or asked.settings or asked.element
-    is_sweep = asked.to.suffix in TABLES and named_machine.is_result(asked.file) and not of_one
+    is_sweep = asked.to.suffix in TABLES and needed.is_result(asked.file) and not of_one
     shared.variants_only(asked.where, is_sweep)
     if is_sweep:
         columns, source, where = shared.names_in(asked.columns), Path(asked.file), asked.where
         with doing("Writing the table"):
-            write_table(asked.to, exports.result_table(source, columns, where))
+            needed.write_table(asked.to, needed.result_table(source, columns, where))
         shared.tell(f"Wrote {asked.to}")
         return
-    machine = named_machine.machine_of(asked.file, asked.variant, asked.settings)
+    machine = needed.machine_of(asked.file, asked.variant, asked.settings)
     scene, columns = machine.scene, shared.names_in(asked.columns)
     if asked.to.suffix == ".toml":
         write_text(asked.to, machine.edited(asked.to.parent), asked.overwrite, "name another file, or give --overwrite")
-    elif (cam := named_machine.element_named(scene, ["cam"], asked.element)) is not None:
-        export_cam(cam, asked.to)
+    elif (cam := needed.element_named(scene, ["cam"], asked.element)) is not None:
+        needed.export_cam(cam, asked.to)
     elif asked.to.suffix in DRAWINGS:
-        places = named_machine.positions_of(scene, asked.at)
-        picture_files.drawing_file(scene, asked.to, next(iter(places), None))
+        places = needed.positions_of(scene, asked.at)
+        needed.drawing_file(scene, asked.to, next(iter(places), None))
     elif asked.history:
-        table, ended = exports.history_table(scene, columns)
-        write_table(asked.to, table)
+        table, ended = needed.history_table(scene, columns)
+        needed.write_table(asked.to, table)
         if ended:
             shared.tell(f"The history ends early: {ended}", err=True)
     else:
         at, positions = asked.at, asked.positions or 360
-        readings = named_machine.read_at(scene, at, columns) if at else readings_at(scene, positions, columns)
-        write_table(asked.to, exports.reading_table(readings, scene.title))
+        readings = needed.read_at(scene, at, columns) if at else needed.readings_at(scene, positions, columns)
+        needed.write_table(asked.to, needed.reading_table(readings, scene.title))
     shared.tell(f"Wrote {asked.to} of {machine.name}")

@@ -6,12 +6,12 @@ from functools import cached_property
 from pathlib import Path
 
 from engine import CrankInput, Element, Mechanics, Scene, SceneError, UnitError, full_names, in_text, scene_numbers
+from sweeps.cli import needed
 from sweeps.report.readings import Readings, readings_at
 from sweeps.study.bundled import find_study
 from sweeps.study.study_text import is_scene
 from sweeps.text.input_files import InputError, is_hdf5, need_known, read_text
-from sweeps.text.scene_settings import changed_scene, given_values
-from sweeps.text.scene_text import scene_from, with_values
+from sweeps.text.scene_text import changed_scene, given_values, scene_from, with_values
 from sweeps.text.toml_text import parse_toml, problems_in
 
 
@@ -73,33 +73,26 @@ class NamedMachine:
         SceneError
             As for `scene`.
         """
-        from sweeps.text.edited_text import edited_scene
-
         replaced = {**self.values, **given_values(self.written, self.settings)}
         if replaced:
             numbers = scene_numbers(self.scene).items()
             replaced |= {path: number.value for path, number in numbers if path.startswith("near.")}
-        return edited_scene(self.written, replaced, self.text, folder)
+        return needed.edited_scene(self.written, replaced, self.text, folder)
 
 
 def _written(file: str, variant: int | None) -> NamedMachine:
     """The machine of a file without settings, as for `machine_of`."""
     if is_result(file):
         # Slow imports that a scene doesn't need.
-        from sweeps.optimising.optimum import answering
-        from sweeps.report.sweep_result import SweepResult
-
-        result = SweepResult(Path(file))
+        result = needed.SweepResult(Path(file))
         result.show_own_units()
         if variant is None:
-            variant = next(reversed(answering(result)), 0)
+            variant = next(reversed(needed.answering(result)), 0)
         text = result.file.attributes.get("scene_text", "")
         return NamedMachine(result.scene, text, result.variant_values(variant), f"{Path(file).stem}_{variant}")
     if variant is None and (alone := _scene_alone(find_study(file))):
         return alone
-    from sweeps.study.study_reader import read_study
-
-    study = read_study(find_study(file))
+    study = needed.read_study(find_study(file))
     if variant is None:
         return NamedMachine(study.scene, study.scene_text, {}, study.name)
     if not 0 <= variant < study.design.size:
@@ -238,9 +231,7 @@ def read_at(scene: Scene, text: str, names: Sequence[str] = ()) -> Readings:
         raise InputError.of("--at", "no positions; for example --at 0,60,120")
     if None not in times and times:
         # Only regimes need compiled code.
-        from sweeps.report.readings_in_time import readings_in_time
-
-        found = readings_in_time(scene, [time for time in times if time is not None])
+        found = needed.readings_in_time(scene, [time for time in times if time is not None])
         need_known(names, found.values, "--at", "is not available at an instant")
         kept = names or found.values
         return found._replace(values={name: found.values[name] for name in kept})

@@ -6,6 +6,7 @@ from threading import Thread
 
 import click
 
+from sweeps.cli import needed
 from sweeps.cli.shared import ERRORS, foreseen_errors, main, tell, tell_altered
 from sweeps.cli.waiting import doing
 from sweeps.text.input_files import InputError
@@ -24,26 +25,19 @@ def report(file: str, out: Path | None) -> None:
 
     The page is self-contained. Requires pip install 'machine-sweeps[report]'.
     """
-    from sweeps.cli.named_machine import is_result
-    from sweeps.page.page import write_page
-    from sweeps.run.runner import run_study
-    from sweeps.study.bundled import find_study
-    from sweeps.study.study_reader import read_study
-    from sweeps.text.whole_files import scratch_folder
-
-    text = None if is_result(file) else find_study(file)
+    text = None if needed.is_result(file) else needed.find_study(file)
     out = out or Path(file).with_suffix(".html")
     if text is None:
         tell_altered(file)
         with doing("Writing the page"):
-            write_page(Path(file), out)
+            needed.write_page(Path(file), out)
     else:
-        study = read_study(text)
+        study = needed.read_study(text)
         if study.design.size > 1:
             mend = f"run it first, `sweeps run {file}`, then report its result, results/{study.name}.h5"
             raise InputError.of(file, f"is a study of {study.design.size} variants: {mend}")
-        with scratch_folder() as folder, doing("Writing the page"):
-            write_page(run_study(study, folder / f"{study.name}.h5"), out)
+        with needed.scratch_folder() as folder, doing("Writing the page"):
+            needed.write_page(needed.run_study(study, folder / f"{study.name}.h5"), out)
     tell(f"Wrote {out}")
 
 
@@ -55,15 +49,12 @@ def watch(file: str) -> None:
     The page is at an address of this computer that no other can reach: the machine in motion with its curves, or what
     is wrong, with line numbers. Ctrl-C ends it. Requires pip install 'machine-sweeps[report]'.
     """
-    from sweeps.cli.named_machine import is_result, machine_of
-    from sweeps.page.page_server import PageServer
-    from sweeps.page.watched_page import WatchedPage
-    from sweeps.study.bundled import find_study
-
-    if is_result(file):
+    if needed.is_result(file):
         raise InputError.of(file, "is a result, which doesn't change; sweeps report makes its page")
-    page = WatchedPage(find_study(file).name, lambda: machine_of(file, None).scene, foreseen_errors())
-    with PageServer(page) as server, keeping(lambda: "the page isn't served any more"):
+    page = needed.WatchedPage(
+        needed.find_study(file).name, lambda: needed.machine_of(file, None).scene, foreseen_errors()
+    )
+    with needed.PageServer(page) as server, keeping(lambda: "the page isn't served any more"):
         Thread(target=server.serve_forever, daemon=True).start()
         tell(f"{file} is shown at {server.address} (Ctrl-C ends this)")
         said = ""

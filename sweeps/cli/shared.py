@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+import engine
+from sweeps.cli import needed
 from sweeps.cli.waiting import clear_the_line, doing, waiting_told
 from sweeps.text.input_files import InputError, files_read, read_text
 from sweeps.text.versions import own_version
@@ -63,10 +65,8 @@ class Commands(click.Group):
             except Exception as error:
                 if not isinstance(error, foreseen_errors()):
                     raise
-                from sweeps.run.cluster.cluster_errors import UnfinishedError
-
                 tell_aside(f"Error: {shown_message(str(_in_its_file(error, files)))}")
-                sys.exit(NOT_ALL_DONE if isinstance(error, UnfinishedError) else WRONG_INPUT)
+                sys.exit(NOT_ALL_DONE if isinstance(error, needed.UnfinishedError) else WRONG_INPUT)
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
@@ -92,9 +92,7 @@ def joints_by_letter(command: Command) -> Command:
     def asked(file: str | Path, **options: object) -> None:
         for name in ("where", "sort", "columns", "x", "y", "colour"):
             if ".reaction" in str(options.get(name)):
-                from sweeps.cli.named_machine import in_full
-
-                options[name] = in_full(str(file), options[name])
+                options[name] = needed.in_full(str(file), options[name])
         command(file=file, **options)
 
     return asked
@@ -116,33 +114,23 @@ def in_options(command: Command) -> Command:
 
 def _in_its_file(error: Exception, files: Iterable[Path]) -> Exception:
     """An error, with file and line where a scene read without complaint is found wrong when it is computed."""
-    from engine import SceneError
-    from sweeps.study.study_text import is_scene
-    from sweeps.text.toml_text import parse_toml, problems_in
-
-    if not isinstance(error, SceneError):
+    if not isinstance(error, engine.SceneError):
         return error
     texts = {path: read_text(path) for path in [*files] if path.suffix == ".toml"}
     if not texts:
         return error
-    scenes = [path for path, text in texts.items() if is_scene(parse_toml(text, path.name))]
+    scenes = [path for path, text in texts.items() if needed.is_scene(needed.parse_toml(text, path.name))]
     if len(scenes) > 1:
         # It may be any of them.
         return error
     path, prefix = (scenes[0], ()) if scenes else (next(iter(texts)), ("scene",))
-    return InputError(path.name, problems_in(texts[path], error.problems, prefix))
+    return InputError(path.name, needed.problems_in(texts[path], error.problems, prefix))
 
 
 def foreseen_errors() -> tuple[type[Exception], ...]:
     """Errors meant for the user; imported only when one occurs, as that is slow."""
-    from engine import AskError, BalanceError, SceneError, TableError, UnitError
-    from sweeps.pictures.picture_error import PictureError
-    from sweeps.run.cluster.cluster_errors import ClusterError
-    from sweeps.store import StoreError
-    from sweeps.synthesis.synthesis_error import SynthesisError
-
-    of_engine = (AskError, BalanceError, SceneError, SynthesisError, TableError, UnitError)
-    return (InputError, StoreError, *of_engine, PictureError, ClusterError)
+    of_engine = (engine.AskError, engine.BalanceError, engine.SceneError, engine.TableError, engine.UnitError)
+    return (InputError, needed.StoreError, *of_engine, needed.SynthesisError, needed.PictureError, needed.ClusterError)
 
 
 CLUSTER = click.option(
@@ -216,17 +204,11 @@ ACCURACY = click.option("--accuracy", help="Tolerance of every summary, such as 
 study_options = with_options(SET, POSITIONS, ACCURACY)
 
 
-def _show_errors(_: click.Context, __: click.Parameter, every: bool) -> None:
-    from engine import show_errors
-
-    show_errors(every)
-
-
 ERRORS = click.option(
     "--errors",
     is_flag=True,
     expose_value=False,
-    callback=_show_errors,
+    callback=lambda _, __, every: engine.show_errors(every),
     help="Show all error estimates, not only those that matter (above 1e-6 of the value, or deciding a condition or a "
     "tie).",
 )
@@ -257,9 +239,7 @@ def tell_data(data: object) -> None:
 
 def stop_without_answer(result: "SweepResult") -> None:
     """Exit with a special code if no variant has a result, or none meets the conditions of the question."""
-    from engine import Verdict
-
-    works = result.verdict_counts()[Verdict.OK]
+    works = result.verdict_counts()[engine.Verdict.OK]
     if not works or (result.aim is not None and result.file.variants > 1 and result.best(result.aim) is None):
         sys.exit(NO_ANSWER)
 
@@ -271,18 +251,13 @@ def tell_aside(sentence: str) -> None:
 
 def tell_altered(file: Path | str) -> None:
     """Warn of modified texts in a result file."""
-    from sweeps.report.sweep_result import SweepResult
-
-    for sentence in SweepResult(Path(file)).altered:
+    for sentence in needed.SweepResult(Path(file)).altered:
         tell_aside(f"Warning: {sentence}")
 
 
 def warnings_of(result: "SweepResult") -> list[str]:
     """Warnings on the variants that answer the question of a result."""
-    from sweeps.optimising.optimum import answering
-    from sweeps.report.variant_warnings import result_warnings
-
-    return result_warnings(result, answering(result))
+    return needed.result_warnings(result, needed.answering(result))
 
 
 def tell_warnings(result: "SweepResult") -> None:
@@ -319,20 +294,16 @@ def tell_outdated(out: Path, made: list[Path]) -> None:
 
 def plots_of(result: "SweepResult", study: Path) -> list[Path]:
     """Plot a result, unless its plots are newer than it and its study; report on standard error what can't be drawn."""
-    from sweeps.pictures.picture_error import PictureError
-
     # That of the sweep, or of the only machine, is drawn last.
     last, newest = result.path.with_suffix(".png"), max(file.stat().st_mtime for file in (result.path, study))
     if last.exists() and last.stat().st_mtime > newest:
         return [
             file for file in pictures_beside(result.path) if file.suffix == ".png" and file.stat().st_mtime > newest
         ]
-    from sweeps.pictures.sweep import result_pictures
-
     try:
         with doing("Drawing the pictures"):
-            return result_pictures.result_pictures(result)
-    except PictureError as error:
+            return needed.result_pictures(result)
+    except needed.PictureError as error:
         tell(f"No plot: {error}", err=True)
         return []
 
@@ -345,9 +316,7 @@ def names_in(text: str) -> tuple[str, ...]:
 def use_threads(jobs: int | None) -> None:
     """Set the number of threads (default: all cores)."""
     if jobs is not None:
-        from engine import set_threads
-
-        set_threads(jobs)
+        engine.set_threads(jobs)
 
 
 @contextmanager
@@ -362,19 +331,14 @@ def cluster_client(address: str | None, jobs: int | None = None) -> Iterator["Cl
     if address is None:
         yield None
         return
-    from sweeps.run.cluster.cluster_errors import ClusterError
-    from sweeps.run.cluster.connecting import connected
-
     if jobs is not None and not address.startswith("local"):
-        raise ClusterError("--jobs: workers use the threads they were started with, `dask worker --nthreads 8`")
-    with connected(address) as client:
+        raise needed.ClusterError("--jobs: workers use the threads they were started with, `dask worker --nthreads 8`")
+    with needed.connected(address) as client:
         yield client
 
 
 def workers_text(client: "Client | None") -> str:
     """Number of workers, as a text; "" if unknown or without a cluster."""
-    from engine import counted
-
     if client is None:
         return ""
     try:
@@ -382,7 +346,7 @@ def workers_text(client: "Client | None") -> str:
     except OSError:
         # A lost scheduler is reported where it is used.
         return ""
-    return counted(count, "worker")
+    return engine.counted(count, "worker")
 
 
 def write_text(path: Path, text: str, replace: bool = False, mend: str = "name another file with --out") -> None:
@@ -402,8 +366,6 @@ def write_text(path: Path, text: str, replace: bool = False, mend: str = "name a
     InputError
         The file exists or can't be written.
     """
-    from sweeps.text.whole_files import write_whole_text
-
     if path.exists() and not replace:
         raise InputError.of(str(path), f"exists already; {mend}")
-    write_whole_text(path, text)
+    needed.write_whole_text(path, text)

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli import shared
-from sweeps.cli.shared import POSITIONS, main
+from sweeps.cli import needed, shared
+from sweeps.cli.shared import main
 from sweeps.cli.waiting import doing
 from sweeps.text.input_files import InputError
 
@@ -36,14 +36,9 @@ def show(asked: shared.Options) -> None:
     if asked.at is not None:
         _show_at(asked)
         return
-    from sweeps.optimising.optimum import is_front, is_search, optimum_text
-    from sweeps.report.files.result_data import result_data
-    from sweeps.report.result_report import answer_text, contents_text, meeting_text, variant_text, variants_text
-    from sweeps.report.sweep_result import SweepResult
-
     if asked.settings:
         raise InputError.of(str(asked.file), "--set requires --at, which shows one machine")
-    result = SweepResult(asked.file)
+    result = needed.SweepResult(asked.file)
     result.show_own_units()
     shared.tell_altered(asked.file)
     names = shared.names_in(asked.columns or "")
@@ -51,44 +46,38 @@ def show(asked: shared.Options) -> None:
     if asked.variant is not None:
         # Refuses one that isn't there.
         result.variant_values(asked.variant)
-        shared.tell(variant_text(result, asked.variant, asked.every))
+        shared.tell(needed.variant_text(result, asked.variant, asked.every))
         return
-    goal, usual = result.goal, "front > 0" if is_front(result) else None
+    goal, usual = result.goal, "front > 0" if needed.is_front(result) else None
     sort, descending = asked.sort or (usual and "front"), asked.descending
     if asked.sort is None and goal is not None:
         sort, descending = goal.goal, goal.sign < 0
     condition = asked.where or (goal.where if goal else usual)
     chosen = result.select(condition, sort, descending, most=asked.limit)
     if asked.as_json:
-        shared.tell_data(result_data(result, chosen, names) | {"warnings": shared.warnings_of(result)})
+        shared.tell_data(needed.result_data(result, chosen, names) | {"warnings": shared.warnings_of(result)})
         shared.stop_without_answer(result)
         return
-    shared.tell(contents_text(result))
+    shared.tell(needed.contents_text(result))
     # The answer lists a single machine.
     if result.file.variants > 1 or asked.where or names:
-        shared.tell(meeting_text(result, condition) + (f"; the first {chosen.size}:" if chosen.size else ""))
+        shared.tell(needed.meeting_text(result, condition) + (f"; the first {chosen.size}:" if chosen.size else ""))
         if chosen.size:
-            shared.tell(variants_text(result, chosen, names, asked.every))
+            shared.tell(needed.variants_text(result, chosen, names, asked.every))
     if not asked.where:
-        shared.tell((optimum_text if is_search(result) else answer_text)(result, asked.every))
+        shared.tell((needed.optimum_text if needed.is_search(result) else needed.answer_text)(result, asked.every))
         shared.tell_warnings(result)
         shared.stop_without_answer(result)
 
 
 def _show_at(asked: shared.Options) -> None:
     """Show fields of one machine at given positions or times."""
-    from sweeps.cli.named_machine import machine_of, read_at
-    from sweeps.report.readings import readings_text
-
-    scene = machine_of(str(asked.file), asked.variant, asked.settings).scene
-    readings = read_at(scene, asked.at, shared.names_in(asked.columns or ""))
+    scene = needed.machine_of(str(asked.file), asked.variant, asked.settings).scene
+    readings = needed.read_at(scene, asked.at, shared.names_in(asked.columns or ""))
     if asked.as_json:
-        from sweeps.report.files.data_files import table_data
-        from sweeps.report.files.exports import reading_table
-
-        shared.tell_data(table_data(reading_table(readings, scene.title)))
+        shared.tell_data(needed.table_data(needed.reading_table(readings, scene.title)))
         return
-    shared.tell(readings_text(readings))
+    shared.tell(needed.readings_text(readings))
 
 
 @main.command()
@@ -122,7 +111,7 @@ def _show_at(asked: shared.Options) -> None:
 @click.option("-y", help="y axis: a column (results), or fields of one machine such as B.vx, comma-separated.")
 @click.option("--colour", help="Column shown as colour (results).")
 @shared.WHERE
-@POSITIONS
+@shared.POSITIONS
 @shared.SET
 @shared.joints_by_letter
 @doing("Drawing the pictures")
@@ -134,59 +123,42 @@ def plot(asked: shared.Options) -> None:
     plans and order sheets with a table. Governors: controlling force. Torsional trains: modes, Campbell diagram,
     torques over speed, Holzer tables. Gear trains: velocity diagrams with a table.
     """
-    from sweeps.cli.named_machine import is_result, machine_of, positions_of
-
     # Loaded modules live to the end: spare the garbage collector.
     gc.freeze()
     tables = ""
-    if is_result(asked.file):
+    if needed.is_result(asked.file):
         shared.tell_altered(asked.file)
     of_machine = asked.plans or asked.bearings or asked.motion or asked.hodograph or asked.beside or asked.settings
-    is_sweep = is_result(asked.file) and asked.variant is None and not of_machine
+    is_sweep = needed.is_result(asked.file) and asked.variant is None and not of_machine
     shared.variants_only(asked.where, is_sweep)
     if is_sweep:
-        from sweeps.pictures.sweep.result_pictures import result_pictures
-        from sweeps.report.sweep_result import SweepResult
-
-        result = SweepResult(Path(asked.file), where=asked.where)
-        made = result_pictures(result, asked.out, asked.x, asked.y, asked.colour)
+        result = needed.SweepResult(Path(asked.file), where=asked.where)
+        made = needed.result_pictures(result, asked.out, asked.x, asked.y, asked.colour)
     elif asked.x or asked.y:
-        from sweeps.pictures.machine.cycle_sheets import POSITIONS, field_curves
-        from sweeps.pictures.style import save
-
-        machine = machine_of(asked.file, asked.variant, asked.settings)
+        machine = needed.machine_of(asked.file, asked.variant, asked.settings)
         fields = shared.names_in(asked.y or "")
         target = asked.out or Path(f"{machine.name}_{'_'.join(fields).replace('.', '_') or 'fields'}.png")
-        save(field_curves(machine.scene, fields, asked.x, asked.positions or POSITIONS), target)
+        needed.save(needed.field_curves(machine.scene, fields, asked.x, asked.positions or needed.POSITIONS), target)
         made = [target]
     else:
-        from sweeps.pictures.picture_files import machine_pictures
-
-        machine = machine_of(asked.file, asked.variant, asked.settings)
+        machine = needed.machine_of(asked.file, asked.variant, asked.settings)
         scene, stem = machine.scene, asked.out or Path(f"{machine.name}.png")
-        places = positions_of(scene, asked.at)
+        places = needed.positions_of(scene, asked.at)
         shown = places, shared.names_in(asked.paths), shared.names_in(asked.shown)
-        made = machine_pictures(scene, stem, *shown, parts=shared.names_in(asked.motion))
+        made = needed.machine_pictures(scene, stem, *shown, parts=shared.names_in(asked.motion))
         if asked.plans or asked.bearings:
-            from sweeps.pictures.plans.files import bearing_pictures, plan_pictures
-
-            made += plan_pictures(scene, stem, next(iter(places), None)) if asked.plans else []
-            made += bearing_pictures(scene, stem, shared.names_in(asked.bearings))
+            made += needed.plan_pictures(scene, stem, next(iter(places), None)) if asked.plans else []
+            made += needed.bearing_pictures(scene, stem, shared.names_in(asked.bearings))
         if asked.hodograph or asked.beside:
-            from sweeps.pictures.machine.hodographs import hodographs
-            from sweeps.pictures.style import save_beside
-
             others = {} if scene is machine.before else {"scene": machine.before}
             if asked.beside:
-                other = machine_of(asked.beside, None)
+                other = needed.machine_of(asked.beside, None)
                 others = {other.name: other.scene}
             # Distinguish equal names.
             others = {f"{name} (other)" if name == machine.name else name: shown for name, shown in others.items()}
-            made += save_beside(stem, [("hodograph", hodographs({**others, machine.name: scene}))])
+            made += needed.save_beside(stem, [("hodograph", needed.hodographs({**others, machine.name: scene}))])
         if scene.elements:
-            from sweeps.pictures.elements.element_pictures import element_tables
-
-            tables = element_tables(scene)
+            tables = needed.element_tables(scene)
     if tables:
         shared.tell(tables)
     shared.tell("\n".join(f"Wrote {path}" for path in dict.fromkeys(made)))
@@ -198,19 +170,14 @@ def plot(asked: shared.Options) -> None:
 @click.option("--variant", type=shared.WholeNumber(0), help="Variant of a result file to use.")
 def orders(file: str | None, out: Path | None, variant: int | None) -> None:
     """Show the unbalanced orders of force, couple and torque of common engines, or of those in a scene or result."""
-    from sweeps.cli.named_machine import machine_of
-    from sweeps.pictures.elements.order_picture import order_picture
-    from sweeps.pictures.style import save
-    from sweeps.report.order_table import engine_rows, order_table, well_known_engines
-
-    rows = well_known_engines()
+    rows = needed.well_known_engines()
     if file is not None:
-        rows = engine_rows(machine_of(file, variant).scene)
+        rows = needed.engine_rows(needed.machine_of(file, variant).scene)
         if not rows:
             raise InputError.of(file, 'has no engine; add [elements.NAME] with type = "engine"', key="elements")
-    shared.tell(order_table(rows))
+    shared.tell(needed.order_table(rows))
     if out is not None:
-        save(order_picture(rows), out)
+        needed.save(needed.order_picture(rows), out)
         shared.tell(f"Wrote {out}")
 
 
@@ -226,17 +193,13 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
 @shared.in_options
 def animate(asked: shared.Options) -> None:
     """Write an animated GIF of a scene, study or variant."""
-    from sweeps.cli.named_machine import element_named, machine_of
-    from sweeps.pictures.elements.element_motion import element_frames
-    from sweeps.pictures.machine.animation import machine_frames, save_animation
-
-    machine = machine_of(asked.file, asked.variant, asked.settings)
+    machine = needed.machine_of(asked.file, asked.variant, asked.settings)
     out = asked.out or Path(f"{machine.name}.gif")
-    moving = element_named(machine.scene, ["cam", "gear_train"], asked.element)
+    moving = needed.element_named(machine.scene, ["cam", "gear_train"], asked.element)
     if moving is not None:
-        save_animation(lambda count: element_frames(moving, count), out, asked.frames)
+        needed.save_animation(lambda count: needed.element_frames(moving, count), out, asked.frames)
     else:
-        save_animation(
-            lambda count: machine_frames(machine.scene, count, shared.names_in(asked.paths)), out, asked.frames
+        needed.save_animation(
+            lambda count: needed.machine_frames(machine.scene, count, shared.names_in(asked.paths)), out, asked.frames
         )
     shared.tell(f"Wrote {out}")

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from sweeps.cli import needed
 from sweeps.cli.shared import ERRORS, Options, WholeNumber, in_options, main, names_in, tell, write_text
 from sweeps.text.input_files import InputError
 
@@ -19,17 +20,13 @@ from sweeps.text.input_files import InputError
 @click.option("--interpolation", type=click.Choice(["linear", "pchip", "spline"]), default="linear", show_default=True)
 @click.option("--inertia", default="0", help="Existing inertia of the machine, such as '0.4 kg m2'.")
 @click.option("--area-energy", help="Energy per unit of area, '4.5 J'; TABLE then lists areas.")
-def flywheel(
-    table: Path, speed: str, fluctuation: str, interpolation: str, inertia: str, area_energy: str | None
-) -> None:
+def flywheel(**asked: str) -> None:
     """Size a flywheel from a turning-moment diagram.
 
     TABLE is a CSV with the columns `phi [deg]` and `moment [N m]`. With --area-energy it has one column, `area [mm2]`:
     the areas between diagram and mean line in order, positive above the line.
     """
-    from sweeps.report.sizing.flywheel_table import flywheel_text
-
-    tell(flywheel_text(table, speed, fluctuation, interpolation, inertia, area_energy))
+    tell(needed.flywheel_text(**asked))
 
 
 @main.command("balance")
@@ -62,21 +59,16 @@ def balance_command(asked: Options) -> None:
         message = "give either a scene, study or result to balance, or --trial-runs with a table of readings"
         raise InputError.of("balance", message)
     if asked.trial_runs is not None:
-        from sweeps.report.sizing.trial_runs import trial_runs_text
-
-        tell(trial_runs_text(asked.trial_runs, asked.noise, asked.holes))
+        tell(needed.trial_runs_text(asked.trial_runs, asked.noise, asked.holes))
         return
-    from sweeps.cli.named_machine import machine_of
-    from sweeps.report.sizing.balance_shaft_table import balance_shaft_text, engines_of
-    from sweeps.report.sizing.counterweight_table import counterweight_text, counterweights_of
-    from sweeps.text.scene_text import write_scene
-
-    scene = machine_of(asked.file, asked.variant).scene
-    if scene.input is None and engines_of(scene):
-        tell(balance_shaft_text(scene, asked.planes))
+    scene = needed.machine_of(asked.file, asked.variant).scene
+    if scene.input is None and needed.engines_of(scene):
+        tell(needed.balance_shaft_text(scene, asked.planes))
         return
-    found = counterweights_of(scene, names_in(asked.links), asked.places, asked.criterion, asked.radius, asked.most)
-    tell(counterweight_text(scene, found, asked.criterion))
+    found = needed.counterweights_of(
+        scene, names_in(asked.links), asked.places, asked.criterion, asked.radius, asked.most
+    )
+    tell(needed.counterweight_text(scene, found, asked.criterion))
     if asked.out is not None:
-        write_text(asked.out, write_scene(found.scene))
+        write_text(asked.out, needed.write_scene(found.scene))
         tell(f"Wrote {asked.out}")

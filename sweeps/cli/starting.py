@@ -5,6 +5,8 @@ from pathlib import Path
 
 import click
 
+import engine
+from sweeps.cli import needed
 from sweeps.cli.shared import main, tell, write_text
 from sweeps.cli.waiting import doing
 
@@ -12,14 +14,10 @@ from sweeps.cli.waiting import doing
 @main.command("list")
 def list_command() -> None:
     """List the bundled studies and the templates for scenes."""
-    from sweeps.study.bundled import bundled_studies, questions
-    from sweeps.text.tables import table_by_subject
-    from sweeps.text.templates import bundled_templates, templates
-
     tell("Studies (sweeps run NAME):")
-    tell(table_by_subject(questions(), bundled_studies()))
+    tell(needed.table_by_subject(needed.questions(), needed.bundled_studies()))
     tell("Templates (sweeps new NAME):")
-    tell(table_by_subject(templates(), bundled_templates()))
+    tell(needed.table_by_subject(needed.templates(), needed.bundled_templates()))
 
 
 @main.command()
@@ -27,9 +25,7 @@ def list_command() -> None:
 @click.option("--out", type=click.Path(path_type=Path), help="File to write; default: TEMPLATE.toml.")
 def new(template: str, out: Path | None) -> None:
     """Write a commented scene to start from."""
-    from sweeps.text.templates import template_text
-
-    text = template_text(template)
+    text = needed.template_text(template)
     out = out or Path(f"{template}.toml")
     write_text(out, text)
     tell(f"Wrote {out}. Edit it, then: sweeps check {out}; sweeps plot {out}; sweeps run {out}")
@@ -46,16 +42,12 @@ def import_command(file: Path, unit: str | None, speed: str | None, out: Path | 
 
     For PMKS+, FILE contains the shared address, https://app.pmksplus.com/?…
     """
-    from sweeps.imports.foreign_scene import import_scene
-    from sweeps.text.numbers_in_row import numbers_in_row
-    from sweeps.text.scene_text import write_scene
-
     if speed is not None:
-        numbers_in_row("--speed", speed, ("angular_speed",))
-    size = None if unit is None else numbers_in_row("--unit", unit, ("length",))[0]
-    scene = import_scene(file, size, speed)
+        needed.numbers_in_row("--speed", speed, ("angular_speed",))
+    size = None if unit is None else needed.numbers_in_row("--unit", unit, ("length",))[0]
+    scene = needed.import_scene(file, size, speed)
     out = out or file.with_suffix(".toml")
-    write_text(out, f"# Imported from {file.name}: kinematics only.\n\n{write_scene(scene)}")
+    write_text(out, f"# Imported from {file.name}: kinematics only.\n\n{needed.write_scene(scene)}")
     tell(f"Wrote {out}: sweeps check {out}; sweeps plot {out}")
 
 
@@ -67,9 +59,7 @@ def schema(out: Path) -> None:
     VS Code with the extension Even Better TOML reads them for files next to them that begin with the line
     `#:schema scene.schema.json`, or `#:schema study.schema.json` for studies; templates have that line.
     """
-    from sweeps.report.help.editor_schema import schema_texts
-
-    for name, text in schema_texts().items():
+    for name, text in needed.schema_texts().items():
         write_text(out / name, text, replace=True)
         tell(f"Wrote {out / name}")
 
@@ -85,16 +75,11 @@ def modes(scene: str, out: Path | None, no_plots: bool) -> None:
 
     A scene selects a mode by the approximate position of a point: near.B = { x = "80 mm", y = "20 mm" }.
     """
-    from engine import assembly_modes
-    from sweeps.cli.named_machine import machine_of
-    from sweeps.pictures.drawing.mode_pictures import mode_pictures
-    from sweeps.report.mode_table import mode_table
-
-    machine = machine_of(scene, None)
-    found = assembly_modes(machine.scene)
-    tell(mode_table(machine.scene, found))
+    machine = needed.machine_of(scene, None)
+    found = engine.assembly_modes(machine.scene)
+    tell(needed.mode_table(machine.scene, found))
     if found and not no_plots:
-        made = mode_pictures(machine.scene, found, out or Path(f"{machine.name}_modes.png"))
+        made = needed.mode_pictures(machine.scene, found, out or Path(f"{machine.name}_modes.png"))
         for path, refusal in made.items():
             tell(f"Wrote {path}" if refusal is None else f"Not drawn: {path}: {refusal}")
 
@@ -110,26 +95,21 @@ def guide_command(chapter: str | None, web: bool, out: Path | None) -> None:
 
     The site of --web needs no network; building it requires pip install 'machine-sweeps[guide]'.
     """
-    from sweeps.guide.chapters import GENERATED, chapter_text, chapters_text
-    from sweeps.guide.website import build_site
-
     if web or out is not None:
         with doing("Building the site"):
-            first = build_site(reference_pages(), out or Path("guide"))
+            first = needed.build_site(reference_pages(), out or Path("guide"))
         tell(f"Wrote {first}")
         if out is None:
             click.launch(str(first))
-    elif chapter in GENERATED:
+    elif chapter in needed.GENERATED:
         tell(reference_pages()[chapter]())
     else:
-        tell(chapters_text() if chapter is None else chapter_text(chapter))
+        tell(needed.chapters_text() if chapter is None else needed.chapter_text(chapter))
 
 
 def reference_pages() -> Mapping[str, Callable[[], str]]:
     """What makes the Markdown text of each generated page, by name."""
-    from sweeps.report.help.reference_pages import PAGES
-
-    return {"commands": commands_page, **PAGES}
+    return {"commands": commands_page, **needed.PAGES}
 
 
 def commands_page() -> str:

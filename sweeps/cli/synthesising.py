@@ -5,7 +5,9 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import main, tell, with_options, write_text
+import engine
+from sweeps.cli import needed
+from sweeps.cli.shared import Options, in_options, main, tell, with_options, write_text
 from sweeps.cli.waiting import doing
 
 _RATIO = click.option(
@@ -32,12 +34,9 @@ def synthesise() -> None:
 @_common
 def slider_crank_command(stroke: str, ratio: float, rod: str | None, speed: str, out: Path | None) -> None:
     """Offset slider-crank with a given stroke and quick-return ratio."""
-    from sweeps.synthesis.quick_return import quick_slider_crank
-    from sweeps.synthesis.synthesised_scenes import slider_crank_text
-
-    wanted = _length("--stroke", stroke)
-    found = quick_slider_crank(wanted, ratio, None if rod is None else _length("--rod", rod))
-    _write(out or Path("slider_crank.toml"), lambda: slider_crank_text(found, wanted, ratio, _speed(speed)))
+    wanted = _number("--stroke", stroke)
+    found = needed.quick_slider_crank(wanted, ratio, None if rod is None else _number("--rod", rod))
+    _write(out or Path("slider_crank.toml"), lambda: needed.slider_crank_text(found, wanted, ratio, _speed(speed)))
 
 
 @synthesise.command("crank-rocker")
@@ -46,16 +45,16 @@ def slider_crank_command(stroke: str, ratio: float, rod: str | None, speed: str,
 @_RATIO
 @click.option("--coupler", help="Coupler length, '200 mm' (default: for the best transmission angle).")
 @_common
-def crank_rocker_command(
-    swing: str, rocker: str, ratio: float, coupler: str | None, speed: str, out: Path | None
-) -> None:
+@in_options
+def crank_rocker_command(asked: Options) -> None:
     """Crank-rocker with a given swing and quick-return ratio."""
-    from sweeps.synthesis.quick_return import quick_crank_rocker
-    from sweeps.synthesis.synthesised_scenes import crank_rocker_text
-
-    angle, given = _number("--swing", swing, "angle"), None if coupler is None else _length("--coupler", coupler)
-    found = quick_crank_rocker(_length("--rocker", rocker), angle, ratio, given)
-    _write(out or Path("crank_rocker.toml"), lambda: crank_rocker_text(found, angle, ratio, _speed(speed)))
+    angle, ratio = _number("--swing", asked.swing, "angle"), asked.ratio
+    coupler = None if asked.coupler is None else _number("--coupler", asked.coupler)
+    found = needed.quick_crank_rocker(_number("--rocker", asked.rocker), angle, ratio, coupler)
+    _write(
+        asked.out or Path("crank_rocker.toml"),
+        lambda: needed.crank_rocker_text(found, angle, ratio, _speed(asked.speed)),
+    )
 
 
 @synthesise.command("shaper")
@@ -65,12 +64,9 @@ def crank_rocker_command(
 @_common
 def shaper_command(stroke: str, ratio: float, frame: str, speed: str, out: Path | None) -> None:
     """Crank-shaper (slotted lever and ram) with a given stroke and quick-return ratio."""
-    from sweeps.synthesis.quick_return import quick_lever
-    from sweeps.synthesis.synthesised_scenes import lever_text
-
-    wanted = _length("--stroke", stroke)
-    found = quick_lever(wanted, ratio, _length("--frame", frame))
-    _write(out or Path("shaper.toml"), lambda: lever_text(found, wanted, ratio, _speed(speed)))
+    wanted = _number("--stroke", stroke)
+    found = needed.quick_lever(wanted, ratio, _number("--frame", frame))
+    _write(out or Path("shaper.toml"), lambda: needed.lever_text(found, wanted, ratio, _speed(speed)))
 
 
 @synthesise.command("positions")
@@ -85,33 +81,22 @@ def shaper_command(stroke: str, ratio: float, frame: str, speed: str, out: Path 
     "--turn", "turns", multiple=True, metavar="'ANGLE, 1'", help="Rotation of a link to the second of four positions."
 )
 @_common
-def positions_command(
-    places: tuple[str, ...],
-    pivots: tuple[str, ...],
-    joints: tuple[str, ...],
-    turns: tuple[str, ...],
-    speed: str,
-    out: Path | None,
-) -> None:
+@in_options
+def positions_command(asked: Options) -> None:
     """Four-bar linkage whose coupler passes through given positions in order.
 
     Three positions: give two links by --pivot or --joint; the first is the crank. Four positions: give two links on the
     Burmester curves by --turn, the rotation from the first position to the second, with the solution number 1 or 2.
     Without --turn, the linkage with the best transmission angle on a grid is chosen.
     """
-    from sweeps.synthesis.dyads import PlanePosition
-    from sweeps.synthesis.position_links import chosen_links
-    from sweeps.synthesis.positioned import best_four_bar_through, four_bar_through
-    from sweeps.synthesis.synthesised_scenes import positions_text
-    from sweeps.text.numbers_in_row import numbers_in_row
-
-    rows = [numbers_in_row("--at", text, ("length", "length", "angle")) for text in places]
-    positions = [PlanePosition(complex(x, y), angle) for x, y, angle in rows]
-    if len(positions) == 4 and not (pivots or joints or turns):
-        found = best_four_bar_through(positions)
+    rows = [needed.numbers_in_row("--at", text, ("length", "length", "angle")) for text in asked.places]
+    positions = [needed.PlanePosition(complex(x, y), angle) for x, y, angle in rows]
+    chosen = asked.pivots, asked.joints, asked.turns
+    if len(positions) == 4 and not any(chosen):
+        found = needed.best_four_bar_through(positions)
     else:
-        found = four_bar_through(positions, *chosen_links(positions, pivots, joints, turns))
-    _write(out or Path("positions.toml"), lambda: positions_text(found, _speed(speed)))
+        found = needed.four_bar_through(positions, *needed.chosen_links(positions, *chosen))
+    _write(asked.out or Path("positions.toml"), lambda: needed.positions_text(found, _speed(asked.speed)))
 
 
 @synthesise.command("path")
@@ -125,26 +110,16 @@ def path_command(table: Path, seed: int, speed: str, out: Path | None) -> None:
 
     TABLE is a CSV with the columns `x [mm]` and `y [mm]`: points on the path in order.
     """
-    from sweeps.synthesis.paths import four_bar_along
-    from sweeps.synthesis.synthesised_scenes import path_text
-    from sweeps.text.csv_text import named_columns, read_csv
-
-    x, y = named_columns(table, {"x": "length", "y": "length"}, "x [mm], y [mm]")
+    x, y = needed.named_columns(table, {"x": "length", "y": "length"}, "x [mm], y [mm]")
     given = _speed(speed)
     with doing("Searching"):
-        found = four_bar_along([complex(*place) for place in zip(x, y, strict=True)], seed)
-    headers = (f"1 {column.unit}" for column in read_csv(table).values() if column.unit)
-    _write(out or Path("path.toml"), lambda: path_text(found, len(x), given), *headers)
+        found = needed.four_bar_along([complex(*place) for place in zip(x, y, strict=True)], seed)
+    headers = (f"1 {column.unit}" for column in needed.read_csv(table).values() if column.unit)
+    _write(out or Path("path.toml"), lambda: needed.path_text(found, len(x), given), *headers)
 
 
-def _length(option: str, text: str) -> float:
-    return _number(option, text, "length")
-
-
-def _number(option: str, text: str, dimension: str) -> float:
-    from sweeps.text.numbers_in_row import numbers_in_row
-
-    return numbers_in_row(option, text, (dimension,))[0]
+def _number(option: str, text: str, dimension: str = "length") -> float:
+    return needed.numbers_in_row(option, text, (dimension,))[0]
 
 
 def _texts(value: object) -> tuple[str, ...]:
@@ -160,9 +135,7 @@ def _speed(text: str) -> str:
 
 def _write(out: Path, text: Callable[[], str], *quantities: str) -> None:
     """Write a scene in the units of the command's options, and of further quantities."""
-    from engine import show_units_of
-
     given = [text for value in click.get_current_context().params.values() for text in _texts(value)]
-    show_units_of({"given": [part.strip() for text in (*given, *quantities) for part in text.split(",")]})
+    engine.show_units_of({"given": [part.strip() for text in (*given, *quantities) for part in text.split(",")]})
     write_text(out, text())
     tell(f"Wrote {out}: sweeps check {out}; sweeps plot {out}")

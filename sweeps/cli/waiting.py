@@ -6,6 +6,8 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+import engine
+
 # Delay before the status line appears, and polling interval [s].
 PATIENCE, LOOK = 1.0, 0.2
 _CLEARED = "\r\x1b[K"
@@ -20,7 +22,7 @@ class Waiting:
 
     def __init__(self) -> None:
         self._ended = threading.Event()
-        self._writing = threading.Lock()
+        self._writing = threading.RLock()
         self._begun: float | None = None
         self._shown = self._task = self._words = ""
 
@@ -43,7 +45,7 @@ class Waiting:
             words = _COMPILING if compiling else self._task
             if words != self._words:
                 self._words, self._begun = words, now
-                self._take_back()
+                self.clear()
             # A poll may finish after the end.
             if words and now - self._begun >= PATIENCE and not self._ended.is_set():
                 self._shown = words
@@ -54,18 +56,15 @@ class Waiting:
         """Set the current task; "" for none."""
         with self._writing:
             self._task = task
-            self._take_back()
+            self.clear()
 
     def clear(self) -> None:
         """Clear the status line."""
         with self._writing:
-            self._take_back()
-
-    def _take_back(self) -> None:
-        if self._shown:
-            sys.stderr.write(_CLEARED)
-            sys.stderr.flush()
-        self._shown = ""
+            if self._shown:
+                sys.stderr.write(_CLEARED)
+                sys.stderr.flush()
+            self._shown = ""
 
     def end(self) -> None:
         """Stop."""
@@ -74,12 +73,8 @@ class Waiting:
 
 
 def _is_compiling() -> bool:
-    # Not imported here: commands without compiled code start quickly.
-    if "engine.compiling.kept_code" not in sys.modules:
-        return False
-    from engine import is_compiling
-
-    return is_compiling()
+    # Not loaded for this: commands without compiled code start quickly.
+    return "engine.compiling.kept_code" in sys.modules and engine.is_compiling()
 
 
 _now: list[Waiting] = []

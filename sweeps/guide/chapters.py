@@ -1,5 +1,6 @@
 """The chapters of the guide, shown in the terminal."""
 
+import tomllib
 from importlib.resources import files
 from pathlib import Path
 
@@ -7,17 +8,9 @@ from engine import unknown_name_message
 from sweeps.text.input_files import InputError
 from sweeps.text.tables import table
 
+GUIDE = Path(str(files("sweeps") / "guide"))
 # Folders of the guide in reading order, each with its chapters.
-SUBJECTS = {
-    "tutorial": ("machine", "flywheel", "sweep", "bearings", "motor", "report"),
-    "mechanisms": ("structure", "kinematics", "links", "inputs", "cams", "gears", "synthesis", "elements"),
-    "dynamics": (
-        *("reduction", "flywheels", "forces", "formulas", "motion", "couplings"),
-        *("balancing", "governors", "elastic"),
-    ),
-    "studies": ("study", "searching", "results", "numbers", "warnings", "words", "python", "cluster"),
-    "": ("developers",),
-}
+SUBJECTS: dict[str, list[str]] = tomllib.loads((GUIDE / "contents.toml").read_text("utf8"))
 # Subject and names of the generated pages.
 REFERENCE = "reference"
 GENERATED = ("commands", "keys", "quantities", "verdicts", "units", "interface")
@@ -25,12 +18,8 @@ GENERATED = ("commands", "keys", "quantities", "verdicts", "units", "interface")
 
 def chapters() -> dict[str, str]:
     """Markdown text of each chapter, by name, in reading order."""
-    guide = Path(str(files("sweeps") / "guide"))
-    return {
-        name: (guide / subject / f"{name}.md").read_text("utf8")
-        for subject, names in SUBJECTS.items()
-        for name in names
-    }
+    pages = [(name, GUIDE / subject / f"{name}.md") for subject, names in SUBJECTS.items() for name in names]
+    return {name: page.read_text("utf8") for name, page in pages}
 
 
 def title_of(text: str) -> str:

@@ -2,34 +2,15 @@
 
 import re
 import shutil
-from collections.abc import Callable, Mapping
+import tomllib
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
-from importlib.resources import files
 from pathlib import Path
 
-from sweeps.guide.chapters import REFERENCE, SUBJECTS
+from sweeps.guide.chapters import GUIDE, REFERENCE, SUBJECTS
 from sweeps.text.input_files import InputError
 from sweeps.text.versions import extra
 from sweeps.text.whole_files import scratch_folder
-
-_SETTINGS = {
-    "project": "machine-sweeps",
-    "html_title": "machine-sweeps",
-    "extensions": ["myst_parser"],
-    "html_theme": "furo",
-    "html_static_path": ["style"],
-    "html_css_files": ["guide.css"],
-    "html_show_sourcelink": False,
-    "html_copy_source": False,
-    "html_show_copyright": False,
-    "myst_heading_anchors": 3,
-    # Formulas and tables of numbers are plain text.
-    "suppress_warnings": ["misc.highlighting_failure"],
-}
-_STYLE = """
-article img { background: white; max-height: 48em; padding: 0.5em; border-radius: 0.3em; }
-div.calculation pre { border-left: 0.2em solid var(--color-brand-primary); font-size: 100%; }
-"""
 
 
 def build_site(reference: Mapping[str, Callable[[], str]], folder: Path) -> Path:
@@ -62,8 +43,8 @@ def build_site(reference: Mapping[str, Callable[[], str]], folder: Path) -> Path
         with scratch_folder() as scratch, docutils_namespace():
             source = scratch / "source"
             _write_source({name: page() for name, page in reference.items()}, source)
-            app = Sphinx(source, None, folder, scratch / "work", "html", _SETTINGS, status=None)
-            app.build()
+            settings = tomllib.loads((GUIDE / "site.toml").read_text("utf8"))
+            Sphinx(source, None, folder, scratch / "work", "html", settings, status=None).build()
     except OSError as error:
         raise InputError.of(str(folder), f"can't be written: {error.strerror}") from None
     return folder / "index.html"
@@ -71,20 +52,18 @@ def build_site(reference: Mapping[str, Callable[[], str]], folder: Path) -> Path
 
 def _write_source(reference: Mapping[str, str], source: Path) -> None:
     """Write what Sphinx reads: pages, their pictures and a page of contents."""
-    shutil.copytree(str(files("sweeps") / "guide"), source, ignore=shutil.ignore_patterns("*.py", "__pycache__"))
+    shutil.copytree(GUIDE, source, ignore=shutil.ignore_patterns("*.py", "__pycache__"))
     (source / REFERENCE).mkdir()
     for name, text in reference.items():
         (source / REFERENCE / f"{name}.md").write_text(text, "utf8")
     for page in source.rglob("*.md"):
         page.write_text(_for_sphinx(page.read_text("utf8")), "utf8")
-    (source / "style").mkdir()
-    (source / "style" / "guide.css").write_text(_STYLE, "utf8")
-    subjects = {**SUBJECTS, REFERENCE: tuple(reference)}
+    subjects = {**SUBJECTS, REFERENCE: list(reference)}
     contents = "\n".join(_contents(subject, names) for subject, names in subjects.items())
     (source / "index.md").write_text(f"# Guide to machine-sweeps\n\n{contents}", "utf8")
 
 
-def _contents(subject: str, names: tuple[str, ...]) -> str:
+def _contents(subject: str, names: Iterable[str]) -> str:
     pages = "\n".join(f"{subject}/{name}" if subject else name for name in names)
     return f"```{{toctree}}\n:caption: {subject.capitalize() or 'Program'}\n:maxdepth: 1\n\n{pages}\n```\n"
 

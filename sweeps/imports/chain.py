@@ -1,6 +1,7 @@
 """A linkage as other programs store it (links and joints in one position), and its scene."""
 
 import cmath
+import itertools
 import re
 from collections.abc import Iterable
 from typing import Any, NamedTuple
@@ -189,9 +190,7 @@ def _allowed(name: str, kind: str, taken: set[str]) -> str:
     """A unique valid scene name close to the given one."""
     plain = _UNALLOWED.sub("_", name).strip("_") or kind
     plain = plain if plain[0].isalpha() else f"{kind}_{plain}"
-    chosen, number = plain, 1
-    while chosen in taken:
-        number += 1
-        chosen = f"{plain}_{number}"
+    numbered = (f"{plain}_{number}" for number in itertools.count(2))
+    chosen = next(name for name in itertools.chain((plain,), numbered) if name not in taken)
     taken.add(chosen)
     return chosen

@@ -4,12 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import Verdict, display_unit
+from engine import Verdict
 from sweeps.report.answers.shown_results import hidden_text, shown_parameters, shown_summaries
 from sweeps.report.answers.unmet_conditions import no_answer_text
-from sweeps.report.result_report import best_lines, ends_text, value_text
+from sweeps.report.result_report import best_lines, ends_text, spread_text
 from sweeps.report.sweep_result import SweepResult
-from sweeps.text.conditions import Condition
+from sweeps.text.conditions import Condition, met_by
 from sweeps.text.tables import table
 
 # Closer to a limit than this share of the range counts as on it.
@@ -50,9 +50,7 @@ def front(result: SweepResult) -> np.ndarray:
 def met(result: SweepResult) -> np.ndarray:
     """Feasible candidates (candidates,)."""
     there, known = result.columns["status"] == Verdict.OK, result.requirements.known(result.columns)
-    for condition in _conditions(result):
-        there = there & condition.judged(*known, there.size).met
-    return there
+    return there & met_by(_conditions(result), *known, there.size)
 
 
 def _conditions(result: SweepResult) -> list[Condition]:
@@ -114,30 +112,19 @@ def _choices_text(result: SweepResult, every: bool) -> str:
     goals = [name for name, _ in objectives(result)]
     rows = [("", *(f"variant {choice.variant}" for choice in chosen)), ("", *(choice.why for choice in chosen))]
     for name in dict.fromkeys([*goals, *shown_parameters(result, every), *shown_summaries(result, every)]):
-        rows.append((name, *(_value(result, name, choice.variant) for choice in chosen)))
+        rows.append((name, *(spread_text(result, name, choice.variant) for choice in chosen)))
     return "\n".join(["Chosen from the front:", table(rows, "  "), *hidden_text(result, every)])
 
 
 def _best_text(result: SweepResult, best: int, every: bool) -> str:
     ends = {name: BOUNDS[end.word] for name, end in result.range_ends(best).items()}
-    lines = best_lines(result, result.aim, best, every, _value, ends)
+    lines = best_lines(result, best, every, ends)
     limits = _limits(result, best)
     lines += [f"on the limit of: {text}" for text in limits]
     lines += ends_text(result, best)
     if not limits and not ends:
         lines.append("inside all ranges and conditions")
     return "\n".join(lines)
-
-
-def _value(result: SweepResult, name: str, variant: int) -> str:
-    """A value with its standard deviation from tolerances."""
-    column, units = result.columns, result.units[name]
-    text = value_text(result, name, variant)
-    if f"{name}.tolerance" not in column:
-        return text
-    # In the value's unit, for comparison.
-    factor, label = display_unit(units, column[name][[variant]])
-    return f"{text}, σ {factor * column[f'{name}.tolerance'][variant]:.2g}{'' if label == '1' else f' {label}'}"
 
 
 def _limits(result: SweepResult, variant: int) -> list[str]:

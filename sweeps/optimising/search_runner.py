@@ -93,34 +93,28 @@ def optimise_study(
         Some candidates failed to compute, or the scheduler is lost; earlier generations are kept.
     """
     path, task, tell = Path(path), task_of(study), tell or (lambda sentence: None)
-    layout = layout_of(task.study, task.study.machine())
-    with crew_of(client, task.study, layout, tell) as crew:
-        return _search(Trials(task, crew), path, restart, progress, replace_former, tell)
-
-
-def _search(
-    trials: Trials,
-    path: Path,
-    restart: bool,
-    progress: OnGeneration | None,
-    replace_former: bool,
-    tell: Callable[[str], None],
-) -> Path:
-    task, work = trials.task, _work_path(path)
-    if path.exists() and not restart and _is_finished(path, trials, tell):
+    work, keep = path.with_name(f"{path.stem}.candidates{path.suffix}"), not restart and not replace_former
+    with crew_of(client, task.study, layout_of(task.study), tell) as crew:
+        trials = Trials(task, crew)
+        if path.exists() and not restart and _is_finished(path, trials, tell):
+            remove_unlocked(part_path(work))
+            return path
+        make_folder_of(path)
+        if task.method == LOCAL:
+            _finish(trials, path, _downhill(trials), "local search", keep, tell)
+            return path
+        search = way_of(task)
+        with Store.open(work, _layout(trials, task.population * task.generations, task.population), restart) as store:
+            tell_all(store, tell)
+            search(_History(trials, store, progress).evaluate)
+        _finish(trials, path, *_refined(trials, read_columns(part_path(work))), keep, tell)
         remove_unlocked(part_path(work))
-        return path
-    make_folder_of(path)
-    keep = not restart and not replace_former
-    if task.method == LOCAL:
-        _finish(trials, path, _downhill(trials), "local search", keep, tell)
-        return path
-    search = way_of(task)
-    with Store.open(work, _layout(trials, task.population * task.generations, task.population), restart) as store:
-        tell_all(store, tell)
-        search(_History(trials, store, progress).evaluate)
-    found = read_columns(part_path(work))
-    found = {name: values[found["status"] != Verdict.NOT_COMPUTED] for name, values in found.items()}
+    return path
+
+
+def _refined(trials: Trials, found: dict[str, np.ndarray]) -> tuple[dict[str, np.ndarray], str]:
+    """The candidates of all generations and of a local search from their best one, and how they were found."""
+    task, found = trials.task, {n: values[found["status"] != Verdict.NOT_COMPUTED] for n, values in found.items()}
     batch = trials.judged(found)
     best, last = _best(batch), int(found["generation"].max()) + 1
     words = counted(last, "generation")
@@ -129,9 +123,7 @@ def _search(
         better = refine(task, trials, start, batch.costs[best, 0])
         found = joined([found, *(_numbered(one, last) for one in better)])
         words += ", then local search"
-    _finish(trials, path, found, words, keep, tell)
-    remove_unlocked(part_path(work))
-    return path
+    return found, words
 
 
 def _is_finished(path: Path, trials: Trials, tell: Callable[[str], None]) -> bool:
@@ -159,10 +151,6 @@ def _downhill(trials: Trials) -> dict[str, np.ndarray]:
     if not passed:
         passed = [trials.columns(task.variables.values(task.start[None]), 1, drop=True)]
     return _numbered(joined(passed), 0)
-
-
-def _work_path(path: Path) -> Path:
-    return path.with_name(f"{path.stem}.candidates{path.suffix}")
 
 
 class _History:
@@ -257,7 +245,7 @@ def _finish(
     count = places.size
     with Store.open(path, _final_layout(trials, count), restart=not keep) as store:
         for i in range(store.layout.blocks):
-            store.write(i, {name: values[store.slice(i)] for name, values in found.items()})
+            store.write(i, {name: values[store.layout.slice(i)] for name, values in found.items()})
         by = "" if trials.crew is None else f"; computed by {trials.crew.words}"
         store.finish(f"{counted(count, 'candidate')}, {way}{by}", keep_former=keep)
         tell_all(store, tell)
@@ -269,12 +257,12 @@ def _finish(
 def _final_layout(trials: Trials, count: int) -> FileLayout:
     layout = _layout(trials, count, min(count, LARGEST_BLOCK))
     front = Column("front", "position on the Pareto front, 0 off it", "1", dtype=np.int32)
-    return replace(layout, columns=(*layout.columns, front, *spread_columns(trials.task, trials.machine)))
+    return replace(layout, columns=(*layout.columns, front, *spread_columns(trials.task)))
 
 
 def _layout(trials: Trials, count: int, block: int) -> FileLayout:
     """A sweep's layout plus the objectives and each candidate's generation."""
-    task, base = trials.task, layout_of(trials.task.study, trials.machine)
+    task, base = trials.task, layout_of(trials.task.study)
     extra = [Column("generation", "generation of the search", "1", dtype=np.int32)]
     for objective in task.objectives:
         if not objective.is_column:

@@ -76,20 +76,11 @@ def _evolve(task: SearchTask, evaluate: Evaluate) -> None:
     if task.generations == 1:
         costs(first.T)
         return
-    differential_evolution(
-        costs,
-        [(0.0, 1.0)] * task.variables.size,
-        init=first,
-        maxiter=task.generations - 1,
-        vectorized=True,
-        updating="deferred",
-        polish=False,
-        # No spread is below that: `is_settled` decides.
-        atol=-1.0,
-        tol=0.0,
-        callback=is_settled,
-        rng=task.seed,
-    )
+    bounds = [(0.0, 1.0)] * task.variables.size
+    together = {"vectorized": True, "updating": "deferred", "polish": False}
+    # No spread is below that: `is_settled` decides.
+    end = {"maxiter": task.generations - 1, "atol": -1.0, "tol": 0.0, "callback": is_settled}
+    differential_evolution(costs, bounds, init=first, rng=task.seed, **together, **end)
 
 
 def descend(task: SearchTask, trials: Trials, start: np.ndarray, steps: int = STEPS) -> list[dict[str, np.ndarray]]:

@@ -5,11 +5,13 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.special import ndtri
 
-from engine import ElementsAlone, Machine, Verdict, made_ready
+from engine import Verdict, made_ready
 from sweeps.store import Column
 from sweeps.study.search_task import SearchTask
-from sweeps.study.tolerances import Tolerance
+from sweeps.study.sensitivity import Tolerance
+from sweeps.study.study_content import ReadyMachine
 from sweeps.study.unit_points import sobol_points
+from sweeps.text.conditions import met_by
 
 # Samples per candidate: the spread is accurate to about 3 %.
 DRAWN = 512
@@ -19,13 +21,13 @@ STEP = 1e-2
 TOGETHER = 64
 
 
-def spread_columns(task: SearchTask, machine: Machine | ElementsAlone) -> list[Column]:
+def spread_columns(task: SearchTask) -> list[Column]:
     """Columns filled by `spreads`; none without tolerances."""
     if not task.tolerances:
         return []
     found = [Column("tolerance_misses", "fraction of toleranced machines that fail or miss a condition", "1")]
     for name in task.study.summaries:
-        quantity = machine.available_summaries[name]
+        quantity = task.study.machine().available_summaries[name]
         words = f"standard deviation from tolerances: {quantity.long_name}"
         found.append(Column(f"{name}.tolerance", words, quantity.units))
         found.append(Column(f"{name}.tolerance_first_order", f"{words}, to first order", quantity.units))
@@ -55,7 +57,7 @@ def spreads(task: SearchTask, columns: Mapping[str, np.ndarray], chosen: np.ndar
     size, study = columns["status"].size, task.study
     paths = tuple(dict.fromkeys([*study.paths, *(t.path for t in task.tolerances)]))
     machine = made_ready(study.scene, study.summaries, (), paths, study.positions, np.dtype(study.field_precision).type)
-    found = {column.name: np.full(size, np.nan) for column in spread_columns(task, machine)}
+    found = {column.name: np.full(size, np.nan) for column in spread_columns(task)}
     for start in range(0, chosen.size, TOGETHER):
         some = chosen[start : start + TOGETHER]
         made = {name: values[some] for name, values in columns.items()}
@@ -64,9 +66,7 @@ def spreads(task: SearchTask, columns: Mapping[str, np.ndarray], chosen: np.ndar
     return found
 
 
-def _spread(
-    task: SearchTask, machine: Machine | ElementsAlone, made: Mapping[str, np.ndarray]
-) -> dict[str, np.ndarray]:
+def _spread(task: SearchTask, machine: ReadyMachine, made: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Columns of `spreads` for one batch."""
     off = np.vstack([_drawn(task.tolerances, task.seed), _moved(task.tolerances)])
     fixed, count = task.study.fixed, made["status"].size
@@ -77,8 +77,9 @@ def _spread(
     outcome = machine.evaluate(values)
     made = {name: np.repeat(column, len(off)) for name, column in made.items()}
     errors = {f"{name}_error": error for name, error in outcome.errors.items()}
-    misses = _misses(task, made | values | outcome.summaries | errors)
-    misses |= outcome.status != Verdict.OK
+    known = task.study.requirements.known(made | values | outcome.summaries | errors)
+    met = met_by((*task.study.require, *task.conditions), *known, outcome.status.size)
+    misses = ~met | (outcome.status != Verdict.OK)
     found = {"tolerance_misses": misses.reshape(count, -1)[:, :DRAWN].mean(axis=1)}
     for name in task.study.summaries:
         table = outcome.summaries[name].reshape(count, -1)
@@ -87,13 +88,6 @@ def _spread(
         deviations = np.array([t.deviation for t in task.tolerances])
         found[f"{name}.tolerance"] = _deviation(drawn)
         found[f"{name}.tolerance_first_order"] = np.sqrt(((slopes * deviations) ** 2).sum(axis=1))
-    return found
-
-
-def _misses(task: SearchTask, columns: Mapping[str, np.ndarray]) -> np.ndarray:
-    found, known = np.zeros(columns["status"].shape, bool), task.study.requirements.known(columns)
-    for condition in (*task.study.require, *task.conditions):
-        found |= ~condition.judged(*known, found.size).met
     return found
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from engine import Verdict
 from sweeps.run.blocks import evaluate_variants
 from sweeps.study.search_task import Objective, SearchTask
-from sweeps.text.conditions import Values, value_with_error
+from sweeps.text.conditions import Values, met_by, value_with_error
 
 if TYPE_CHECKING:
     from sweeps.run.cluster.crew import Crew
@@ -60,7 +60,7 @@ class Trials:
     """
 
     def __init__(self, task: SearchTask, crew: "Crew | None" = None) -> None:
-        self.task, self.crew, self.machine = task, crew, task.study.machine()
+        self.task, self.crew = task, crew
 
     def evaluate(self, coordinates: np.ndarray) -> Batch:
         """Evaluate the candidates at coordinates (candidates, variables), each from 0 to 1.
@@ -83,12 +83,7 @@ class Trials:
         study = self.task.study
         values, missed = study.completed(varied, count)
         dropped = missed.any(axis=0) & drop
-        if self.crew is None:
-            found = evaluate_variants(study, self.machine, values, dropped)
-        else:
-            from sweeps.run.cluster.sharing import share_out
-
-            found = share_out(self.crew, values, dropped)
+        found = evaluate_variants(study, values, dropped) if self.crew is None else self.crew.share_out(values, dropped)
         for objective in self.task.objectives:
             if not objective.is_column:
                 known = study.requirements.known(found)
@@ -104,9 +99,7 @@ class Trials:
         parts = np.concatenate(apart) if apart else np.zeros((0, status.size))
         violation = np.maximum(parts, 0).sum(axis=0)
         violation += (status != Verdict.OK) & (status != Verdict.DROPPED)
-        met = (status == Verdict.OK) & np.isfinite(costs).all(axis=1)
-        for condition in conditions:
-            met &= condition.judged(*known, status.size).met
+        met = met_by(conditions, *known, status.size) & (status == Verdict.OK) & np.isfinite(costs).all(axis=1)
         violation = np.where(met, 0.0, np.maximum(violation, LEAST_VIOLATION))
         return Batch(columns, costs, parts, violation)
 

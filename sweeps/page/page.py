@@ -1,5 +1,6 @@
 """The report page: its parts, their order, and the file."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -48,12 +49,12 @@ def _parts(digest: Digest) -> dict[str, Any]:
         "answer": _answer(digest),
         "remark": _remark(digest),
         "warnings": [*_warnings(digest), *pictures.complaints],
-        "values": list(page_tables.value_tables(digest)),
+        "values": _filled(page_tables.value_tables(digest)),
         "words": optimum_text(result) if is_search(result) else "",
         "drawn": "The machine" if digest.is_one else f"The machine of variant {digest.drawn}",
         "drawings": pictures.machine,
-        "limits": list(page_tables.limit_tables(digest)),
-        "sensitivity": list(page_tables.sensitivity_tables(digest)),
+        "limits": _filled(page_tables.limit_tables(digest)),
+        "sensitivity": _filled(page_tables.sensitivity_tables(digest)),
         "sample": _sample_words(digest, len(motion["machines"]) if motion else 0),
         "still": pictures.variants,
         "motion": motion,
@@ -64,6 +65,11 @@ def _parts(digest: Digest) -> dict[str, Any]:
         "provenance": page_tables.provenance_table(digest),
         "sources": [("Study", attributes.get("study", "")), ("Scene", attributes.get("scene", ""))],
     }
+
+
+def _filled(tables: Iterable[tuple[str, page_tables.PageTable]]) -> list[tuple[str, page_tables.PageTable]]:
+    """Captioned tables without the empty ones."""
+    return [(words, table) for words, table in tables if table.rows]
 
 
 # The answer

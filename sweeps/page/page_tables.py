@@ -36,14 +36,13 @@ class PageTable(NamedTuple):
 
 
 def value_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
-    """Tables of the best or only machine."""
+    """Tables of the best or only machine; some may be empty."""
     result, variant = digest.result, digest.drawn
     if variant is None:
         return
     names = result.long_names
-    if result.parameters:
-        rows = [(name, value_text(result, name, variant)) for name in result.parameters]
-        yield f"Numbers of variant {variant}", PageTable(("number", "value"), rows, (1,))
+    rows = [(name, value_text(result, name, variant)) for name in result.parameters]
+    yield f"Numbers of variant {variant}", PageTable(("number", "value"), rows, (1,))
     shown = shown_summaries(result)
     head = ("result", "value ± error estimate", "meaning")
     for regime, chosen in by_regime(result.scene, shown).items():
@@ -51,15 +50,14 @@ def value_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
         heading = f"{regime}: {regime_words(result.scene, regime)}" if regime else "Results"
         yield heading, PageTable(head, rows, (1,))
     rows = [(name, value_text(result, name, variant), names[name]) for name in result.summaries if name not in shown]
-    if rows:
-        yield "Further results and checks", PageTable(head, rows, (1,))
+    yield "Further results and checks", PageTable(head, rows, (1,))
 
 
 # Limits and sensitivities
 
 
 def limit_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
-    """Tables of the best variant's limits, each with a caption."""
+    """Tables of the best variant's limits, each with a caption; some may be empty."""
     aim = digest.aim
     if aim is None:
         return
@@ -70,11 +68,8 @@ def limit_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
             without = f"{value_text(digest.result, aim.goal, price.without)}, variant {price.without}"
             gain = "inactive" if price.without == digest.best else "active"
         rows.append((price.text, _room(price.margin), gain, without))
-    if rows:
-        yield (
-            "Active: without this condition the optimum would change. Margin: relative distance from the limit.",
-            PageTable(("condition", "margin", "", f"{aim.word} {aim.goal} without it"), rows, (1,)),
-        )
+    words = "Active: without this condition the optimum would change. Margin: relative distance from the limit."
+    yield words, PageTable(("condition", "margin", "", f"{aim.word} {aim.goal} without it"), rows, (1,))
     required = digest.result.record["require"]
     if required:
         counts, alone, _ = drop_counts(len(required), digest.result.missed())
@@ -82,10 +77,8 @@ def limit_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
         head = ("required", "variants dropped", "only by this")
         yield "Variants dropped before computation:", PageTable(head, rows, (1, 2))
     if digest.best is not None:
-        rows = list(end_rows(digest.result, digest.best))
-        if rows:
-            words = "These numbers lie at the end of their range; a wider range may give a better answer:"
-            yield words, PageTable(("number", "value", "", "tried"), rows, (1,))
+        words = "These numbers lie at the end of their range; a wider range may give a better answer:"
+        yield words, PageTable(("number", "value", "", "tried"), [*end_rows(digest.result, digest.best)], (1,))
 
 
 def _room(margin: float) -> str:
@@ -95,38 +88,31 @@ def _room(margin: float) -> str:
 
 
 def sensitivity_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
-    """Tables of the best variant's sensitivities, each with a caption."""
+    """Tables of the best variant's sensitivities, each with a caption; some may be empty."""
     result, best = digest.result, digest.drawn
     variant = 0 if digest.is_one else best
     if variant is None:
         return
     asked = [name for name in result.summaries if ".by." in name]
-    if asked:
-        rows = [(*name.split(".by.", 1), value_text(result, name, variant)) for name in asked]
-        yield f"Derivatives at variant {variant}:", PageTable(("of", "by", "derivative ± error estimate"), rows, (2,))
+    rows = [(*name.split(".by.", 1), value_text(result, name, variant)) for name in asked]
+    yield f"Derivatives at variant {variant}:", PageTable(("of", "by", "derivative ± error estimate"), rows, (2,))
     banded = [name for name in result.summaries if f"{name}.{RSS}" in result.units]
-    if banded:
-        rows = [
-            (name, *(f"± {value_text(result, f'{name}.{kind}', variant)}" for kind in (WORST_CASE, RSS)))
-            for name in banded
-        ]
-        head = ("result", "worst case", "root of the sum of squares")
-        yield "Effect of tolerances, to first order:", PageTable(head, rows, (1, 2))
+    rows = [
+        (name, *(f"± {value_text(result, f'{name}.{kind}', variant)}" for kind in (WORST_CASE, RSS))) for name in banded
+    ]
+    head = ("result", "worst case", "root of the sum of squares")
+    yield "Effect of tolerances, to first order:", PageTable(head, rows, (1, 2))
     if digest.aim is None or digest.best is None:
         return
     best = value_text(result, digest.aim.goal, digest.best)
     rows = [(", ".join(n.names), _step(digest, n.below), best, _step(digest, n.above)) for n in digest.neighbours]
-    if rows:
-        head = ("number", "one step below", "best", "one step above")
-        words = f"{digest.aim.goal} one grid step away (in brackets: misses the condition):"
-        yield words, PageTable(head, rows, (1, 2, 3))
-    rows = _ranks(digest)
-    if rows:
-        words = (
-            f"Correlation of {digest.aim.goal} with each variable over the variants shown (Spearman's rank "
-            "correlation: 1 always rising, −1 always falling):"
-        )
-        yield words, PageTable(("number", "rank correlation"), rows, (1,))
+    head, words = ("number", "one step below", "best", "one step above"), f"{digest.aim.goal} one grid step away"
+    yield f"{words} (in brackets: misses the condition):", PageTable(head, rows, (1, 2, 3))
+    words = (
+        f"Correlation of {digest.aim.goal} with each variable over the variants shown (Spearman's rank "
+        "correlation: 1 always rising, −1 always falling):"
+    )
+    yield words, PageTable(("number", "rank correlation"), _ranks(digest), (1,))
 
 
 def _step(digest: Digest, variant: int | None) -> str:
@@ -141,27 +127,17 @@ def _step(digest: Digest, variant: int | None) -> str:
 
 
 def _ranks(digest: Digest) -> list[tuple[str, str]]:
+    # Slow import (0.5 s).
+    from scipy.stats import spearmanr
+
     rows, goal = digest.rows, digest.aim.goal
     works, found = np.isfinite(rows[goal]), {}
     for name in digest.result.varied:
         pair = rows[name][works], rows[goal][works]
         if works.sum() > 10 and all(np.ptp(values) > 0 for values in pair):
-            found[name] = rank_correlation(*pair)
+            found[name] = float(spearmanr(*pair).statistic)
     ordered = sorted(found.items(), key=lambda pair: -abs(pair[1]))
     return [(name, f"{rank:+.2f}".replace("-", "\N{MINUS SIGN}")) for name, rank in ordered]
-
-
-def rank_correlation(one: np.ndarray, other: np.ndarray) -> float:
-    """Spearman's rank correlation; equal values share their mean rank.
-
-    Importing that of `scipy.stats` takes half a second.
-    """
-
-    def ranks(values: np.ndarray) -> np.ndarray:
-        _, places, counts = np.unique(values, return_inverse=True, return_counts=True)
-        return (np.cumsum(counts) - 0.5 * (counts - 1))[places]
-
-    return float(np.corrcoef(ranks(one), ranks(other))[0, 1])
 
 
 # Tables of all variants

@@ -1,13 +1,13 @@
 """Style, paper size and files of all plots."""
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
 
 import numpy as np
-from matplotlib import rc_context
+from matplotlib import rc_context, rc_params_from_file
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backend_bases import RendererBase
@@ -30,51 +30,15 @@ _CONSTANT = 1e-9
 # Screen resolution.
 _PIXELS = 96
 # Colours for the colour-blind (Okabe and Ito).
-BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY = PALETTE = (
-    "#0072b2",
-    "#e69f00",
-    "#009e73",
-    "#d55e00",
-    "#cc79a7",
-    "#56b4e9",
-)
+PALETTE = ("#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9")
+BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY = PALETTE
 GREY = "#8a8f94"
 # Variants that were computed but miss the condition.
 PALE = "#c9cdd1"
 # Colour map.
 COLOURS = "cividis"
 FORMATS = (".svg", ".pdf", ".png")
-_STYLE = {
-    "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans"],
-    "mathtext.fontset": "dejavusans",
-    "font.size": 8,
-    "axes.titlesize": 8,
-    "axes.labelsize": 8,
-    "xtick.labelsize": 7.5,
-    "ytick.labelsize": 7.5,
-    "legend.fontsize": 7,
-    "figure.titlesize": 10,
-    "axes.linewidth": 0.6,
-    "lines.linewidth": 1.3,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "grid.linewidth": 0.4,
-    "grid.color": "#d5d8dc",
-    "axes.formatter.use_mathtext": True,
-    "axes.formatter.limits": (-4, 5),
-    "legend.framealpha": 0.85,
-    "legend.edgecolor": "none",
-    "xtick.direction": "in",
-    "ytick.direction": "in",
-    "hatch.linewidth": 0.5,
-    "pdf.fonttype": 42,
-    # Searchable and editable text.
-    "svg.fonttype": "none",
-    # Reproducible files.
-    "svg.hashsalt": "machine-sweeps",
-    "savefig.dpi": 200,
-}
+_STYLE = rc_params_from_file(Path(__file__).with_name("house.mplstyle"), use_default_template=False)
 
 
 @contextmanager
@@ -136,11 +100,7 @@ def _lettered(figure: Figure) -> None:
                     axis.set_major_formatter(PlainNumbers())
             elif isinstance(formatter, FuncFormatter):
                 # Tick texts are recreated on drawing.
-                axis.set_major_formatter(FuncFormatter(_legible_texts_of(formatter)))
-
-
-def _legible_texts_of(formatter: FuncFormatter) -> Callable[[float, int | None], str]:
-    return lambda x, pos: _legible(formatter(x, pos))
+                axis.set_major_formatter(FuncFormatter(lambda x, pos, texts=formatter: _legible(texts(x, pos))))
 
 
 def _legible(text: str) -> str:
@@ -231,6 +191,11 @@ def sheet(width: float, height: float, title: str = "") -> Iterator[Figure]:
         yield figure
         if title:
             figure.suptitle(title, fontweight="bold")
+
+
+def remark(ax: Axes, words: str) -> None:
+    """Small words above the right end of axes."""
+    ax.set_title(words, fontsize=7, loc="right", color=GREY)
 
 
 def titled(title: str, words: str) -> str:

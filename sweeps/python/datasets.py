@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from engine import ElementsAlone, Machine, Outcome, Verdict, described_dimension, scene_numbers
+from engine import Outcome, Verdict, described_dimension, scene_numbers
 from sweeps.report.files.data_files import header
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run.columns import field_columns, number_columns, position_axis
 from sweeps.store import StoreError, open_dataset
+from sweeps.study.study_content import ReadyMachine
 from sweeps.text.versions import extra
 
 if TYPE_CHECKING:
@@ -82,7 +83,7 @@ def _on_grid(data: "xarray.Dataset", sizes: Mapping[str, int]) -> "xarray.Datase
     return type(data)(found, others | along, data.attrs)
 
 
-def to_xarray(outcome: Outcome, machine: Machine | ElementsAlone, varied: Mapping[str, np.ndarray]) -> "xarray.Dataset":
+def to_xarray(outcome: Outcome, machine: ReadyMachine, varied: Mapping[str, np.ndarray]) -> "xarray.Dataset":
     """An outcome as a dataset in the layout of `read`.
 
     Parameters
@@ -131,9 +132,7 @@ def to_xarray(outcome: Outcome, machine: Machine | ElementsAlone, varied: Mappin
     return xarray.Dataset(columns, coordinates, {"title": machine.scene.title})
 
 
-def to_dataframe(
-    outcome: Outcome, machine: Machine | ElementsAlone, varied: Mapping[str, np.ndarray]
-) -> "pandas.DataFrame":
+def to_dataframe(outcome: Outcome, machine: ReadyMachine, varied: Mapping[str, np.ndarray]) -> "pandas.DataFrame":
     """An outcome as a table with a row per variant: variables, verdict, summaries and error estimates.
 
     Parameters

@@ -19,6 +19,7 @@ from sweeps.run.runner import crew_of, layout_of
 from sweeps.store import bytes_text
 from sweeps.study.default_summaries import answers
 from sweeps.study.study import Study
+from sweeps.study.study_content import ReadyMachine
 from sweeps.text.tables import table
 
 if TYPE_CHECKING:
@@ -98,7 +99,7 @@ def assembly_text(machine: engine.Machine) -> str:
     return f"assembles only for input {shown}: give input.start and input.stop, or change the lengths"
 
 
-def nominal_text(study: Study, machine: engine.Machine | engine.ElementsAlone) -> str:
+def nominal_text(study: Study, machine: ReadyMachine) -> str:
     """Answers of the unmodified scene, without those of its regimes; by the machine of the study if it has them all."""
     wanted = [name for name in answers(machine) if name.partition(".")[0] not in study.scene.regimes]
     if machine.has_regimes or not set(wanted) <= set(machine.asked_summaries):
@@ -153,9 +154,7 @@ def regimes_text(machine: engine.Machine, outcome: engine.Outcome) -> str:
     return "\n".join(lines)
 
 
-def _asked_rows(
-    machine: engine.Machine | engine.ElementsAlone, outcome: engine.Outcome, names: Sequence[str]
-) -> list[tuple[str, ...]]:
+def _asked_rows(machine: ReadyMachine, outcome: engine.Outcome, names: Sequence[str]) -> list[tuple[str, ...]]:
     """Summaries of the first variant, with their meaning."""
     known, rows = machine.available_summaries, []
     for name in names:
@@ -189,7 +188,7 @@ def check_text(
     """
     machine = study.machine()
     uncompiled = _uncompiled_text(machine)
-    if on_shafts := "" if uncompiled else on_shafts_text(study, machine):
+    if on_shafts := "" if uncompiled else on_shafts_text(study):
         tell(on_shafts)
     between = "" if uncompiled else between_positions_text(study)
     regimes, known = "", {}
@@ -210,13 +209,13 @@ def check_text(
         ("Variants", f"{study.design.size} = {_design_text(study)}"),
         ("Asked", _asked_text(study, machine, every, f"{nominal}\n{regimes}")),
         *_plan_sections(machine),
-        *(_file_sections(study, machine, out) if uncompiled else _cost_sections(study, machine, out, on_shafts)),
+        *(_file_sections(study, out) if uncompiled else _cost_sections(study, out, on_shafts)),
         *([] if client is None else [("Cluster", _cluster_text(study, client, out, tell))]),
     ]
     return "\n".join(f"{title}\n" + "\n".join(f"  {line}" for line in text.splitlines()) for title, text in sections)
 
 
-def _asked_text(study: Study, machine: engine.Machine | engine.ElementsAlone, every: bool, above: str) -> str:
+def _asked_text(study: Study, machine: ReadyMachine, every: bool, above: str) -> str:
     """Names of the results asked that have no line above, the answers first, and the number of the others."""
     used = names_in_conditions([condition.text for condition in study.require], study.best)
     first = study.summaries if every else answers_among(machine, study.summaries, used)
@@ -228,7 +227,7 @@ def _asked_text(study: Study, machine: engine.Machine | engine.ElementsAlone, ev
     return "\n".join([*lines, *([f"{hidden} more with --all"] if hidden else [])])
 
 
-def _plan_sections(machine: engine.Machine | engine.ElementsAlone) -> list[tuple[str, str]]:
+def _plan_sections(machine: ReadyMachine) -> list[tuple[str, str]]:
     if isinstance(machine, engine.ElementsAlone):
         return [("Computed once for each variant", ", ".join(machine.elements))]
     plan = {f"Computed at {_positions_text(machine)}": machine.computed}
@@ -247,17 +246,15 @@ def _positions_text(machine: engine.Machine) -> str:
     return f"adaptive positions, fields at {machine.nodes.size}"
 
 
-def _cost_sections(
-    study: Study, machine: engine.Machine | engine.ElementsAlone, out: Path, on_shafts: str
-) -> list[tuple[str, str]]:
+def _cost_sections(study: Study, out: Path, on_shafts: str) -> list[tuple[str, str]]:
     """Evaluation, time, memory and file size of a study; runs on elastic shafts report their own."""
-    cost = probe(study, machine)
+    cost, machine = probe(study), study.machine()
     seconds = on_shafts or f"about {_duration(cost.seconds * study.design.size)}"
     if machine.has_regimes:
         seconds += "; plus up to a minute of compilation the first time"
     numbers = 8 * (machine.numbers_kept + 4 * len(study.summaries))
-    block = block_size(study, machine, lambda: cost.seconds)
-    memory = block * (numbers + bytes_of_fields(study, machine))
+    block = block_size(study, lambda: cost.seconds)
+    memory = block * (numbers + bytes_of_fields(study))
     saved = "saved after each variant" if block == 1 else f"saved after every {block} variants"
     reached = [] if cost.tried is None else [("Accuracy", accuracy_words.of_sample(study, cost.tried))]
     return [
@@ -265,7 +262,7 @@ def _cost_sections(
         ("Evaluation", f"no sharing between variants; fields in {study.field_precision}; {saved}"),
         ("Time", seconds),
         ("Memory", f"about {bytes_text(memory + cost.motion_bytes)} plus the program itself"),
-        *_file_sections(study, machine, out),
+        *_file_sections(study, out),
     ]
 
 
@@ -275,7 +272,7 @@ def _duration(seconds: float) -> str:
     return f"{seconds / size:.3g} {unit}"
 
 
-def _uncompiled_text(machine: engine.Machine | engine.ElementsAlone) -> str:
+def _uncompiled_text(machine: ReadyMachine) -> str:
     """Why `check` doesn't evaluate a machine, or ""."""
     lines = 0 if isinstance(machine, engine.ElementsAlone) else len(machine.source().splitlines())
     if lines <= MOST_COMPILED:
@@ -286,10 +283,10 @@ def _uncompiled_text(machine: engine.Machine | engine.ElementsAlone) -> str:
     )
 
 
-def _file_sections(study: Study, machine: engine.Machine | engine.ElementsAlone, out: Path) -> list[tuple[str, str]]:
+def _file_sections(study: Study, out: Path) -> list[tuple[str, str]]:
     """Cost of a study that is known without evaluation."""
     free = shutil.disk_usage(_existing_folder(out)).free
-    return [("File", f"{bytes_text(layout_of(study, machine).bytes())}; {bytes_text(free)} free")]
+    return [("File", f"{bytes_text(layout_of(study).bytes())}; {bytes_text(free)} free")]
 
 
 def _existing_folder(out: Path) -> Path:
@@ -301,7 +298,7 @@ def _cluster_text(study: Study, client: "Client", out: Path, tell: Callable[[str
     """Workers, speed and bottleneck of a study on a cluster."""
     from sweeps.run.cluster.limits import measure_limits
 
-    with crew_of(client, study, layout_of(study, study.machine()), tell) as crew:
+    with crew_of(client, study, layout_of(study), tell) as crew:
         limits = measure_limits(crew, _existing_folder(out))
         words = crew.words
     rates = [

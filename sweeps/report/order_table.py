@@ -16,16 +16,7 @@ BALANCED = 1e-12
 # An ellipse whose half axes are below this ratio is a line.
 LINE = 1e-9
 HIGHEST_TORQUE_ORDER = 6
-ORDER_HEADS = (
-    "engine",
-    "firing",
-    "primary force",
-    "secondary force",
-    "primary couple",
-    "secondary couple",
-    "higher orders",
-    "torque orders",
-)
+VECTOR_HEADS = ("primary force", "secondary force", "primary couple", "secondary couple")
 
 
 class EngineRow(NamedTuple):
@@ -146,7 +137,7 @@ def remaining_orders(row: EngineRow) -> Remaining:
 
 def order_table(rows: Sequence[EngineRow]) -> str:
     """Table of the unbalanced orders, with a legend."""
-    shown = table([ORDER_HEADS, *map(_cells, rows)])
+    shown = table([("engine", "firing", *VECTOR_HEADS, "higher orders", "torque orders"), *map(_cells, rows)])
     kinds = dict.fromkeys((row.ratio, row.offset) for row in rows)
     return f"{shown}\n\n{_LEGEND} {' '.join(_harmonics_text(*kind) for kind in kinds)}"
 

@@ -40,7 +40,11 @@ def regime_words(scene: Scene, name: str) -> str:
 
 
 def _begin(scene: Scene, name: str, regime: RunRegime) -> str:
-    before, keys, units = list(scene.regimes)[: list(scene.regimes).index(name)], run_keys(scene.input), _units(scene)
+    before, keys, units = (
+        list(scene.regimes)[: list(scene.regimes).index(name)],
+        run_keys(scene.input),
+        InputUnits.of(scene),
+    )
     begin = f"where {before[-1]} ended" if before else "rest"
     speed, place = getattr(regime, keys.from_speed), getattr(regime, keys.from_place)
     if speed is not None:
@@ -49,10 +53,6 @@ def _begin(scene: Scene, name: str, regime: RunRegime) -> str:
         shaft = next(iter(scene.couplings.values())).shaft
         begin += f", {shaft} from {quantity_text(regime.from_shaft_speed, 'rad s-1')}"
     return begin + ("" if place is None else f" at {units.symbols[0]} = {quantity_text(place, units.q)}")
-
-
-def _units(scene: Scene) -> InputUnits:
-    return InputUnits.of(scene)
 
 
 def _end(scene: Scene, regime: RunRegime) -> str:
@@ -66,7 +66,9 @@ def _end(scene: Scene, regime: RunRegime) -> str:
         return "to the end of its range"
     if regime.reversal:
         return "until it first stops"
-    return "to rest" if regime.rest else f"until {quantity_text(_asked_speed(scene, regime), _units(scene).speed)}"
+    return (
+        "to rest" if regime.rest else f"until {quantity_text(_asked_speed(scene, regime), InputUnits.of(scene).speed)}"
+    )
 
 
 def _asked_speed(scene: Scene, regime: RunRegime) -> float | None:
@@ -110,7 +112,7 @@ def _stands(scene: Scene, seen: "engine.History") -> str:
     way = math.copysign(1.0, scene.input.speed)
     drive = way * float(seen.motor_moment[-1] + seen.load_moments["driving"][-1])
     loads = -way * float(sum(row[-1] for channel, row in seen.load_moments.items() if channel != "driving"))
-    units, at = _units(scene), float(seen.angle[-1])
+    units, at = InputUnits.of(scene), float(seen.angle[-1])
     place = f"{units.symbols[0]} = {quantity_text(at % math.tau if has_cycle(scene) else at, units.q)}"
     after = f"comes to rest at {place} after {quantity_text(float(seen.time[-1]), 's')}" if seen.time[-1] > 0 else ""
     pair, keys = (quantity_text(moment, units.moment) for moment in (drive, loads)), run_keys(scene.input)
@@ -160,7 +162,7 @@ def _no_end(scene: Scene, name: str, seen: "engine.History") -> str:
 
 def _no_end_in_range(scene: Scene, regime: RunRegime, seen: "engine.History") -> str:
     """How a run fails to end if the input doesn't turn fully."""
-    units, drive = _units(scene), scene.input
+    units, drive = InputUnits.of(scene), scene.input
     angle, at, speed = seen.angle[seen.regime == seen.regime[-1]], float(seen.angle[-1]), float(seen.speed[-1])
     place, pace = f"{units.symbols[0]} = {quantity_text(at, units.q)}", quantity_text(abs(speed), units.speed)
     asked = _asked_speed(scene, regime)

@@ -1,6 +1,6 @@
 """Text report on sweep results."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -10,7 +10,6 @@ from sweeps.report.answers.shown_results import hidden_text, shown_parameters, s
 from sweeps.report.answers.unmet_conditions import drop_lines, no_answer_text, outside_lines, undecided_text
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
 from sweeps.report.sweep_result import SweepResult
-from sweeps.study.study_text import Best
 from sweeps.text.conditions import Where
 from sweeps.text.tables import table
 
@@ -125,7 +124,7 @@ def answer_text(result: SweepResult, every: bool = False) -> str:
     if best is None:
         return "\n".join([*lines, no_answer_text(result)])
     rivals = result.rivals(best)
-    lines += [*best_lines(result, goal, best, every), *ends_text(result, best)]
+    lines += [*best_lines(result, best, every), *ends_text(result, best)]
     if undecided_text(result, goal.where):
         lines.append(f"{meeting_text(result, goal.where)}.")
     if rivals:
@@ -205,31 +204,32 @@ def value_text(result: SweepResult, name: str, variant: int) -> str:
     return engine.quantity_text(float(columns[name][variant]), result.units[name], error, decides)
 
 
-def best_lines(
-    result: SweepResult,
-    goal: Best,
-    best: int,
-    every: bool,
-    value: Callable[[SweepResult, str, int], str] = value_text,
-    notes: Mapping[str, str] = {},
-) -> list[str]:
-    """The best variant by a goal, with its parameters and results.
+def spread_text(result: SweepResult, name: str, variant: int) -> str:
+    """A variant's value as by `value_text`, and its standard deviation from tolerances if known."""
+    column, text = result.columns, value_text(result, name, variant)
+    if f"{name}.tolerance" not in column:
+        return text
+    # In the value's unit, for comparison.
+    factor, label = engine.display_unit(result.units[name], column[name][[variant]])
+    return f"{text}, σ {factor * column[f'{name}.tolerance'][variant]:.2g}{'' if label == '1' else f' {label}'}"
+
+
+def best_lines(result: SweepResult, best: int, every: bool, notes: Mapping[str, str] = {}) -> list[str]:
+    """The best variant by the aim of a result, with its parameters and results.
 
     Parameters
     ----------
     result : SweepResult
-    goal : Best
     best : int
     every : bool
         Also checks and helper numbers.
-    value : callable
-        Text of a variant's value.
     notes : mapping of str to str
         Remarks on parameters.
     """
+    goal = result.aim
     condition = f" where {goal.condition}" if goal.where else ""
-    head = f"Answer: {goal.word} {goal.goal}{condition}: {value(result, goal.goal, best)}, variant {best}:"
-    rows = [(n, "=", value(result, n, best), notes.get(n, "")) for n in shown_parameters(result, every)]
+    head = f"Answer: {goal.word} {goal.goal}{condition}: {spread_text(result, goal.goal, best)}, variant {best}:"
+    rows = [(n, "=", spread_text(result, n, best), notes.get(n, "")) for n in shown_parameters(result, every)]
     shown = [name for name in shown_summaries(result, every) if name != goal.goal]
-    rows += [(n, "→", value(result, n, best), result.long_names[n]) for n in shown]
+    rows += [(n, "→", spread_text(result, n, best), result.long_names[n]) for n in shown]
     return [head, table(rows, "  "), *hidden_text(result, every)]

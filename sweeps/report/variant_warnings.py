@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping
 
 import engine
 from sweeps.report.sweep_result import SweepResult
+from sweeps.study.study_content import ReadyMachine
 
 
 def known_summaries(outcome: engine.Outcome) -> dict[str, tuple[float, float]]:
@@ -13,9 +14,7 @@ def known_summaries(outcome: engine.Outcome) -> dict[str, tuple[float, float]]:
     return {name: (float(row[0]), float(outcome.errors[name][0])) for name, row in outcome.summaries.items()}
 
 
-def machine_warnings(
-    machine: engine.Machine | engine.ElementsAlone, known: Mapping[str, tuple[float, float]]
-) -> list[str]:
+def machine_warnings(machine: ReadyMachine, known: Mapping[str, tuple[float, float]]) -> list[str]:
     """Warnings on the unmodified machine of a scene.
 
     Parameters

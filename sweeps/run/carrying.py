@@ -46,7 +46,7 @@ class Earlier:
             theirs = json.loads(self._file.attributes["study_json"])
             ours = json.loads(layout.attributes["study_json"])
             if not self._file.edited_decisively and self._file.has_checksums:
-                self.names = _shared(theirs, ours, self._file.described, layout.columns)
+                self.names = _shared(theirs, ours, {*self._file.described} & {*layout.columns})
         except (StoreError, KeyError, ValueError, TypeError, RecursionError):
             # Not reliable.
             return
@@ -98,12 +98,7 @@ class Earlier:
         return bool(np.isin(theirs, np.concatenate(ours)).all())
 
 
-def _shared(
-    theirs: Mapping[str, Any],
-    ours: Mapping[str, Any],
-    their_columns: tuple[Column, ...],
-    our_columns: tuple[Column, ...],
-) -> frozenset[str]:
+def _shared(theirs: Mapping[str, Any], ours: Mapping[str, Any], columns: set[Column]) -> frozenset[str]:
     """Columns of two results that hold the same numbers of the same variants, by their records."""
     if machine_record(theirs) != machine_record(ours):
         return frozenset()
@@ -124,8 +119,8 @@ def _shared(
         of_outputs = {*VERDICT_COLUMNS, *ours["parameters"]}
         outputs = (*wanted["summaries"], *wanted["fields"])
         of_outputs |= {name for output in outputs for name in (output, f"{output}_error")}
-        found |= {column.name for column in our_columns} - of_outputs
-    return frozenset(found & {column.name for column in {*their_columns} & {*our_columns}})
+        found |= {column.name for column in columns} - of_outputs
+    return frozenset(found & {column.name for column in columns})
 
 
 class Excerpt(NamedTuple):
@@ -213,7 +208,7 @@ class Blocks:
             Excerpt of each reused variant, −1 if computed; None if all are computed.
         """
         if not excerpts:
-            return evaluate_block(self.study, self.study.machine(), variants, buffer), None
+            return evaluate_block(self.study, variants, buffer), None
         values, drop = self.study.values(variants.start, variants.stop)
         found = {c.name: np.zeros((drop.size, *self.layout.shape(c)[1:]), c.dtype) for c in self.layout.columns}
         found |= values
@@ -227,7 +222,7 @@ class Blocks:
                 origin[chosen[whole]] = k
         if (left := origin < 0).any():
             some = {name: array[left] for name, array in values.items()}
-            for name, array in evaluate_variants(self.study, self.study.machine(), some, drop[left]).items():
+            for name, array in evaluate_variants(self.study, some, drop[left]).items():
                 found[name][left] = array
         return found, origin
 
@@ -243,7 +238,7 @@ class Blocks:
         whole = np.ones(chosen.size, bool)
         missing = [c.name for c in self.layout.columns if c.name not in taken and c.name not in values]
         if rest := self._asking_for(missing):
-            new = evaluate_variants(rest, rest.machine(), values, np.zeros(chosen.size, bool))
+            new = evaluate_variants(rest, values, np.zeros(chosen.size, bool))
             # Additional outputs may reveal another failure, which then counts.
             whole = new["status"] == status
             asked = (*rest.summaries, *rest.fields)

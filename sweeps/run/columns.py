@@ -4,11 +4,12 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from engine import ElementsAlone, InputUnits, Machine
+from engine import InputUnits
 from sweeps.store import POSITION_NAMES, Column, FieldAxis, columns_of_number
+from sweeps.study.study_content import ReadyMachine
 
 
-def position_axis(machine: Machine | ElementsAlone) -> FieldAxis:
+def position_axis(machine: ReadyMachine) -> FieldAxis:
     """Axis of the fields over a machine's cycle."""
     if InputUnits.of(machine.scene).q == "rad":
         return FieldAxis(POSITION_NAMES[0], "crank angle", "rad", machine.nodes)
@@ -16,7 +17,7 @@ def position_axis(machine: Machine | ElementsAlone) -> FieldAxis:
     return FieldAxis(POSITION_NAMES[1], words, "1", machine.nodes)
 
 
-def number_columns(machine: Machine | ElementsAlone, summaries: Iterable[str]) -> list[Column]:
+def number_columns(machine: ReadyMachine, summaries: Iterable[str]) -> list[Column]:
     """Columns of verdicts and of some summaries with their error estimates."""
     columns = [
         Column("status", "verdict", "1", dtype=np.uint8),
@@ -29,7 +30,7 @@ def number_columns(machine: Machine | ElementsAlone, summaries: Iterable[str]) -
     return columns
 
 
-def field_columns(machine: Machine | ElementsAlone, fields: Iterable[str]) -> tuple[list[Column], dict[str, FieldAxis]]:
+def field_columns(machine: ReadyMachine, fields: Iterable[str]) -> tuple[list[Column], dict[str, FieldAxis]]:
     """Columns of some fields with their error estimates, and axes other than input positions."""
     columns: list[Column] = []
     axes: dict[str, FieldAxis] = {}

@@ -15,7 +15,7 @@ import llvmlite
 import numba
 import numpy as np
 
-from engine import Machine, Verdict, threads, units_shown
+from engine import Verdict, threads, units_shown
 from sweeps.run.blocks import block_size, largest_block
 from sweeps.run.carrying import Blocks, Earlier, Excerpt, excerpts_of, filled_in
 from sweeps.run.cluster.cluster_errors import UnfinishedError
@@ -40,16 +40,17 @@ IN_ADVANCE = 2
 WORDS = ("title", "question", "study", "study_json", "scene", "scene_text")
 
 
-def layout_of(study: Study, machine: Machine) -> FileLayout:
+def layout_of(study: Study) -> FileLayout:
     """Layout of a study's result file."""
+    machine = study.machine()
     fields, axes = field_columns(machine, study.fields)
     columns = [Column(name, name, study.unit(name)) for name in study.parameters]
     columns += [*number_columns(machine, study.summaries), *study.sensitivity.columns, *fields]
     return FileLayout(
         variants=study.design.size,
-        block=min(largest_block(study, machine), study.design.size),
+        block=min(largest_block(study), study.design.size),
         columns=tuple(columns),
-        attributes=_attributes(study, machine),
+        attributes=_attributes(study),
         coordinates=study.parameters,
         status_codes={int(v): v.name.lower() for v in Verdict if v != Verdict.NOT_COMPUTED},
         position=position_axis(machine),
@@ -57,14 +58,14 @@ def layout_of(study: Study, machine: Machine) -> FileLayout:
     )
 
 
-def _attributes(study: Study, machine: Machine) -> dict[str, str]:
+def _attributes(study: Study) -> dict[str, str]:
     versions = {"machine-sweeps": own_version(), "numba": numba.__version__, "llvmlite": llvmlite.__version__}
     versions |= {"numpy": np.__version__, "h5py": h5py.__version__, "python": platform.python_version()}
     return {
         "title": study.title or study.name,
         "question": study.question,
         "study": study.text,
-        "study_json": json.dumps(study_record(study) | {"groups": list(machine.groups), "units": units_shown()}),
+        "study_json": json.dumps(study_record(study) | {"groups": [*study.machine().groups], "units": units_shown()}),
         "scene": write_scene(study.scene),
         "scene_text": study.scene_text,
         "study_hash": study.digest,
@@ -120,16 +121,15 @@ def run_study(
     """
     path, tell = Path(path), tell or (lambda sentence: None)
     make_folder_of(path)
-    machine = study.machine()
-    layout = layout_of(study, machine)
+    layout = layout_of(study)
     if not restart and _stands(path, layout, tell):
         return path
-    if on_shafts := on_shafts_text(study, machine):
+    if on_shafts := on_shafts_text(study):
         tell(on_shafts)
-    alone = partial(seconds_of_variant, study, machine)
+    alone = partial(seconds_of_variant, study)
     with (
         crew_of(client, study, layout, tell) as crew,
-        Store.open(path, layout, restart, lambda: block_size(study, machine, crew.seconds if crew else alone)) as store,
+        Store.open(path, layout, restart, lambda: block_size(study, crew.seconds if crew else alone)) as store,
     ):
         tell_all(store, tell)
         if store.finished:
@@ -137,7 +137,7 @@ def run_study(
             return path
         earlier = [Earlier(source, study, store.layout) for source in store.sources]
         pending = store.pending
-        sizes = {i: store.slice(i).stop - store.slice(i).start for i in pending}
+        sizes = {i: store.layout.slice(i).stop - store.layout.slice(i).start for i in pending}
         done = before = study.design.size - sum(sizes.values())
         if progress:
             progress(done, before)
@@ -187,19 +187,19 @@ def _computed(
     """Columns of all pending blocks: in order, or in any order on a cluster."""
 
     def excerpts(i: int) -> list[Excerpt]:
-        return excerpts_of(earlier, study, store.slice(i))
+        return excerpts_of(earlier, study, store.layout.slice(i))
 
     if crew is None:
         blocks, machine = Blocks(study, store.layout), study.machine()
         yield from _in_advance(
-            lambda i, buffer: blocks.columns(store.slice(i), excerpts(i), buffer),
+            lambda i, buffer: blocks.columns(store.layout.slice(i), excerpts(i), buffer),
             store.pending,
             [machine.new_buffer(store.layout.block) for _ in range(min(threads(), IN_ADVANCE) + 1)],
         )
         return
     from sweeps.run.cluster.on_workers import compute_block
 
-    rows = ((i, store.slice(i)) for i in store.pending)
+    rows = ((i, store.layout.slice(i)) for i in store.pending)
     jobs = ((i, (part.start, part.stop, [e.outline for e in excerpts(i)])) for i, part in rows)
     for i, (columns, origin) in crew.results(compute_block, jobs):
         yield i, columns if origin is None else filled_in(columns, origin, excerpts(i))
@@ -226,7 +226,7 @@ def _in_advance(
 
 def _unfinished_text(store: Store, failures: Mapping[int, str]) -> str:
     """Message on failed blocks, with the first reason."""
-    rows = [store.slice(i) for i in sorted(failures)]
+    rows = [store.layout.slice(i) for i in sorted(failures)]
     shown = ", ".join(f"{r.start} … {r.stop - 1}" for r in rows[:FAILURES_NAMED])
     more = f" and {len(rows) - FAILURES_NAMED} blocks more" if len(rows) > FAILURES_NAMED else ""
     why = failures[min(failures)]

@@ -17,9 +17,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from .checksums import texts_checksums
 from .errors import StoreError, explained, is_busy
-from .layout import NOT_COMPUTED, Column, FieldAxis, FileLayout
+from .layout import NOT_COMPUTED, Column, FieldAxis, FileLayout, texts_checksums
 
 try:
     import fcntl

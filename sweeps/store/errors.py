@@ -15,15 +15,9 @@ _ENOTSUPP = 524  # Used by Linux NFS and Lustre, missing in errno
 
 _REMEDIES = {
     errno.EAGAIN: _BUSY,
-    errno.ENOLCK: _NO_LOCKS,
-    errno.ENOSYS: _NO_LOCKS,
-    _ENOTSUPP: _NO_LOCKS,
-    errno.ENOSPC: _FULL,
-    errno.EFBIG: _FULL,
-    errno.EDQUOT: _FULL,
-    errno.EACCES: _DENIED,
-    errno.EPERM: _DENIED,
-    errno.EROFS: _DENIED,
+    **dict.fromkeys((errno.ENOLCK, errno.ENOSYS, _ENOTSUPP), _NO_LOCKS),
+    **dict.fromkeys((errno.ENOSPC, errno.EFBIG, errno.EDQUOT), _FULL),
+    **dict.fromkeys((errno.EACCES, errno.EPERM, errno.EROFS), _DENIED),
     errno.ENOENT: "The file or its folder does not exist.",
     errno.ENOTDIR: "Its folder is not a folder.",
     errno.EISDIR: "This is a folder. Give a file name.",

@@ -1,8 +1,11 @@
-"""Layout of a result file: columns, axes and blocks."""
+"""Layout of a result file: columns, axes and blocks, with the checksums of blocks and texts."""
 
 import hashlib
 import math
+import struct
+import zlib
 from collections import Counter
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -21,6 +24,34 @@ POSITION_NAMES = ("phi", "travel")
 RESERVED = ("variant", "progress")
 # HDF5 takes a page for the headers and heap of each dataset; one more covers the groups.
 _PAGE = 4096
+# Written at the end, in place.
+CHANGING = ("finished", "outcome")
+
+
+def checksum(block: int, arrays: Iterable[np.ndarray]) -> int:
+    """CRC-32 of a block's arrays in sequence; it depends on the block number.
+
+    Parameters
+    ----------
+    block : int
+        Number of the block.
+    arrays : iterable of ndarray
+    """
+    crc = zlib.crc32(struct.pack("<q", block))
+    for array in arrays:
+        crc = zlib.crc32(np.ascontiguousarray(array), crc)
+    return crc
+
+
+def texts_checksums(texts: Mapping[str, object]) -> dict[str, int]:
+    """CRC-32 of each constant text attribute by name.
+
+    Parameters
+    ----------
+    texts : mapping of str to object
+    """
+    kept = {name: text for name, text in texts.items() if isinstance(text, str) and name not in CHANGING}
+    return {name: zlib.crc32(text.encode(errors="surrogatepass")) for name, text in kept.items()}
 
 
 class Column(NamedTuple):
@@ -46,6 +77,11 @@ class Column(NamedTuple):
     dims: tuple[str, ...] = ("variant",)
     dtype: Any = np.float64
 
+    def record(self) -> dict[str, Any]:
+        """Identity of the column for resuming, without its name."""
+        about = {"long_name": self.long_name, "units": self.units}
+        return about | {"dims": list(self.dims), "dtype": np.dtype(self.dtype).name}
+
 
 def columns_of_number(name: str, long_name: str, units: str) -> list[Column]:
     """The columns of a number of each variant and of its error estimate."""
@@ -68,13 +104,8 @@ class FieldAxis(NamedTuple):
     def record(self) -> dict[str, Any]:
         """Identity of the axis for resuming."""
         values = np.ascontiguousarray(self.values, dtype="<f8")
-        return {
-            "name": self.name,
-            "long_name": self.long_name,
-            "units": self.units,
-            "count": len(values),
-            "values (sha256)": hashlib.sha256(values.tobytes()).hexdigest(),
-        }
+        about = {"name": self.name, "long_name": self.long_name, "units": self.units, "count": len(values)}
+        return about | {"values (sha256)": hashlib.sha256(values.tobytes()).hexdigest()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,15 +212,7 @@ class FileLayout:
             "variants": self.variants,
             "block": self.block,
             "position": self.position.record() if self.over_positions else None,
-            "columns": {
-                c.name: {
-                    "long_name": c.long_name,
-                    "units": c.units,
-                    "dims": list(c.dims),
-                    "dtype": np.dtype(c.dtype).name,
-                }
-                for c in self.columns
-            },
+            "columns": {c.name: c.record() for c in self.columns},
             "coordinates": list(self.coordinates),
             "status codes": {str(code): meaning for code, meaning in sorted(self.status_codes.items())},
         }

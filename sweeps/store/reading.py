@@ -15,10 +15,9 @@ from engine import nearest_names
 from sweeps.text.input_files import HDF5_SIGNATURE
 from sweeps.text.versions import extra, origin_text
 
-from .checksums import checksum, texts_checksums
 from .creating import part_path, texts_of
 from .errors import DamagedError, StoreError, explained
-from .layout import DONE, NOT_COMPUTED, Column
+from .layout import DONE, NOT_COMPUTED, Column, checksum, texts_checksums
 
 if TYPE_CHECKING:
     import xarray

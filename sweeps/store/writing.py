@@ -15,9 +15,8 @@ import numpy as np
 from sweeps.text.whole_files import refuse_foreign_link, whole_file
 
 from . import creating
-from .checksums import checksum
 from .errors import DamagedError, StoreError, explained
-from .layout import DONE, NOT_COMPUTED, Column, FileLayout
+from .layout import DONE, NOT_COMPUTED, Column, FileLayout, checksum
 from .reading import MappedResult, damage_text, layout_record, opened
 
 # HDF5's lock doesn't exclude a second store in this process.
@@ -115,10 +114,6 @@ class Store:
         """Indices of the unfinished blocks."""
         return [] if self.finished else np.flatnonzero(~self._done).tolist()
 
-    def slice(self, i: int) -> slice:
-        """Return the variants of block `i`."""
-        return self.layout.slice(i)
-
     def read(self, i: int) -> dict[str, np.ndarray]:
         """Return the columns of a finished block, including fields.
 
@@ -127,7 +122,7 @@ class Store:
         StoreError
             System error.
         """
-        file, rows = self._opened(), self.slice(i)
+        file, rows = self._opened(), self.layout.slice(i)
         with explained(self.part, "read"):
             return {c.name: file[c.name][rows] for c in self.layout.columns}
 
@@ -148,7 +143,7 @@ class Store:
         ValueError
             The arrays don't match the layout.
         """
-        rows = self.slice(i)
+        rows = self.layout.slice(i)
         arrays = self._checked(rows, arrays)
         file = self._opened()
         with explained(self.part, "write"):
@@ -263,7 +258,7 @@ class Store:
         for i in blocks:
             file["progress/block_done"][i] = 0
             if "status" in file:
-                file["status"][self.slice(i)] = NOT_COMPUTED
+                file["status"][self.layout.slice(i)] = NOT_COMPUTED
         file.flush()
         self._done[blocks] = False
 

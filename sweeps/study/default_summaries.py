@@ -1,9 +1,10 @@
 """Default summaries of machines and their regimes."""
 
 import engine
+from sweeps.study.study_content import ReadyMachine
 
 
-def answers(machine: engine.Machine | engine.ElementsAlone) -> tuple[str, ...]:
+def answers(machine: ReadyMachine) -> tuple[str, ...]:
     """Numbers that an engineer asks of a machine and its regimes, in the order in which they are read."""
     scene, known = machine.scene, machine.available_summaries
     of_machine = machine.register.answers if isinstance(machine, engine.Machine) else ()
@@ -14,7 +15,7 @@ def answers(machine: engine.Machine | engine.ElementsAlone) -> tuple[str, ...]:
     return (*of_machine, *of_elements, *of_regimes)
 
 
-def default_summaries(machine: engine.Machine | engine.ElementsAlone) -> tuple[str, ...]:
+def default_summaries(machine: ReadyMachine) -> tuple[str, ...]:
     """Default summaries: the answers, and further ones of cycle, flywheel, elements and regimes."""
     left_out = {"first_kind_inertia", "power_balance_residual", "conservative_work_residual", "loop_closure_residual"}
     left_out |= set(engine.ACCURACY_SUMMARIES)
@@ -24,7 +25,7 @@ def default_summaries(machine: engine.Machine | engine.ElementsAlone) -> tuple[s
     return tuple(dict.fromkeys((*answers(machine), *further, *telling_summaries(machine))))
 
 
-def telling_summaries(machine: engine.Machine | engine.ElementsAlone) -> tuple[str, ...]:
+def telling_summaries(machine: ReadyMachine) -> tuple[str, ...]:
     """Informative summaries of all regimes: work of active loads only, no prescribed speed."""
     scene = machine.scene
     if not scene.regimes:

@@ -9,9 +9,9 @@ import numpy as np
 
 import engine
 from sweeps.study.search_variables import Variables
+from sweeps.study.sensitivity import Tolerance, read_tolerances
 from sweeps.study.study import KnownNames, Study
 from sweeps.study.study_text import Optimise
-from sweeps.study.tolerances import Tolerance, read_tolerances
 from sweeps.text.conditions import Condition, numeric_expression
 from sweeps.text.toml_text import Problems
 

@@ -7,19 +7,58 @@ Source: any handbook of tolerance analysis, linear stack-up.
 
 from collections.abc import Callable, Mapping
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 import engine
 from sweeps.store import Column, columns_of_number
-from sweeps.study.study_content import AskedDerivative, StudyContent
-from sweeps.study.tolerances import read_tolerances
+from sweeps.study.study_content import AskedDerivative, ReadyMachine, StudyContent
+from sweeps.study.study_text import ToleranceText
 
 # Variants per batch, to bound memory.
 TOGETHER = 2048
 # Factor on joint effects of two tolerances, for those of three.
 MARGIN = 1.25
 WORST_CASE, RSS = "tolerance_worst_case", "tolerance_rss"
+
+
+class Tolerance(NamedTuple):
+    """Tolerance of a number: uniform within ± `half_width`, or normal with σ = ±/3."""
+
+    path: str
+    half_width: float
+    distribution: str
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation."""
+        return self.half_width / (3.0 if self.distribution == "normal" else 3.0**0.5)
+
+
+def read_tolerances(scene: engine.Scene, texts: Mapping[str, ToleranceText]) -> tuple[Tolerance, ...]:
+    """Tolerances in SI units.
+
+    Parameters
+    ----------
+    scene : Scene
+    texts : mapping of str to ToleranceText
+        By path of the number.
+
+    Raises
+    ------
+    AskError, UnitError
+        No number of the scene, or no width.
+    """
+    numbers, found = engine.scene_numbers(scene), []
+    for path, text in texts.items():
+        if path not in numbers:
+            raise engine.AskError(engine.unknown_name_message(path, numbers, "is not a number that the scene gives"))
+        half_width = engine.in_text(text.plus_minus, numbers[path].dimension)
+        if not 0 < half_width < np.inf:
+            raise engine.AskError(f"{text.plus_minus!r}: a tolerance must be greater than 0, such as '0.1 mm'")
+        found.append(Tolerance(path, half_width, text.distribution))
+    return tuple(found)
 
 
 class Sensitivity:
@@ -64,7 +103,7 @@ class Sensitivity:
         engine.made_ready(study.scene, [asked.of])
 
     @cached_property
-    def machine(self) -> engine.Machine | engine.ElementsAlone:
+    def machine(self) -> ReadyMachine:
         """The machine, in float64, at the study's positions or accuracy."""
         study = self.study
         names = dict.fromkeys([*(asked.of for asked in study.derivatives), *self._summaries])

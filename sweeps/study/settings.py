@@ -7,7 +7,7 @@ from engine import ACCURACY_SUMMARIES
 from sweeps.study.study import Study
 from sweeps.text.input_files import InputError
 from sweeps.text.numbers_in_row import numbers_in_row
-from sweeps.text.scene_settings import changed_scene, given_values
+from sweeps.text.scene_text import changed_scene, given_values
 
 
 def changed_study(

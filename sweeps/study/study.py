@@ -9,7 +9,7 @@ import numpy as np
 
 import engine
 from sweeps.study.sensitivity import RSS, WORST_CASE, Sensitivity
-from sweeps.study.study_content import StudyContent, number_units
+from sweeps.study.study_content import ReadyMachine, StudyContent, number_units
 from sweeps.study.study_record import study_digest
 from sweeps.text.conditions import Condition, UnknownNameError, Values, errors_in, value_with_error
 
@@ -100,7 +100,7 @@ class Study(StudyContent):
         """
         return Sensitivity(self)
 
-    def machine(self) -> engine.Machine | engine.ElementsAlone:
+    def machine(self) -> ReadyMachine:
         """The machine (or machine elements) of the study, cached.
 
         Raises
@@ -111,16 +111,9 @@ class Study(StudyContent):
         return self._machine
 
     @cached_property
-    def _machine(self) -> engine.Machine | engine.ElementsAlone:
-        return engine.made_ready(
-            self.scene,
-            self.summaries,
-            self.fields,
-            self.paths,
-            self.positions,
-            np.dtype(self.field_precision).type,
-            self.accuracy,
-        )
+    def _machine(self) -> ReadyMachine:
+        asked, dtype = (self.summaries, self.fields, self.paths, self.positions), np.dtype(self.field_precision).type
+        return engine.made_ready(self.scene, *asked, dtype, self.accuracy)
 
     def values(self, start: int, stop: int) -> tuple[dict[str, np.ndarray], np.ndarray]:
         """Parameters of the variants start … stop − 1 (SI) and which of them are dropped by a condition.

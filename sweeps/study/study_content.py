@@ -5,10 +5,13 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
-from engine import AskError, Scene, TextExpression, described_dimension, scene_numbers
+from engine import AskError, ElementsAlone, Machine, Scene, TextExpression, described_dimension, scene_numbers
 from sweeps.study.sampling import Design
 from sweeps.study.study_text import Best, Optimise, ToleranceText
 from sweeps.text.conditions import Condition
+
+# A machine, or the elements of a scene without a mechanism, ready to be evaluated.
+ReadyMachine = Machine | ElementsAlone
 
 
 class AskedDerivative(NamedTuple):

@@ -14,10 +14,9 @@ from sweeps.study import study_text
 from sweeps.study.default_summaries import default_summaries
 from sweeps.study.sampling import Axis, Columns, Design, Linear, Listed, Logarithmic, Sampled, SamplingError
 from sweeps.study.search_task import task_of
-from sweeps.study.sensitivity import Sensitivity
+from sweeps.study.sensitivity import Sensitivity, read_tolerances
 from sweeps.study.study import KnownNames, Study
 from sweeps.study.study_content import AskedDerivative, number_units
-from sweeps.study.tolerances import read_tolerances
 from sweeps.study.variant_tables import read_variant_table
 from sweeps.text.conditions import Condition, UnknownNameError, numeric_expression
 from sweeps.text.csv_text import TableColumn
@@ -364,14 +363,8 @@ def read_study(path: Path | str) -> Study:
         raise InputError.of(str(path), message)
     if study_text.is_scene(data):
         scene = scene_from(data, text, path.name, path.parent)
-        study = Study(
-            scene,
-            summaries=default_summaries(engine.made_ready(scene)),
-            name=path.stem,
-            title=scene.title,
-            text=text,
-            scene_text=text,
-        )
+        words = {"name": path.stem, "title": scene.title, "text": text, "scene_text": text}
+        study = Study(scene, summaries=default_summaries(engine.made_ready(scene)), **words)
     else:
         study = Study(**StudyReader(path, text, data).content())
     return _checked(study, path)

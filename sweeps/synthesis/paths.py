@@ -98,17 +98,9 @@ def _searched(normal: np.ndarray, mode: int, seed: int) -> object:
             error = (apart.min(axis=1) ** 2).mean(axis=1) + (apart.min(axis=2) ** 2).mean(axis=1)
         return np.where(turns & np.isfinite(error), error, _NO_LINKAGE)
 
-    return differential_evolution(
-        errors,
-        _BOUNDS,
-        popsize=_POPULATION,
-        maxiter=_GENERATIONS,
-        seed=seed,
-        vectorized=True,
-        updating="deferred",
-        polish=False,
-        tol=1e-8,
-    )
+    together = {"vectorized": True, "updating": "deferred", "polish": False}
+    size = {"popsize": _POPULATION, "maxiter": _GENERATIONS, "tol": 1e-8}
+    return differential_evolution(errors, _BOUNDS, seed=seed, **size, **together)
 
 
 def _turns(coupler: np.ndarray, rocker: np.ndarray, frame: np.ndarray) -> np.ndarray:

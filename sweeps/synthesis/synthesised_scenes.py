@@ -1,15 +1,17 @@
 """Scene texts of synthesised mechanisms, with requirements and results as comments."""
 
 import math
+from importlib.resources import files
+from string import Template
+from typing import NamedTuple
 
 from engine import quantity_text, table_unit
 from sweeps.synthesis.paths import PathFourBar
 from sweeps.synthesis.positioned import PositionedFourBar
 from sweeps.synthesis.quick_return import QuickCrankRocker, QuickLever, QuickSliderCrank
 
-_NEXT = """\
-# Kinematics only: add [bodies], [forces] and [flywheel]; see `sweeps help bodies`.
-"""
+# Results that are angles; other numbers are lengths.
+_ANGLES = ("least_transmission", "swing", "angle")
 
 
 def slider_crank_text(found: QuickSliderCrank, stroke: float, ratio: float, speed: str) -> str:
@@ -23,26 +25,7 @@ def slider_crank_text(found: QuickSliderCrank, stroke: float, ratio: float, spee
     speed : str
         Of the crank, with its unit.
     """
-    return f"""\
-# Offset slider-crank with a stroke of {quantity_text(stroke, "m")} and a quick-return ratio of {ratio!r}.
-# Minimum transmission angle {_deg(found.least_transmission)}, between the rod and the normal of the guide.
-{_NEXT}
-title = "Slider-crank, quick-return ratio {ratio!r}"
-
-[points]
-O = {{ x = 0, y = 0 }}           # bearing of the crank
-
-[guides]
-way = {{ angle = 0 }}
-
-{_crank(found.crank, speed)}
-
-[groups.drive]
-type = "RRP"
-inner = "B"
-first = {{ link = "rod", joint = "A", length = "{_length(found.rod)}" }}
-second = {{ link = "slider", guide = "way", offset = "{_length(found.offset)}" }}
-"""
+    return _filled("slider_crank", found, speed=speed, stroke=quantity_text(stroke, "m"), ratio=repr(ratio))
 
 
 def crank_rocker_text(found: QuickCrankRocker, swing: float, ratio: float, speed: str) -> str:
@@ -56,20 +39,7 @@ def crank_rocker_text(found: QuickCrankRocker, swing: float, ratio: float, speed
     speed : str
         Of the crank, with its unit.
     """
-    return f"""\
-# Crank-rocker with a swing of {_deg(swing)} and a quick-return ratio of {ratio!r} (slow swing to fast one).
-# Minimum transmission angle {_deg(found.least_transmission)}.
-{_NEXT}
-title = "Crank-rocker, quick-return ratio {ratio!r}"
-
-[points]
-O = {{ x = 0, y = 0 }}           # bearing of the crank
-D = {{ x = "{_length(found.frame)}", y = 0 }}           # bearing of the rocker
-
-{_crank(found.crank, speed)}
-
-{_dyad(found)}
-"""
+    return _filled("crank_rocker", found, speed=speed, swing=_deg(swing), ratio=repr(ratio))
 
 
 def lever_text(found: QuickLever, stroke: float, ratio: float, speed: str) -> str:
@@ -87,35 +57,10 @@ def lever_text(found: QuickLever, stroke: float, ratio: float, speed: str) -> st
         Of the crank, with its unit.
     """
     cosine = math.cos(0.5 * found.swing)
-    height = 0.5 * found.lever * (1.0 + cosine)
-    drag_link = found.lever * max(0.4, 0.625 * (1.0 - cosine) / cosine)
-    return f"""\
-# Crank-shaper with a stroke of {quantity_text(stroke, "m")} and a quick-return ratio of {ratio!r}.
-# The lever swings by {_deg(found.swing)}. A longer drag link doesn't affect stroke and ratio.
-{_NEXT}
-title = "Crank-shaper, quick-return ratio {ratio!r}"
-
-[points]
-D = {{ x = 0, y = 0 }}           # bearing of the lever
-O = {{ x = 0, y = "{_length(found.frame)}" }}           # bearing of the crank
-P = {{ link = "lever", x = "{_length(found.lever)}", y = 0 }}           # end of the lever
-
-[guides]
-way = {{ y = "{_length(height)}", angle = "180 deg" }}
-
-{_crank(found.crank, speed)}
-
-[groups.slot]
-type = "RPR"
-first = {{ link = "block", joint = "A" }}
-second = {{ link = "lever", joint = "D" }}
-
-[groups.drive]
-type = "RRP"
-inner = "B"
-first = {{ link = "drag_link", joint = "P", length = "{_length(drag_link)}" }}
-second = {{ link = "ram", guide = "way" }}
-"""
+    height = _length(0.5 * found.lever * (1.0 + cosine))
+    drag_link = _length(found.lever * max(0.4, 0.625 * (1.0 - cosine) / cosine))
+    asked = {"speed": speed, "stroke": quantity_text(stroke, "m"), "ratio": repr(ratio)}
+    return _filled("shaper", found, height=height, drag_link=drag_link, **asked)
 
 
 def positions_text(found: PositionedFourBar, speed: str) -> str:
@@ -130,28 +75,12 @@ def positions_text(found: PositionedFourBar, speed: str) -> str:
     first, last = found.crank_angles[0], found.crank_angles[-1]
     sense = "-" if last < first and not speed.startswith("-") else ""
     at = ", ".join(_deg(angle) for angle in found.crank_angles)
-    part = ""
+    part, how = "", "turns fully"
     if not found.turns:
         part = f'start = "{_deg(min(first, last))}"\nstop = "{_deg(max(first, last))}"\n'
-    how = "turns fully" if found.turns else "can't turn fully: it moves from the first position to the last"
-    return f"""\
-# Four-bar linkage whose coupler carries the point P through {len(found.crank_angles)} positions, at the crank angles
-# {at}.
-# The plane is rotated relative to the coupler by {_deg(found.angle)}. The crank {how}.
-# Minimum transmission angle {_deg(found.least_transmission)}.
-{_NEXT}
-title = "Four-bar linkage through {len(found.crank_angles)} positions"
-
-[points]
-O = {{ {_xy(found.crank_pivot)} }}           # bearing of the crank
-D = {{ {_xy(found.rocker_pivot)} }}           # bearing of the rocker
-P = {{ link = "coupler", {_xy(found.point)} }}
-
-{_crank(found.crank, f"{sense}{speed}")}
-{part}
-{_dyad(found)}
-mode = {found.mode}
-"""
+        how = "can't turn fully: it moves from the first position to the last"
+    shown = {"places": str(len(found.crank_angles)), "crank_angles": at, "part": part, "how": how}
+    return _filled("positions", found, speed=f"{sense}{speed}", **shown)
 
 
 def path_text(found: PathFourBar, places: int, speed: str) -> str:
@@ -165,41 +94,25 @@ def path_text(found: PathFourBar, places: int, speed: str) -> str:
     speed : str
         Of the crank, with its unit.
     """
-    return f"""\
-# Crank-rocker whose coupler point P follows a path of {places} points: deviation {quantity_text(found.rms, "m")}
-# (rms) and {quantity_text(found.greatest, "m")} (maximum). `sweeps plot FILE --paths P` draws its path.
-{_NEXT}
-title = "Crank-rocker along a path"
-
-[points]
-O = {{ {_xy(found.crank_pivot)} }}           # bearing of the crank
-D = {{ {_xy(found.rocker_pivot)} }}           # bearing of the rocker
-P = {{ link = "coupler", {_xy(found.point)} }}
-
-{_crank(found.crank, speed)}
-
-{_dyad(found)}
-mode = {found.mode}
-"""
+    apart = {"rms": quantity_text(found.rms, "m"), "maximum": quantity_text(found.greatest, "m")}
+    return _filled("path", found, speed=speed, places=str(places), **apart)
 
 
-def _crank(length: float, speed: str) -> str:
-    return f"""\
-[input]
-type = "crank"
-pivot = "O"
-pin = "A"
-length = "{_length(length)}"
-speed = "{speed}\""""
+def _filled(kind: str, found: NamedTuple, **further: str) -> str:
+    """The scene of a kind, with the numbers found, and further texts or the same numbers in other words."""
+    template = (files("sweeps.synthesis") / "scenes" / f"{kind}.txt").read_text("utf8")
+    own = {name: _text(name, value) for name, value in found._asdict().items()}
+    return Template(template).substitute(own, **further)
 
 
-def _dyad(found: QuickCrankRocker | PositionedFourBar | PathFourBar) -> str:
-    return f"""\
-[groups.swing]
-type = "RRR"
-inner = "B"
-first = {{ link = "coupler", joint = "A", length = "{_length(found.coupler)}" }}
-second = {{ link = "rocker", joint = "D", length = "{_length(found.rocker)}" }}"""
+def _text(name: str, value: object) -> str:
+    """A result as the scene's text has it."""
+    match value:
+        case complex():
+            return f'x = "{_length(value.real)}", y = "{_length(value.imag)}"'
+        case float():
+            return _deg(value) if name in _ANGLES else _length(value)
+    return str(value)
 
 
 def _length(length: float) -> str:
@@ -210,7 +123,3 @@ def _length(length: float) -> str:
 
 def _deg(angle: float) -> str:
     return f"{math.degrees(angle)!r} deg"
-
-
-def _xy(point: complex) -> str:
-    return f'x = "{_length(point.real)}", y = "{_length(point.imag)}"'

@@ -6,7 +6,7 @@ met or both missed. If other values within the estimates would change the outcom
 """
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import NamedTuple
@@ -227,6 +227,11 @@ class Condition:
 def parts_of(where: Where) -> tuple[Condition, ...]:
     """The conditions of a text joined by `and`, separately; none of no text."""
     return Condition.parse(all_of(where)).parts if where else ()
+
+
+def met_by(conditions: Iterable[Condition], values: Values, errors: Values, count: int) -> np.ndarray:
+    """Which of `count` variants meet all of some conditions."""
+    return np.all([np.ones(count, bool), *(one.judged(values, errors, count).met for one in conditions)], axis=0)
 
 
 def errors_in(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

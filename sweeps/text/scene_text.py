@@ -1,6 +1,6 @@
-"""Reading and writing scenes as TOML, with CSV tables."""
+"""Reading, changing and writing scenes as TOML, with CSV tables."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -201,6 +201,60 @@ def with_numbers(scene: engine.Scene, values: Mapping[str, float]) -> engine.Sce
         table, last = _table_of(path, by_path)
         table[last] = value
     return _copied(scene, by_path, "") if values else scene
+
+
+def given_values(scene: engine.Scene, settings: Sequence[str]) -> dict[str, float]:
+    """Numbers of a scene from texts such as "input.length=55 mm".
+
+    Parameters
+    ----------
+    scene : Scene
+    settings : sequence of str
+
+    Returns
+    -------
+    dict of str to float
+        SI, by path.
+
+    Raises
+    ------
+    InputError
+        A text has no =, an unknown number, or an invalid value.
+    """
+    known, found = engine.scene_numbers(scene), {}
+    for text in settings:
+        path, equals, value = (part.strip() for part in text.partition("="))
+        if not equals or not path:
+            raise InputError.of("--set", f"{text!r}: write PATH=VALUE, such as input.length='55 mm'")
+        if path not in known:
+            near = engine.nearest_names(path, known, 3)
+            hint = f"did you mean {' or '.join(map(repr, near))}?" if near else f"numbers are {', '.join(known)}"
+            raise InputError.of("--set", f"is not a number that the scene gives; {hint}", key=path)
+        try:
+            found[path] = engine.in_text(value.strip("\"'"), known[path].dimension)
+        except engine.UnitError as error:
+            raise InputError.of("--set", str(error), key=path) from None
+    return found
+
+
+def changed_scene(scene: engine.Scene, settings: Sequence[str]) -> engine.Scene:
+    """A scene with changed numbers.
+
+    Parameters
+    ----------
+    scene : Scene
+    settings : sequence of str
+        As for `given_values`.
+
+    Raises
+    ------
+    InputError
+        As for `given_values`, or an invalid value.
+    """
+    try:
+        return with_numbers(scene, given_values(scene, settings))
+    except engine.SceneError as error:
+        raise InputError("--set", [(None, path, message) for path, message in error.problems]) from None
 
 
 def _table_of(path: str, data: dict[str, Any]) -> tuple[dict[str, Any], str]:

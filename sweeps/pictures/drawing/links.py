@@ -123,13 +123,8 @@ def joints(m: DrawnMotion, k: int) -> list[Primitive]:
     """Hinges, dots at other points, and a stroke through a hinge where a link continues beyond it."""
     r, hinges = m.radius, m.hinges
     rest = {n for n, p in m.scene.points.items() if p.link == FRAME}
-    found = [
-        Primitive(
-            "joints", "circle", (complex(p[k]),), r if n in hinges else 0.55 * r, "paper" if n in hinges else "solid", n
-        )
-        for n, p in m.points.items()
-        if n in hinges or n not in rest
-    ]
+    looks = {n: (r, "paper") if n in hinges else (0.55 * r, "solid") for n in m.points if n in hinges or n not in rest}
+    found = [Primitive("joints", "circle", (complex(m.points[n][k]),), *look, n) for n, look in looks.items()]
     rods = {g.second.link: _rod(m, name, k) for name, g in m.scene.groups.items() if g.type == "RPR"}
     for link in m.links[:-1]:
         names = m.members(link)

@@ -136,10 +136,7 @@ def _lettering(p: Primitive, factor: float, zorder: float) -> PathPatch:
 
 
 def picture(
-    drawn: Scene | DrawnMotion,
-    at: Sequence[float] = (),
-    paths: Sequence[str] = (),
-    shown: Sequence[str] = (),
+    drawn: Scene | DrawnMotion, at: Sequence[float] = (), paths: Sequence[str] = (), shown: Sequence[str] = ()
 ) -> Figure:
     """Draw a mechanism on a figure, 160 mm wide at most.
 

@@ -20,17 +20,10 @@ def engine_table(engine: EngineElement) -> str:
     engine : EngineElement
     """
     found = shaken(engine)
-    rows = [
-        (
-            "order",
-            "force",
-            "with counterweights",
-            *(("couple", "with counterweights") if engine.spacing is not None else ()),
-        )
-    ]
-    kinds = [("N", found.forces), *([("N m", found.couples)] if engine.spacing is not None else [])]
+    kinds = {"force": ("N", found.forces)} | ({} if engine.spacing is None else {"couple": ("N m", found.couples)})
+    rows = [("order", *(head for kind in kinds for head in (kind, "with counterweights")))]
     for order in SHOWN_ORDERS:
-        cells = [ellipse_text(vector, order, unit) for unit, both in kinds for vector in both]
+        cells = [ellipse_text(vector, order, unit) for unit, both in kinds.values() for vector in both]
         if any(cell != "0" for cell in cells) or order in (1, 2, 4, 6):
             rows.append((f"{order}", *cells))
     lines = [table(rows), "Ellipses by their half axes; ↺ turns with the crank, ↻ against it."]

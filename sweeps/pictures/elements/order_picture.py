@@ -27,7 +27,7 @@ def order_picture(rows: Sequence[order_table.EngineRow]) -> Figure:
             for ax, (vector, order) in zip(line, vectors, strict=True):
                 _draw(ax, vector, order)
             line[0].set_ylabel(row.name, rotation=0, ha="right", va="center")
-        for ax, head in zip(axes[0], order_table.ORDER_HEADS[2:6], strict=True):
+        for ax, head in zip(axes[0], order_table.VECTOR_HEADS, strict=True):
             unit = "m r ω² A" if "force" in head else "m r ω² a A"
             ax.set_title(f"{head}\nin {unit}{order_table.subscript_of(1 + ('sec' in head))}")
     return figure

@@ -18,27 +18,19 @@ from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, legend_below, sheet
 from sweeps.report.regime_words import failure_text
 
-# All others are black.
-_COLOURS = {
-    "motors": BLUE,
-    "driving": SKY,
-    "useful": VERMILION,
-    "harmful": ORANGE,
-    "braking": PURPLE,
-    "other": GREY,
-    "coupling": GREEN,
+# Colour and words of rows; all others are black.
+_LOOKS = {
+    "motors": (BLUE, "motors"),
+    "driving": (SKY, "driving"),
+    "useful": (VERMILION, "useful resistances"),
+    "harmful": (ORANGE, "harmful resistances"),
+    "braking": (PURPLE, "brakes"),
+    "other": (GREY, "gravity and springs"),
+    "coupling": (GREEN, "coupling torque, its heat"),
+    "shaft_speed": ("black", "driven shaft of the coupling"),
+    "energy": ("black", "kinetic energy E"),
 }
-_WORDS = {
-    "motors": "motors",
-    "driving": "driving",
-    "useful": "useful resistances",
-    "harmful": "harmful resistances",
-    "braking": "brakes",
-    "other": "gravity and springs",
-    "coupling": "coupling torque, its heat",
-    "shaft_speed": "driven shaft of the coupling",
-    "energy": "kinetic energy E",
-}
+_PLAIN = ("black", "")
 # Rows that are drawn even where they are zero.
 _ALWAYS = ("speed", "shaft_speed", "coupling", "energy", "reaction")
 # Points drawn per regime; of more, the minimum and maximum per interval.
@@ -179,8 +171,9 @@ def _share_scale(row: Sequence[Axes], columns: Sequence[dict[str, np.ndarray]]) 
 
 def _lines(ax: Axes, x: np.ndarray, rows: dict[str, np.ndarray]) -> None:
     for key, row in rows.items():
-        look = {"linestyle": (0, (4, 2))} if key == "shaft_speed" else {}
-        ax.plot(*_thinned(x, row), color=_COLOURS.get(key, "black"), label=_WORDS.get(key), linewidth=1.0, **look)
+        colour, words = _LOOKS.get(key, _PLAIN)
+        dashes = (0, (4, 2)) if key == "shaft_speed" else "solid"
+        ax.plot(*_thinned(x, row), color=colour, label=words or None, linewidth=1.0, linestyle=dashes)
 
 
 def _thinned(x: np.ndarray, row: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -223,9 +216,10 @@ def cycle_diagrams(scene: Scene, seen: "engine.History", regime: str) -> Figure:
             ("Power", engine.PanelAxis("", "W", "P"), part.rows["powers"], ()),
         )
         for ax, (title, axis, rows, marks) in zip(axes.flat, panels, strict=True):
-            curves = [engine.Curve(_WORDS.get(key, ""), row) for key, row in rows.items()]
+            colours, words = zip(*(_LOOKS.get(key, _PLAIN) for key in rows), strict=True)
+            curves = list(map(engine.Curve, words, rows.values()))
             panel = engine.Panel(input_axis(scene), axis, part.angle, curves, marks, title)
-            draw_panel(ax, panel, ax in axes[1], False, [_COLOURS.get(key, "black") for key in rows])
+            draw_panel(ax, panel, ax in axes[1], False, colours)
         # A clockwise crank turns to the right, too.
         axes[0, 0].xaxis.set_inverted(bool(part.angle[-1] < part.angle[0]))
         legend_below(figure, axes.flat, 4)

@@ -1,6 +1,5 @@
 """One machine over its cycle, and its velocities and accelerations at a position, at constant input speed."""
 
-import math
 from collections.abc import Callable
 from functools import cached_property
 from typing import NamedTuple, TypeVar
@@ -8,7 +7,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 import engine
-from sweeps.pictures.drawing import DrawnMotion
+from sweeps.pictures.drawing import DrawnMotion, position_text
 from sweeps.pictures.drawing.figures import default_position
 from sweeps.pictures.picture_error import PictureError
 
@@ -153,10 +152,7 @@ class Pose:
     @property
     def title(self) -> str:
         """The position as text."""
-        q = self.motion.q[self.k]
-        if isinstance(self.scene.input, engine.CrankInput):
-            return f"φ = {math.degrees(q):.4g}°".replace("-", "\N{MINUS SIGN}")
-        return f"q = {engine.quantity_text(q, 'm')}".replace("-", "\N{MINUS SIGN}")
+        return position_text(self.scene, self.motion.q[self.k]).replace("-", "\N{MINUS SIGN}")
 
     def number(self, link: str) -> int:
         """Number of a link."""

@@ -10,7 +10,7 @@ from engine import quantity_text
 from sweeps.optimising.optimum import Choice, choices, front, met, objectives
 from sweeps.pictures.drawing import draw
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, COLOURS, GREY, PALE, VERMILION, sheet, wrapped
+from sweeps.pictures.style import BLUE, COLOURS, PALE, VERMILION, remark, sheet, wrapped
 from sweeps.pictures.sweep.sweep_data import SweepData
 from sweeps.report.sweep_result import SweepResult
 
@@ -74,7 +74,7 @@ def _scatter(ax: Axes, result: SweepResult, data: SweepData, chosen: Sequence[Ch
     ax.legend(loc="best", markerscale=2)
     hidden = np.count_nonzero(~data.ok)
     words = f"{hidden} of {data.ok.size} candidates failed or were dropped" if hidden else ""
-    ax.set_title(words, fontsize=7, loc="right", color=GREY)
+    remark(ax, words)
 
 
 def _differing(result: SweepResult, chosen: Sequence[Choice]) -> list[list[str]]:

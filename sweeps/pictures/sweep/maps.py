@@ -10,19 +10,9 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MultipleLocator
 
 from engine import Verdict, display_unit
+from sweeps.pictures import style
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import (
-    BLUE,
-    COLOURS,
-    GREY,
-    PALE,
-    PALETTE,
-    VERMILION,
-    legend_below,
-    scaled_as_constant,
-    sheet,
-    wrapped,
-)
+from sweeps.pictures.style import BLUE, COLOURS, GREY, PALE, PALETTE, VERMILION
 from sweeps.pictures.sweep.parallel_coordinates import chosen_columns, parallel
 from sweeps.pictures.sweep.sweep_data import SweepData
 from sweeps.study.sensitivity import RSS, WORST_CASE
@@ -64,7 +54,7 @@ def curves(figure: Figure, data: SweepData, x: str, ys: Sequence[str], best: int
         few = np.count_nonzero(data.ok) <= 60
         ax.plot(along[order], values[order], color=BLUE, marker="o" if few else None, markersize=2.5)
         error = factor * np.asarray(data.arrays.get(f"{y}_error", np.zeros_like(values)), dtype=float)
-        constant = scaled_as_constant(ax, values)
+        constant = style.scaled_as_constant(ax, values)
         if not constant and data.ok.any() and np.nanmax(np.nan_to_num(error[data.ok])) > SEEN * np.ptp(values[data.ok]):
             low, high = (values - error)[order], (values + error)[order]
             ax.fill_between(along[order], low, high, color=BLUE, alpha=0.2, linewidth=0, label="error estimate")
@@ -76,9 +66,9 @@ def curves(figure: Figure, data: SweepData, x: str, ys: Sequence[str], best: int
         _mark_failed(ax, along, data.status)
         if best is not None:
             ax.plot(along[best], values[best], "*", color=VERMILION, markersize=10, label="best")
-        ax.set_ylabel("\n".join(wrapped(y_label.replace("\n", " "), BESIDE_A_PANEL)))
+        ax.set_ylabel("\n".join(style.wrapped(y_label.replace("\n", " "), BESIDE_A_PANEL)))
     axes[-1].set_xlabel(label)
-    legend_below(figure, axes, 3)
+    style.legend_below(figure, axes, 3)
 
 
 def _tolerance_bands(ax: Axes, data: SweepData, along: np.ndarray, y: str, order: np.ndarray) -> None:
@@ -295,21 +285,12 @@ def scatter(ax: Axes, data: SweepData, x: str, y: str, colour: str | None = None
     failed = np.count_nonzero(~data.ok)
     ax.set(xlabel=x_label, ylabel=y_label)
     if failed:
-        ax.set_title(
-            f"{failed} of {data.ok.size} variants failed or were dropped and aren't shown",
-            fontsize=7,
-            loc="right",
-            color=GREY,
-        )
-    legend_below(ax.figure, [ax], 3)
+        style.remark(ax, f"{failed} of {data.ok.size} variants failed or were dropped and aren't shown")
+    style.legend_below(ax.figure, [ax], 3)
 
 
 def plot_result(
-    data: SweepData,
-    x: str | None = None,
-    y: str | None = None,
-    colour: str | None = None,
-    best: int | None = None,
+    data: SweepData, x: str | None = None, y: str | None = None, colour: str | None = None, best: int | None = None
 ) -> Figure:
     """Draw a sweep in the form that suits its design.
 
@@ -332,7 +313,7 @@ def plot_result(
     for name in (x, y, colour):
         if name is not None and data.shown(name)[0].ndim == 2 and name != y:
             raise PictureError(f"{name!r} is a field, which can only be y")
-    with sheet(180, 110) as figure:
+    with style.sheet(180, 110) as figure:
         _choose(figure, data, x, y, colour, best)
         if data.chosen_of:
             words = f"{data.status.size} of {data.chosen_of} variants (evenly sampled, with the best)"

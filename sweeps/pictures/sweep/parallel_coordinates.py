@@ -9,7 +9,7 @@ from matplotlib.patheffects import withStroke
 
 from engine import display_unit
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import COLOURS, GREY, PALE, VERMILION, wrapped
+from sweeps.pictures.style import COLOURS, PALE, VERMILION, remark, wrapped
 from sweeps.pictures.sweep.sweep_data import SweepData
 from sweeps.text.conditions import parts_of
 
@@ -83,7 +83,7 @@ def parallel(ax: Axes, data: SweepData, names: Sequence[str], colour: str, best:
         raise PictureError(f"no column varies among the {np.count_nonzero(sound)} computed variants: nothing to show")
     rows = np.flatnonzero(sound)
     if rows.size > MOST_LINES:
-        ax.set_title(f"{MOST_LINES} of {rows.size} variants (evenly sampled)", fontsize=7, loc="right", color=GREY)
+        remark(ax, f"{MOST_LINES} of {rows.size} variants (evenly sampled)")
         rows = rows[np.linspace(0, rows.size - 1, MOST_LINES).astype(int)]
     lows, highs = (np.array([reach(values[sound]) for values, _, _ in columns]) for reach in (np.min, np.max))
 

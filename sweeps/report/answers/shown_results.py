@@ -3,9 +3,10 @@
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 
-from engine import ElementsAlone, Machine, Rank, any_quantity, made_ready, parse_expression, scene_numbers
+from engine import Rank, any_quantity, made_ready, parse_expression, scene_numbers
 from sweeps.report.sweep_result import SweepResult
 from sweeps.study.default_summaries import answers, default_summaries
+from sweeps.study.study_content import ReadyMachine
 from sweeps.study.study_text import Best
 
 
@@ -40,9 +41,7 @@ def shown_summaries(result: SweepResult, every: bool = False) -> tuple[str, ...]
     return answers_among(machine, result.summaries, _in_conditions(result))
 
 
-def answers_among(
-    machine: Machine | ElementsAlone, summaries: Sequence[str], in_conditions: Iterable[str]
-) -> tuple[str, ...]:
+def answers_among(machine: ReadyMachine, summaries: Sequence[str], in_conditions: Iterable[str]) -> tuple[str, ...]:
     """Summaries that answer an engineer, in the order in which they are read.
 
     Parameters

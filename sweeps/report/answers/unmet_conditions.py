@@ -5,16 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import (
-    Scene,
-    Verdict,
-    allowed_text,
-    counted,
-    figure_text,
-    outside_limits,
-    quantity_text,
-    scene_numbers,
-)
+import engine
+from engine import Verdict
 from sweeps.report.sweep_result import SweepResult, drop_counts
 from sweeps.study.study_content import number_units
 from sweeps.text.conditions import Condition, Judgement, Where, parts_of
@@ -55,23 +47,23 @@ def drop_lines(conditions: Sequence[str], missed: Iterable[np.ndarray], variants
 
 
 def outside_lines(
-    scene: Scene, columns: Mapping[str, np.ndarray], chosen: np.ndarray | slice = slice(None)
+    scene: engine.Scene, columns: Mapping[str, np.ndarray], chosen: np.ndarray | slice = slice(None)
 ) -> list[str]:
     """For each number with values outside its limits: how many, one of them, and the limits.
 
     Parameters
     ----------
-    scene : Scene
+    scene : engine.Scene
     columns : mapping of str to ndarray (variants,)
         Numbers of variants by path (SI), possibly among others.
     chosen : ndarray of bool, or slice
         Variants to count.
     """
-    numbers, units, lines = scene_numbers(scene), number_units(scene), []
+    numbers, units, lines = engine.scene_numbers(scene), number_units(scene), []
     varied = {path: values[chosen] for path, values in columns.items() if path in numbers}
-    for path, outside in outside_limits(numbers, varied).items():
+    for path, outside in engine.outside_limits(numbers, varied).items():
         value = varied[path][outside.argmax()] if path in varied else numbers[path].value
-        given, allowed = quantity_text(float(value), units[path]), allowed_text(numbers[path])
+        given, allowed = engine.quantity_text(float(value), units[path]), engine.allowed_text(numbers[path])
         lines.append(f"{path}: {outside.sum()}, such as {given}; must be {allowed}")
     return lines
 
@@ -101,7 +93,7 @@ def no_answer_text(result: SweepResult, noun: str = "variant") -> str:
     if asked is None:
         return f"{head} None could be computed."
     texts, missed = [condition.text for condition in asked.conditions], (rows for _, rows, _ in _judged(result, asked))
-    lines = [f"{head} Of {counted(counts[asked.verdict], noun)}, the conditions exclude:"]
+    lines = [f"{head} Of {engine.counted(counts[asked.verdict], noun)}, the conditions exclude:"]
     lines += [f"  {line}" for line in drop_lines(texts, missed)]
     return "\n".join([*lines, _closest_text(result, asked, noun)])
 
@@ -165,6 +157,6 @@ def _miss_words(result: SweepResult, condition: Condition, known: tuple) -> str:
     if gap == 0.0:
         return f"lies on the limit of {plain}"
     if right != 0.0 and gap <= _FAR * abs(right):
-        return f"{verb} {plain} by {figure_text(100 * gap / abs(right), None, 2)} %"
+        return f"{verb} {plain} by {engine.figure_text(100 * gap / abs(right), None, 2)} %"
     name = condition.names[0] if len(condition.names) == 1 else ""
-    return f"{verb} {plain} by {quantity_text(gap, result.units.get(name, '1'))}" if name else f"misses {plain}"
+    return f"{verb} {plain} by {engine.quantity_text(gap, result.units.get(name, '1'))}" if name else f"misses {plain}"

@@ -4,7 +4,7 @@ import csv
 import json
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from itertools import chain
+from itertools import chain, count
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -196,12 +196,9 @@ def _matlab_names(names: Iterable[str]) -> dict[str, str]:
     found: dict[str, str] = {}
     for name in names:
         plain = re.sub(r"\W", "_", name, flags=re.ASCII).lstrip("_0123456789")[:_LONGEST_NAME] or "column"
-        taken, number = set(found.values()), 1
-        chosen = plain
-        while chosen in taken:
-            number += 1
-            chosen = f"{plain[: _LONGEST_NAME - 1 - len(str(number))]}_{number}"
-        found[name] = chosen
+        taken = set(found.values())
+        numbered = (f"{plain[: _LONGEST_NAME - 1 - len(str(k))]}_{k}" for k in count(2))
+        found[name] = next(chosen for chosen in chain((plain,), numbered) if chosen not in taken)
     return found
 
 

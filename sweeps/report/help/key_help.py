@@ -258,13 +258,9 @@ def _first_sentence(key: Key) -> str:
 
 def key_line(key: Key) -> str:
     """Help on a key in a line, without the keys of its tables."""
-    takes = (
-        f"types: {', '.join(key.types)}"
-        if key.types
-        else ""
-        if key.tables
-        else f"{_takes(key.field)}; {_necessity(key.field)}"
-    )
+    takes = f"types: {', '.join(key.types)}" if key.types else ""
+    if not key.tables:
+        takes = f"{_takes(key.field)}; {_necessity(key.field)}"
     return " — ".join(part for part in (_meaning(key), takes) if part)
 
 

@@ -1,7 +1,9 @@
 """The quantities of all kinds of machines, as families such as GROUP.transmission_angle."""
 
 import re
+import tomllib
 from collections.abc import Iterable, Iterator
+from pathlib import Path
 from typing import NamedTuple
 
 from engine import Quantity, Scene, definitions_of_names, element_kinds, made_ready
@@ -9,7 +11,6 @@ from sweeps.study.bundled import bundled_studies
 from sweeps.study.study_reader import read_study
 from sweeps.text.scene_text import read_scene, scene_from
 from sweeps.text.templates import bundled_templates, template_text
-from sweeps.text.toml_text import parse_toml
 
 MACHINE = "Machine"
 # Tables of a scene, and what a name of theirs is called in a family.
@@ -23,45 +24,6 @@ _NOT_A_NAME = r"(?! angle| speed| torque| force|'s)"
 _BEFORE_NAMES = "link|slider|joint|guide|body|group|shaft|point|on|about|with|path of|torque of"
 # Kinds whose names begin words of a regime, as in start.motor_shaft_final_speed.
 _AT_BEGIN = ("SHAFT", "COUPLING")
-# What no bundled machine has, for the slider-crank; once with each coupling.
-_RARE = """
-pins.wrist = { pair = "drive.inner", diameter = "20 mm", width = "30 mm" }
-struts.con_rod = { link = "rod", diameter = "18 mm", material = "S235" }
-wanted.curve = { type = "path", point = "B", x = ["150 mm", "160 mm"], y = [0, 0] }
-wanted.law = { type = "link", of = "rod", over_angle = [0, "90 deg"], angle = [0, "9 deg"] }
-shafts.rotor = { geared_to = "crank", ratio = 3, inertia = "1 kg m2" }
-moments.drive_motor = { type = "dc_motor", on = "rotor", stall_moment = "50 N m", no_load_speed = "1000 rpm" }
-regimes.work = { type = "steady" }
-regimes.couple = { type = "run", time = "1 s" }
-elements.watt = { type = "watt_governor", ball_mass = "5 kg", upper_arm = "0.3 m", lower_arm = "0.3 m", \
-least_radius = "0.1 m", greatest_radius = "0.2 m" }
-elements.proell = { type = "proell_governor", ball_mass = "5 kg", sleeve_mass = "9 kg", upper_arm = "0.3 m", \
-lower_arm = "0.3 m", extension = "0.1 m", parallel_radius = "0.15 m", \
-least_radius = "0.15 m", greatest_radius = "0.2 m" }
-elements.measured = { type = "table_governor", ball_mass = "5 kg", over_radius = ["0.1 m", "0.2 m"], \
-controlling_force = ["9 N", "20 N"], interpolation = "linear", least_radius = "0.1 m", greatest_radius = "0.2 m", \
-lift_ratio = 1 }
-elements.chain = { type = "chain_drive", pitch = "8 mm", driving_teeth = 9, driven_teeth = 9, speed = "9 rpm", \
-moment = "1 N m", distance = "1 m", linear_density = "1 kg/m" }
-elements.wheels = { type = "friction_drive", driving_diameter = "1 m", driven_diameter = "1 m", friction = 0.2, \
-speed = "9 rpm", moment = "1 N m", press_force = "9 N" }
-elements.axle = { type = "locomotive", cylinder_spacing = "1 m", wheel_spacing = "2 m", stroke = "1 m", \
-reciprocating_mass = "1 kg", balance_radius = "1 m", speed = "9 rpm", crank_angle = 0 }
-elements.lever = { type = "rotating_guide", mass = "1 kg", speed = "9 rpm", start_radius = "1 m", length = "2 m" }
-elements.disc = { type = "static_rotor", unbalances = { a = { mass = "1 kg", radius = "1 m" } }, mass = "9 kg", \
-correction_radius = "1 m", rolling_arm = "1 mm", speed = "9 rpm" }
-elements.tie = { type = "tethered_body", mass = "1 kg", length = "1 m", stiffness = "9 N/m", strength = "9 N", \
-speed = "1 m/s" }
-elements.egg = { type = "tilted_body", mass = "1 kg", semi_axis_x = "1 m", semi_axis_y = "1 m", semi_axis_z = "1 m", \
-speed = "9 rpm" }
-elements.tape = { type = "wound_flywheel", bore = "1 m", winding_diameter = "2 m", diameter = "3 m", width = "1 m", \
-density = "7850 kg/m3", winding_stress = "9 MPa", speed = "9 rpm", strength = "90 MPa" }
-"""
-_COUPLINGS = (
-    'couplings.joint = { type = "friction_clutch", shaft = "rotor", capacity = "50 N m" }',
-    'couplings.joint = { type = "fluid_coupling", shaft = "rotor", diameter = "0.2 m", density = "860 kg/m3", '
-    'slip = [0, 1], coefficient = [0, 0.02], interpolation = "linear" }',
-)
 
 
 class Family(NamedTuple):
@@ -99,9 +61,12 @@ def _scenes() -> Iterator[Scene]:
         yield read_scene(path)
     for path in bundled_studies().values():
         yield read_study(path).scene
-    for coupling in _COUPLINGS:
-        text = f"{_RARE}{coupling}\n{template_text('slider_crank')}"
-        yield scene_from(parse_toml(text, simplest.name), text, simplest.name, simplest.parent)
+    # What no bundled machine has, for the slider-crank; once with each coupling.
+    rare = tomllib.loads(Path(__file__).with_name("rare_parts.toml").read_text("utf8"))
+    for coupling in rare.pop("each_coupling"):
+        data = tomllib.loads(template_text("slider_crank")) | rare
+        data["couplings"] = {"joint": coupling}
+        yield scene_from(data, "", simplest.name, simplest.parent)
 
 
 def _kinds_of_names(scene: Scene) -> dict[str, str]:

@@ -3,19 +3,19 @@
 from pathlib import Path
 
 import engine
+from sweeps.text import tables
 from sweeps.text.csv_text import named_columns, read_csv
 from sweeps.text.numbers_in_row import numbers_in_row
-from sweeps.text.tables import table
 
 
 def flywheel_text(
-    path: Path, speed: str, fluctuation: str, interpolation: str, inertia: str = "0", area_energy: str | None = None
+    table: Path, speed: str, fluctuation: str, interpolation: str, inertia: str = "0", area_energy: str | None = None
 ) -> str:
     """Report on the flywheel for a turning-moment diagram, in its units.
 
     Parameters
     ----------
-    path : Path
+    table : Path
         CSV with the columns `phi [deg]` and `moment [N m]` (or other units); with `area_energy`, with the column
         `area`: areas between diagram and mean line in order, positive above it.
     speed, fluctuation : str
@@ -30,19 +30,19 @@ def flywheel_text(
     ------
     InputError, UnitError, TableError
     """
-    written = [f"1 {column.unit}" for column in read_csv(path).values() if column.unit]
+    written = [f"1 {column.unit}" for column in read_csv(table).values() if column.unit]
     engine.show_units_of({"table": [*written, inertia, area_energy or ""]})
     mean_speed, delta = engine.in_text(speed, "angular_speed"), engine.in_text(fluctuation, "number")
     already = engine.in_text(inertia, "inertia")
     if area_energy is None:
-        phi, moment = named_columns(path, {"phi": "angle", "moment": "moment"}, "phi [deg], moment [N m]")
+        phi, moment = named_columns(table, {"phi": "angle", "moment": "moment"}, "phi [deg], moment [N m]")
         found = engine.turning_moment_from_table(
             phi, moment, mean_speed, delta, interpolation=interpolation, inertia=already
         )
         mean = [("mean torque", engine.quantity_text(found.mean_moment, "N m"))]
         places = [("at", engine.quantity_text(angle, "rad")) for angle in (found.fastest_at, found.slowest_at)]
     else:
-        (areas,) = named_columns(path, {"area": None}, "area [mm2]")
+        (areas,) = named_columns(table, {"area": None}, "area [mm2]")
         (energy,) = numbers_in_row("--area-energy", area_energy, ("energy",))
         found, mean = engine.turning_moment_from_areas(areas, energy, mean_speed, delta, already), []
         places = [("after", f"{count:.0f} areas") for count in (found.fastest_at, found.slowest_at)]
@@ -53,4 +53,4 @@ def flywheel_text(
         ("flywheel inertia", engine.quantity_text(found.flywheel_inertia, "kg m2")),
         ("speed fluctuation", engine.quantity_text(found.speed_fluctuation, "1")),
     ]
-    return table(rows)
+    return tables.table(rows)

@@ -93,9 +93,8 @@ def read_runs(path: Path) -> Runs:
     columns = read_csv(path)
     for key in OF_WEIGHTS:
         if key not in columns:
-            raise InputError.of(
-                str(path), f"no column {key!r}: the header is such as '{HEADER}', it has {', '.join(columns)}", 1
-            )
+            message = f"no column {key!r}: the header is such as '{HEADER}', it has {', '.join(columns)}"
+            raise InputError.of(str(path), message, 1)
     names = tuple(name for name in columns if name not in OF_WEIGHTS and not name.endswith(PHASE))
     phases = [name for name in names if f"{name}{PHASE}" in columns]
     if not names or phases not in ([], list(names)):
@@ -194,9 +193,8 @@ def _by_coefficients(path: Path, runs: Runs, noise: str | None) -> Correction:
     if len(planes) != len(runs.planes):
         raise InputError.of(str(path), "with phases each plane needs exactly one trial run")
     if len(planes) > len(runs.names):
-        raise InputError.of(
-            str(path), f"{len(planes)} planes need at least {len(planes)} sensors; there are {len(runs.names)}"
-        )
+        message = f"{len(planes)} planes need at least {len(planes)} sensors; there are {len(runs.names)}"
+        raise InputError.of(str(path), message)
     order = np.argsort(runs.planes)
     weights = runs.weights[order]
     coefficients = engine.influence_coefficients(runs.initial, runs.trials[order], weights)

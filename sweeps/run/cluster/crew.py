@@ -15,6 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 from queue import Empty, Queue
 from typing import Any, NamedTuple, Self
 
+import numpy as np
 from distributed import Client, Future, KilledWorker
 from distributed.client import CancelledError
 from distributed.comm import connect
@@ -22,6 +23,7 @@ from distributed.core import send_recv
 from distributed.protocol.serialize import merge_and_deserialize
 
 from engine import counted
+from sweeps.run.blocks import joined
 from sweeps.run.carrying import Blocks
 from sweeps.run.cluster import on_workers
 from sweeps.run.cluster.cluster_errors import ClusterError, UnfinishedError
@@ -30,6 +32,8 @@ from sweeps.run.cluster.cluster_errors import ClusterError, UnfinishedError
 ATTEMPTS = 3
 # Jobs per worker: one running, one queued.
 UNDER_WAY = 2
+# Minimum candidates per job.
+WORTH_SENDING = 16
 # Interval between checks for workers [s].
 LOOK = 1.0
 # Refusals reported individually.
@@ -201,6 +205,31 @@ class Crew:
         if seconds is None:
             raise UnfinishedError(f"can't compute any variant ({self.failures[0]})")
         return seconds
+
+    def share_out(self, values: dict[str, np.ndarray], drop: np.ndarray) -> dict[str, np.ndarray]:
+        """Columns of candidates, as from `evaluate_variants`.
+
+        Parameters
+        ----------
+        values : dict of str to ndarray (count,)
+            Parameters (SI).
+        drop : ndarray (count,) of bool
+            Candidates to skip.
+
+        Raises
+        ------
+        UnfinishedError
+            Some candidates failed to compute.
+        """
+        self.assemble()
+        pieces = max(min(UNDER_WAY * len(self.members), drop.size // WORTH_SENDING), 1)
+        some = [slice(*ends) for ends in itertools.pairwise(i * drop.size // pieces for i in range(pieces + 1))]
+        jobs = (({name: column[s] for name, column in values.items()}, drop[s]) for s in some)
+        found = dict(self.results(on_workers.compute_candidates, enumerate(jobs)))
+        if self.failures:
+            why = self.failures[min(self.failures)]
+            raise UnfinishedError(f"candidates couldn't be computed ({why}): earlier generations are kept")
+        return joined([found[i] for i in range(pieces)])
 
     def results(self, function: Callable, jobs: Iterable[Job]) -> Iterator[tuple[int, Any]]:
         """Job numbers and results in any order; abandoned jobs go to `failures`.

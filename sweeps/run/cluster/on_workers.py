@@ -108,7 +108,7 @@ def _keep(content: bytes, count: int) -> None:
     _studies[digest] = content
     with _ONE_AT_A_TIME:
         study = blocks_of(digest).study
-        evaluate_variants(study, study.machine(), *study.values(0, 1))
+        evaluate_variants(study, *study.values(0, 1))
 
 
 def digest_of_content(content: bytes) -> str:
@@ -159,15 +159,13 @@ def compute_candidates(digest: str, values: dict[str, np.ndarray], drop: np.ndar
         Candidates to skip.
     """
     with _ONE_AT_A_TIME:
-        study = blocks_of(digest).study
-        return evaluate_variants(study, study.machine(), values, drop)
+        return evaluate_variants(blocks_of(digest).study, values, drop)
 
 
 def time_variant(digest: str) -> float:
     """Time per variant of a stored study on this worker [s]."""
     with _ONE_AT_A_TIME:
-        study = blocks_of(digest).study
-        return seconds_of_variant(study, study.machine())
+        return seconds_of_variant(blocks_of(digest).study)
 
 
 def make_noise(count: int) -> np.ndarray:

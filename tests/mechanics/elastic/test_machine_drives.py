@@ -566,7 +566,7 @@ def test_run_on_a_stiff_shaft__takes_about_as_long_as_forecast(tmp_path):
     assert seconds_of_runs(Machine(scene, ["reduced_inertia.mean"]), {}) == 0.0
     (tmp_path / "scene.toml").write_text(write_scene(scene), encoding="utf8")
     study = read_study(tmp_path / "scene.toml")
-    assert on_shafts_text(study, study.machine()).startswith("Runs on elastic shafts: about ")
+    assert on_shafts_text(study).startswith("Runs on elastic shafts: about ")
 
 
 def test_moment_of_a_rigid_shaft__is_that_of_its_own_steady_running():

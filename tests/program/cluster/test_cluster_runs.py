@@ -235,7 +235,7 @@ def test_wrong_addresses__are_told_in_a_sentence(press_folder, monkeypatch):
 def test_no_worker_fits__is_refused(client, tmp_path, monkeypatch):
     study = study_of(tmp_path, GOOD)
     other = {"numba": "0.1"}
-    found = runner.crew_of(client, study, layout_of(study, study.machine()), print)
+    found = runner.crew_of(client, study, layout_of(study), print)
     from sweeps.run.cluster import on_workers
 
     own = on_workers.own_greeting()

@@ -205,5 +205,5 @@ def test_a_generation__is_one_batch(tmp_path, monkeypatch):
 def test_a_large_generation__is_evaluated_in_pieces_to_the_same_end(tmp_path, monkeypatch):
     study = study_of(tmp_path, ONE.replace("= 12", "= 4"))
     whole = optimise_study(study, tmp_path / "whole.h5")
-    monkeypatch.setattr("sweeps.run.blocks.most_at_once", lambda study, machine: 4)
+    monkeypatch.setattr("sweeps.run.blocks.most_at_once", lambda study: 4)
     assert contents(optimise_study(study, tmp_path / "pieces.h5")) == contents(whole)

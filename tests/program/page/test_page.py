@@ -18,14 +18,12 @@ import pytest
 from commands import done, refused, said
 from PIL import Image
 from press_sweeps import ASKED, BEST, SCENE, run, text_of
-from scipy.stats import spearmanr
 from searches import TWO, searched
 
 from engine import Verdict
 from sweeps.optimising.optimum import front
 from sweeps.page import digest as digest_module
 from sweeps.page.digest import Digest
-from sweeps.page.page_tables import rank_correlation
 from sweeps.pictures.style import new_figure, save
 from sweeps.report import sweep_result
 from sweeps.report.sweep_result import SweepResult
@@ -462,9 +460,3 @@ def test_acting_characters_in_every_text_of_a_figure__are_spelled_out(tmp_path):
     text = (tmp_path / "all.svg").read_text("utf8")
     assert not ACTS.search(text)
     assert text.count("gnp.exe") >= 8
-
-
-@pytest.mark.parametrize("distinct", [3, 10**6])
-def test_rank_correlation__is_scipys(distinct):
-    one, other = np.random.default_rng(distinct).integers(0, distinct, (2, 50)).astype(float)
-    assert rank_correlation(one, other) == pytest.approx(spearmanr(one, other).statistic, abs=1e-15)

@@ -311,7 +311,7 @@ def check_flagged_blocks(path: Path) -> int:
         done = np.flatnonzero(file["progress/block_done"][:])
         expected = Store(path, layout(**KILLED))
         for i in done:
-            rows = expected.slice(i)
+            rows = expected.layout.slice(i)
             for name, values in results(expected, i).items():
                 assert file[name][rows].tobytes() == values.tobytes()
     return len(done)

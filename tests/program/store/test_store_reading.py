@@ -44,7 +44,7 @@ def test_times_in_seconds_under_xarray__stay_numbers(path: Path) -> None:
     shape = layout(columns=(Column("duration", "duration", "s"),), coordinates=())
     with Store.open(path, shape) as store:
         for i in store.pending:
-            rows = store.slice(i)
+            rows = store.layout.slice(i)
             store.write(i, {"duration": np.ones(rows.stop - rows.start)})
         store.finish()
     with open_dataset(path) as data:

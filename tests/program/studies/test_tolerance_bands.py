@@ -125,7 +125,7 @@ def test_blocks__don_t_change_a_bit(result, tmp_path, monkeypatch):
     study = study_of(tmp_path, ALL)
     monkeypatch.setattr(sensitivity, "TOGETHER", 1)
     machine = study.machine()
-    parts = [evaluate_block(study, machine, slice(i, i + 2), machine.new_buffer(2)) for i in range(0, 8, 2)]
+    parts = [evaluate_block(study, slice(i, i + 2), machine.new_buffer(2)) for i in range(0, 8, 2)]
     for column in result.file.described:
         found = np.concatenate([part[column.name] for part in parts])
         assert found.tobytes() == result.columns[column.name].tobytes(), column.name
@@ -150,7 +150,7 @@ def test_checked_study__names_what_is_asked_and_counts_it_in_its_blocks(tmp_path
     assert (study.sensitivity.evaluations, plain.sensitivity.evaluations) == (4 * 12, 0)
     parts = (VARY, VARY + DERIVATIVES, VARY + TOLERANCES, ALL)
     assert len({study_of(tmp_path, part).digest for part in parts}) == 4
-    assert largest_block(study, study.machine()) <= largest_block(plain, plain.machine())
+    assert largest_block(study) <= largest_block(plain)
     checked = done("check", str(tmp_path / "study.toml"))
     assert "ram.stroke_high.by.ratio" in checked
     assert "reduced_inertia.mean.tolerance_rss" in checked

@@ -20,7 +20,7 @@ THIRD = 80
 
 
 def crew_on(client: Client, study: Study, tell: Callable[[str], None] = print) -> Crew:
-    return Crew(client, Blocks(study, layout_of(study, study.machine())), tell)
+    return Crew(client, Blocks(study, layout_of(study)), tell)
 
 
 def forget() -> None:

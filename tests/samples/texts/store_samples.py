@@ -39,7 +39,7 @@ def layout(variants: int = 22, block: int = 4, positions: int = 5, **changes: ob
 
 def results(store: Store, i: int) -> dict[str, np.ndarray]:
     """Numbers that depend on the block alone, with NaN among them as in real sweeps."""
-    rows = store.slice(i)
+    rows = store.layout.slice(i)
     rng = np.random.default_rng(i)
     count = rows.stop - rows.start
     arrays = {name: rng.normal(size=count) for name in ("length", "speed", "peak_torque")}

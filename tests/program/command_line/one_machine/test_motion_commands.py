@@ -113,7 +113,7 @@ def test_check_of_a_study_of_motion__estimates_what_it_takes(folder):
     many = '"flywheel.inertia" = {from = "10 kg m2", to = "90 kg m2", count = 400}\n\n[outputs]'
     Path("study.toml").write_text(STUDY.replace("[outputs]", many))
     study = read_study("study.toml")
-    found = cost.probe(study, study.machine())
+    found = cost.probe(study)
     # Numbers of a block on their own: values and error estimates of two summaries.
     assert found.motion_bytes > study.design.size * 4 * 8
     assert 0 < found.seconds < 1
@@ -126,7 +126,7 @@ def test_check_of_a_study_of_motion__estimates_what_it_takes(folder):
 def test_variants_computed_together__are_fewer_where_motion_is_asked(folder, monkeypatch):
     monkeypatch.setattr(blocks, "MOST_AT_ONCE_IN_MOTION", 2)
     study = read_study("study.toml")
-    assert blocks.most_at_once(study, study.machine()) == 2
+    assert blocks.most_at_once(study) == 2
 
 
 # run

@@ -120,7 +120,7 @@ class Clock:
     def __init__(self, each: float) -> None:
         self.now, self.each, self.compiled = 0.0, each, False
 
-    def evaluate(self, study, machine, values, drop) -> None:
+    def evaluate(self, study, values, drop) -> None:
         kept = drop.size - int(drop.sum())
         self.now += self.each * kept + (COMPILING if kept and not self.compiled else 0.0)
         self.compiled = self.compiled or kept > 0
@@ -139,16 +139,15 @@ def clock(request, monkeypatch):
 def test_variant__takes_what_it_takes_once_compiled_where_the_first_is_dropped(clock, drop, tmp_path):
     text = DISTINCT.replace("positions = 48", f'positions = 48\nrequire = ["{drop}"]')
     study = study_of(tmp_path, text.replace("count = 200", "count = 20000"))
-    machine = study.machine()
-    found = cost.seconds_of_variant(study, machine)
+    found = cost.seconds_of_variant(study)
     assert clock.compiled
     # No more than each; less by as many as are dropped.
     assert 0 < found <= EACH
-    assert block_size(study, machine, lambda: found) >= 1 / EACH
+    assert block_size(study, lambda: found) >= 1 / EACH
 
 
 @pytest.mark.parametrize("clock", [2.0], indirect=True)
 def test_trial__takes_a_tenth_of_a_study_at_most_besides_the_first_look(clock, tmp_path):
     study = study_of(tmp_path, DISTINCT)
-    assert cost.seconds_of_variant(study, study.machine()) == pytest.approx(clock.each)
+    assert cost.seconds_of_variant(study) == pytest.approx(clock.each)
     assert clock.now - COMPILING <= clock.each * study.design.size * (1 / cost.WORTH_TWO + 0.1)

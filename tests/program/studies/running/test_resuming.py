@@ -47,10 +47,10 @@ def evaluated(monkeypatch, study_text: str, folder: Path, **options: object) -> 
     count, told = 0, []
     real = carrying.evaluate_variants
 
-    def counting(study, machine, values, drop, *rest):
+    def counting(study, values, drop, *rest):
         nonlocal count
         count += int((~drop).sum())
-        return real(study, machine, values, drop, *rest)
+        return real(study, values, drop, *rest)
 
     with monkeypatch.context() as patch:
         patch.setattr(carrying, "evaluate_variants", counting)

@@ -201,8 +201,7 @@ def test_results__do_not_depend_on_blocks(monkeypatch, tmp_path):
 @each("seconds", [1e-9, 1e-5, 0.3, 20.0])
 def test_block__is_a_second_of_work_within_memory(seconds, tmp_path):
     study = study_of(tmp_path, DISTINCT.replace("count = 200", "count = 1000000"))
-    machine = study.machine()
-    size = block_size(study, machine, lambda: seconds)
+    size = block_size(study, lambda: seconds)
     row = 8 * 48 * 2
     assert 1 <= size <= BYTES_PER_BLOCK / row
     assert size == 1 or size * seconds <= 1.0
