@@ -189,7 +189,6 @@ class Machine:
         }
         self.kept_at = {name: at for name, at in self.regimes.kept_at.items() if name in self.asked_fields}
         self.fields_with_error = tuple(name for name in self.asked_fields if name in self.regimes.fields)
-        self._spaced = [name for name in self.asked_fields if name not in self.kept_at]
 
     def __repr__(self) -> str:
         return asked_text(self)
@@ -294,6 +293,12 @@ class Machine:
     def _kept_curves(self) -> dict[str, Node | Angle]:
         """Kept fields that are computed position by position."""
         return {name: curve for name, curve in self._curves.items() if name not in self._followed}
+
+    @cached_property
+    def _spaced(self) -> list[str]:
+        """Fields kept at `nodes`, first those that are computed position by position: rows of the buffer."""
+        others = [name for name in self.asked_fields if name not in {*self.kept_at, *self._kept_curves}]
+        return [*self._kept_curves, *others]
 
     @cached_property
     def _kept(self) -> "machine.kept_fields.KeptFields":
@@ -541,19 +546,15 @@ class Machine:
 
     def _keep(self, room: np.ndarray, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles) -> np.ndarray:
         """Fill the kept fields; return which variants have finite values only."""
-        places = {name: row for row, name in enumerate(self._spaced)}
-        rows, finite = [places[name] for name in self._kept_curves], np.ones(keep.size, bool)
-        if rows:
-            own = room if len(rows) == len(room) else np.empty((len(rows), *room.shape[1:]), self.dtype)
+        finite = np.ones(keep.size, bool)
+        if self._kept_curves:
             ends = self._measuring.ends if self._ranges_vary else machine.kept_fields.NONE
-            finite = self._kept.fill(table, self._positions_kept, own, keep, ends)
-            if own is not room:
-                room[rows] = own
+            finite = self._kept.fill(table, self._positions_kept, room[: len(self._kept_curves)], keep, ends)
         for name, curve in self._followed.items():
             # A value may become infinite in single precision.
             with np.errstate(over="ignore"):
                 values = answers.spaced(curve).astype(self.dtype, copy=False)
-            room[places[name]][keep] = values
+            room[self._spaced.index(name)][keep] = values
             finite &= np.isfinite(values).all(axis=1)
         return finite
 

@@ -46,27 +46,6 @@ def body_of(body: object) -> tuple[float, float, float, float]:
     return mass, middle if body.x is None else body.x, body.y, mass * _shape_inertia(body.shape)
 
 
-def reduced_inertia(motion: Motion) -> np.ndarray:
-    """Twice the kinetic energy at unit input speed, Σ m v² + J ω²."""
-    total = 0 * motion.q
-    for body in motion.scene.bodies.values():
-        mass, x, y, inertia = body_of(body)
-        link = motion.links[body.link]
-        px, py = link.point(x, y)
-        total = total + mass * (px.d**2 + py.d**2) + inertia * link.theta.d**2
-    for name, shaft in motion.scene.shafts.items():
-        total = total + shaft.inertia * motion.links[name].theta.d ** 2
-    return total
-
-
-def reduced_inertia_phi(scene: Scene, q: np.ndarray) -> np.ndarray:
-    """dI/dq by the central difference of tenth order: truncation h¹⁰·I⁽¹¹⁾/2772, rounding some eps·I/h."""
-    h, weights = REAL(1) / 256, np.array([2100, -600, 150, -25, 2], REAL) / 2520
-    q = np.asarray(q, REAL)
-    ends = [(reduced_inertia(Motion(scene, q + k * h)), reduced_inertia(Motion(scene, q - k * h))) for k in range(1, 6)]
-    return sum(w * (up - down) for w, (up, down) in zip(weights, ends, strict=True)) / h
-
-
 def _characteristic(action: object, motion: Motion, speed: float, v: np.ndarray) -> np.ndarray:
     """Value of a force or moment along its direction at the real velocity v there."""
     against = -np.sign(v)

@@ -7,18 +7,14 @@ import pytest
 from each_case import refusals
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from machines import crank, four_bar, frame, on, rrp, rrr
+from machines import crank, four_bar, frame, rrp, rrr
+from machines import slider_crank as crank_and_ram
 from oracle import EPS
 
 from engine import Machine, MovingMachine, Scene, Verdict
 from engine.machine.balancing import least_shaking
 from engine.machine.balancing.counterweights import BalanceError, CounterweightPlace, balance
 from engine.machine.balancing.least_shaking import GAP, DependentError, Unknown, least_peak, least_rms
-from sweeps.optimising.optimum import front, objectives
-from sweeps.optimising.search_runner import optimise_study
-from sweeps.report.sweep_result import SweepResult
-from sweeps.study.bundled import bundled_studies
-from sweeps.study.study_reader import read_study
 
 SPEED = 5.0
 SHAKING = ("shaking_force_x", "shaking_force_y", "shaking_moment")
@@ -73,7 +69,7 @@ def left(z: np.ndarray, a: np.ndarray, b: np.ndarray, peak: bool) -> np.ndarray:
 
 
 @pytest.mark.parametrize("peak", [False, True])
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=12)
 @given(seed=st.integers(0, 10**6))
 def test_optimum__surpasses_brute_force_and_brute_force_its_bound(peak, seed):
     a, b, unknowns = problem(seed)
@@ -91,7 +87,7 @@ def test_optimum__surpasses_brute_force_and_brute_force_its_bound(peak, seed):
         assert tried.min() >= found.value - (GAP if peak else 1e-14) * before
 
 
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=12)
 @given(seed=st.integers(0, 10**6), steps=st.integers(0, 8))
 def test_bound_of_a_search_that_is_cut_short__holds_nevertheless(seed, steps):
     a, b, unknowns = problem(seed)
@@ -142,7 +138,7 @@ def four_bars(draw):
     }
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=8)
 @given(four_bars())
 def test_full_balance_of_a_four_bar__is_that_of_berkof_and_lowen(data):
     scene = Scene.model_validate(data)
@@ -169,16 +165,9 @@ def test_full_balance_of_a_four_bar__is_that_of_berkof_and_lowen(data):
 
 def slider_crank(**parts) -> Scene:
     """Crank, rod and piston, moments taken about Q."""
-    return Scene.model_validate(
-        {
-            "points": {"O": frame(0.0, 0.0), "Q": frame(0.2, 0.3)},
-            "guides": {"way": {}},
-            "input": crank(),
-            "groups": {"g": rrp("B", ("rod", "A", 1.2), "piston", "way")},
-            "bodies": {"piston_body": {"link": "piston", "mass": 2.0}},
-            **parts,
-        }
-    )
+    points, bodies = {"O": frame(0.0, 0.0), "Q": frame(0.2, 0.3)}, {"piston_body": {"link": "piston", "mass": 2.0}}
+    parts = {"points": points, "bodies": bodies} | parts
+    return Scene.model_validate(crank_and_ram(0.3, 1.2, slider="piston", **parts))
 
 
 def test_full_balance_of_a_slider_crank__takes_a_place_beyond_the_crank_pin():
@@ -291,47 +280,3 @@ def test_machine_that_does_not_turn__has_no_balance():
         balance(slider_crank(input=crank(start=0.0, stop=1.0)), ["crank"])
     with pytest.raises(BalanceError, match="can't be assembled"):
         balance(slider_crank(groups={"g": rrp("B", ("rod", "A", 0.2), "piston", "way")}), ["crank"])
-
-
-def test_linkage_of_two_loops__is_balanced_by_masses_in_three_places():
-    scene = Scene.model_validate(
-        {
-            "points": {"O": frame(0.0, 0.0), "D": frame(1.05, -0.1), "E": on("rocker", 0.5, 0.2)},
-            "guides": {"way": {"x": 0.5, "y": 1.0}},
-            "input": crank(),
-            "groups": {
-                "bars": rrr("B", ("coupler", "A", 1.0), ("rocker", "D", 0.8)),
-                "g": rrp("S", ("rod", "E", 1.4), "ram", "way"),
-            },
-            "bodies": {"c": {"link": "coupler", "mass": 1.0, "x": 0.5}, "r": {"link": "ram", "mass": 0.6}},
-        }
-    )
-    found = balance(scene, ["crank", "rocker"], [CounterweightPlace("rod", -0.7)])
-    # The rod's centre comes to rest in its hinge on the rocker: 0.6 kg at 1.4 m against 1.2 kg at 0.7 m.
-    assert found.counterweights[2].mass == pytest.approx(1.2, rel=1e-11)
-    on_rocker = found.counterweights[1]
-    closed = -(1.0 * 0.5 * 0.8 + 1.8 * complex(0.5, 0.2))
-    assert on_rocker.mass * complex(on_rocker.x, on_rocker.y) == pytest.approx(closed, rel=1e-11)
-
-
-# The bundled study
-
-
-def test_front_of_a_four_bar__begins_at_full_balance_and_no_grid_surpasses_it(tmp_path):
-    pytest.importorskip("pymoo")
-    study = read_study(bundled_studies()["four_bar_counterweights"])
-    result = SweepResult(optimise_study(study, tmp_path / "front.h5"))
-    on_front = front(result)
-    names = [name for name, _ in objectives(result)]
-    force, load = (result.columns[name][on_front] for name in names)
-    order = np.argsort(force)
-    assert force[order[0]] <= 1e-12 * force.max()
-    assert (np.diff(load[order]) <= 0).all()
-    masses = np.meshgrid(np.linspace(0, 1, 41), np.linspace(0, 1.6, 41))
-    machine = Machine(study.scene, study.summaries, varied=study.paths)
-    tried = machine.evaluate(dict(zip(study.paths, (m.ravel() for m in masses), strict=True))).summaries
-    # By how much a machine of the grid is better than the nearest of the front, as shares of the front's two ranges:
-    # no more than half of the gap between neighbours on it.
-    pairs = zip((force, load), names, strict=True)
-    ahead = np.maximum(*((column[:, None] - tried[name]) / np.ptp(column) for column, name in pairs)).min(axis=0)
-    assert ahead.max() <= 0.01

@@ -17,7 +17,7 @@ from engine.elements.rotors.influence import (
 
 EPS = np.finfo(float).eps
 
-few = settings(deadline=None, max_examples=40)
+few = settings(deadline=None, max_examples=25)
 seeds = st.integers(0, 2**32 - 1)
 
 
@@ -105,13 +105,6 @@ def test_confidence__is_what_noisy_runs_leave(planes, readings, size):
     joint = np.einsum("vi,ij,vj->v", np.conj(residuals), np.linalg.inv(known.covariance), residuals).real
     # Half a chi-squared variable with two degrees of freedom for each plane.
     assert (joint <= gammaincinv(planes, 0.9)).mean() == pytest.approx(0.9, abs=0.0075)
-
-
-def test_confidence__of_one_plane_by_hand():
-    # A = 2, trial weight equal to the correction: E|R|² = 2 sigma²/4, exceeded with exp(-r²/E|R|²).
-    known = residual_confidence([[2.0]], [1.0], [1.0], 0.1, 0.5)
-    assert known.covariance == pytest.approx(np.array([[0.005]]), rel=8 * EPS)
-    assert known.radii == pytest.approx([math.sqrt(0.005 * math.log(2))], rel=8 * EPS)
 
 
 # Four runs without phases

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from engine import Verdict
 
 EPS = np.finfo(float).eps
-few = settings(deadline=None, max_examples=40)
+few = settings(deadline=None, max_examples=25)
 # Khurmi & Gupta, Theory of Machines, chapter 22: the inside cylinder locomotive with cylinders 0.7 m and wheels 1.5 m
 # apart, cranks at a right angle, two thirds of the reciprocating masses balanced, 300 rpm.
 INSIDE = {
@@ -103,15 +103,3 @@ def test_wheel__lifts_off_at_its_speed():
     load, blow = one(element, "least_wheel_load", "left_hammer_blow", speed=speed)
     assert blow == pytest.approx(30e3, rel=1e-13)
     assert load == pytest.approx(0.0, abs=1e-8)
-
-
-def test_three_cylinders__leave_no_force_along_the_track():
-    # Rounding of 2π/3: some 1e-16 of 50 kN.
-    (force,) = one(INSIDE, "tractive_variation", cylinders=3)
-    assert force == pytest.approx(0.0, abs=1e-9)
-
-
-def test_cylinders_in_the_planes_of_the_wheels__need_weights_opposite():
-    element = INSIDE | {"cylinder_spacing": 1.5}
-    found = one(element, "left_balance_mass", "left_balance_angle", "right_balance_angle")
-    assert np.abs(found) == pytest.approx([135.0, math.pi, math.pi / 2], rel=1e-13)

@@ -68,7 +68,7 @@ def added_masses(found, planes):
 sizes, places = st.floats(-6, 3).map(lambda e: 10.0**e), st.floats(-3, 3)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=25)
 @given(
     st.lists(st.tuples(sizes, sizes, st.floats(-10, 10), places), min_size=1, max_size=8),
     st.lists(places, min_size=1, max_size=4),
@@ -135,7 +135,7 @@ def test_rotor__quality_is_the_grade_whose_tolerances_just_hold_it():
     assert found["permissible_unbalance"][0] == pytest.approx(0.0042, rel=4 * EPS)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=20)
 @given(st.floats(0, 0.2), st.floats(0, 0.3), st.lists(st.floats(-1, 1), min_size=4, max_size=4))
 def test_rotor__errors_of_mass_and_angle_leave_at_most_the_quality_at_worst(mass_error, angle_error, parts):
     planes = planes_with(mass_error=mass_error, angle_error=angle_error)
@@ -173,22 +173,6 @@ def test_rotor__error_allowance_is_the_error_at_which_the_grade_is_just_held():
     found, outcome = results(planes={"left": {"position": 0.0, "radius": 0.3}})
     assert outcome.status == Verdict.OK
     assert np.isnan(found["error_allowance"])
-
-
-def test_rotor__many_variants_are_those_one_by_one_with_honest_error_figures():
-    speeds, holes = np.array([100.0, 150.0, 200.0, 150.0]), np.array([8.0, 12.0, 8.0, 12.5])
-    paths = {"elements.fan.speed": speeds, "elements.fan.planes.left.holes": holes}
-    together, outcome = results(paths, planes=planes_with(holes=8, piece=0.03))
-    assert outcome.status.tolist() == [Verdict.OK, Verdict.OK, Verdict.OK, Verdict.NOT_FINITE]
-    for k in range(3):
-        planes = planes_with(holes=8, piece=0.03)
-        planes["left"]["holes"] = holes[k]
-        alone, one = results(speed=speeds[k], planes=planes)
-        assert {n: v[k] for n, v in together.items()} == {n: v[0] for n, v in alone.items()}
-        for name, figure in one.errors.items():
-            # Results of some dozen roundings; an exact one has none.
-            value = max(abs(one.summaries[name][0]), 1e-3)
-            assert 0 <= figure[0] < 1e-11 * value
 
 
 def test_rotor__error_figures_cover_the_rounding_of_what_should_be_nothing():
@@ -232,13 +216,6 @@ def test_rotor__heavy_side_rests_where_rolling_friction_holds_it():
     assert found["unbalance"][0] * math.sin(angle) == pytest.approx(100 * 1e-5, rel=1e-14)
     assert 0 < error < 1e-13
     assert results(rolling_arm=1.0)[0]["knife_edge_angle"][0] == math.pi
-
-
-def test_rotor__beyond_g4000_has_no_grade_and_is_computed_all_the_same():
-    found, outcome = results(speed=1e5)
-    assert outcome.status[0] == Verdict.OK
-    assert math.isnan(found["grade_before"][0])
-    assert found["quality_before"][0] > 4.0
 
 
 def test_rotor__moves_planes_into_one_place_is_not_finite():

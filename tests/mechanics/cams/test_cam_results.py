@@ -5,7 +5,7 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from cam_samples import ARM, CAMS, FACE, FACE_WITH, FLAT, KNIFE, ROLLER, cam_answers, cam_of, cam_scene
+from cam_samples import ARM, CAMS, FACE, FLAT, KNIFE, ROLLER, cam_answers, cam_of, cam_scene
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -71,7 +71,7 @@ def cams(draw):
     }
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(cams())
 def test_extremes__are_those_of_dense_samples(cam):
     """Samples lie below the extremes, by no more than a few parts in 1e4."""
@@ -99,21 +99,6 @@ def test_extremes__are_those_of_dense_samples(cam):
         assert abs(values["mean_moment"]) <= errors["mean_moment"]
 
 
-@pytest.mark.parametrize("name", [n for n in CAMS if n != "knife edge"])
-def test_moment__is_that_of_the_contact_force(name):
-    """Without friction the force acts along the normal: its moment about the cam's axis is the one that drives."""
-    curves = cam_curves(cam_of(CAMS[name]))
-    if cam_of(CAMS[name]).follower.contact == "flat":
-        step = curves.contact * 0 + 1j
-        if name.startswith("face"):
-            arm = curves.contact - cam_of(CAMS[name]).follower.pivot_distance
-            step = -1j * arm / np.abs(arm)
-    else:
-        step = (curves.follower - curves.contact) / np.abs(curves.follower - curves.contact)
-    moment = curves.force * (curves.contact.conj() * step).imag * curves.sense
-    np.testing.assert_allclose(moment, curves.moment, rtol=0, atol=1e-12 * np.abs(curves.moment).max())
-
-
 @pytest.mark.parametrize("cam", [ROLLER, FLAT, ARM, FACE], ids=["roller", "flat", "arm", "face"])
 def test_needed_preload_and_lift_off_speed__are_where_the_force_vanishes(cam):
     fast = {"speed": "3000 rpm"}
@@ -133,7 +118,7 @@ def test_needed_preload_and_lift_off_speed__are_where_the_force_vanishes(cam):
     within(exactly["lift_off_speed"], off["lift_off_speed"], 3000 * math.pi / 30, 1e-9)
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(cams(), st.floats(0.2, 1.0), st.floats(0.0, 0.5))
 def test_least_base_circle__just_keeps_its_limits(cam, angle, share):
     radius = share * cam["base_radius"]
@@ -182,34 +167,7 @@ def swinging_cams(draw):
     }
 
 
-@pytest.mark.parametrize("cam", [ROLLER, FLAT, ARM, FACE_WITH], ids=["roller", "flat", "arm", "face with"])
-def test_least_base_circle__does_not_depend_on_where_the_displacement_is_zero(cam):
-    """Rows lowered by the same amount lower the follower at zero displacement on the same cam."""
-    angles, rows, key = [0, 60, 130, 180, 240, 300], np.array([0.0, 0.4, 1.0, 0.9, 0.3, 0.0]), "swing"
-    sliding = cam["follower"]["type"] == "translating"
-    if sliding:
-        key = "lift"
-    rows = rows * (0.01 if sliding else math.radians(8))
-    dip = 0.2 * rows.max()
-
-    def least(rows):
-        table = {"over_angle": [f"{angle} deg" for angle in angles], key: rows.tolist()}
-        limits = {"convex_radius": "4 mm"}
-        changes = {"sections": {}, "table": table, "limits": limits, "follower__offset": None}
-        return cam_answers(cam, "least_base_radius", **changes)[0]["least_base_radius"]
-
-    follower = cam_of(cam).follower
-    d, arm, roller = (getattr(follower, name, None) or 0.0 for name in ("pivot_distance", "arm", "roller_radius"))
-
-    def height(base):
-        if sliding:
-            return base + roller
-        return math.acos((d * d + arm * arm - (base + roller) ** 2) / (2 * d * arm)) if arm else math.asin(base / d)
-
-    assert height(least(rows - dip)) - dip == pytest.approx(height(least(rows)), rel=1e-9)
-
-
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(swinging_cams())
 def test_least_base_circle_under_an_arm__is_the_least_that_keeps_its_limits(cam):
     """There the cam's own results keep the limits; from nothing up to it, samples of six cams don't."""
@@ -241,19 +199,6 @@ def test_least_base_circle_under_an_arm__is_the_least_that_keeps_its_limits(cam)
             fine = fine and np.abs(curves.pressure_angle).max() <= limits["pressure_angle"]
         # Samples may miss an extreme; the cam's results don't.
         assert not (fine and kept(base)), f"{base} keeps the limits, {least} was told"
-
-
-def test_place_on_a_gentle_begin_of_a_rise__is_told_no_better_than_its_height_tells_it():
-    # With an offset greater than s′ ever is, |α| falls from the begin of the rise on, by less than a rounding at first.
-    values, errors, _ = cam_answers(
-        ROLLER,
-        "rise_pressure_angle_at",
-        follower__offset="12 mm",
-        sections__out__law="4-5-6-7",
-        sections__out__angle="150 deg",
-        sections__out__lift="12 mm",
-    )
-    within(values["rise_pressure_angle_at"], errors["rise_pressure_angle_at"], 0.0)
 
 
 def test_uniform_motion__has_corners():
@@ -423,13 +368,6 @@ def test_arm_all_but_in_line__has_estimates():
         true = mpmath.atan2(a - d * cosine, d * mpmath.sqrt(1 - cosine * cosine))
         within(values["rise_pressure_angle"], errors["rise_pressure_angle"], abs(float(true)))
     assert max(errors.values()) < 1e-3
-
-
-def test_needed_preload__does_not_depend_on_that_given():
-    mass = 0.5
-    values, errors, _ = cam_answers(ROLLER, follower__stiffness=0, follower__mass=mass, follower__preload=1e9)
-    true, slack = mass * values["greatest_deceleration"], mass * errors["greatest_deceleration"]
-    within(values["needed_preload"], errors["needed_preload"], true, slack)
 
 
 @pytest.mark.parametrize("growth", [1e-7, 3e-7, 1e-6])

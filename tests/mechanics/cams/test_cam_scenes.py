@@ -1,4 +1,4 @@
-"""Cams in scenes: what is refused and how, copies of their texts, the bundled study, pictures and exports."""
+"""Cams in scenes: what is refused and how, copies of their texts, pictures and exports."""
 
 import csv
 import math
@@ -10,13 +10,10 @@ import pytest
 from cam_samples import ARM, CAMS, FLAT, KNIFE, ROLLER, cam_of, cam_scene
 from commands import refused, said
 from each_case import refusals
-from study_samples import coarser
 
 from engine import Scene, cam_curves
-from sweeps import run_study
 from sweeps.pictures.elements.element_pictures import element_sheet
 from sweeps.pictures.picture_error import PictureError
-from sweeps.report.sweep_result import SweepResult
 from sweeps.text.scene_text import read_scene, write_scene
 
 test_cam_that_cannot_be__is_refused_with_a_mend = refusals(
@@ -57,48 +54,6 @@ def test_scene_text_of_a_cam__reads_as_the_same_scene(name, tmp_path):
     again = read_scene(path)
     assert again.elements["cam"].base_radius == 0.05
     assert again.elements["cam"].sections == scene.elements["cam"].sections
-
-
-def test_table_of_a_cam__keeps_its_units(tmp_path):
-    table = {"over_angle": ["0 deg", "120 deg", "240 deg"], "lift": ["0 mm", "10 mm", "3 mm"]}
-    scene = cam_scene(FLAT, sections=None, table=table)
-    path = tmp_path / "scene.toml"
-    path.write_text(write_scene(scene), encoding="utf8")
-    assert read_scene(path).elements["cam"].table == scene.elements["cam"].table
-
-
-@pytest.fixture(scope="module")
-def result(tmp_path_factory):
-    """Result of the bundled study of a valve train, with fewer springs."""
-    folder = tmp_path_factory.mktemp("valve")
-    study = coarser("valve_train", {"count = 41": "count = 9", "count = 31": "count = 7"}, folder)
-    return SweepResult(run_study(study, folder / "coarse.h5"))
-
-
-def test_valve_train_study__lifts_off_where_the_spring_is_spent(result):
-    """At lift-off the spring's force is the mass times the deceleration: the least over the table's own cubics."""
-    cam = result.scene.elements["valve"]
-    curves = cam_curves(cam, 20_000)
-    c = result.columns
-    for variant in (0, 61, 188):
-        preload, stiffness, mass = (
-            c[f"elements.valve.follower.{key}"][variant] for key in ("preload", "stiffness", "mass")
-        )
-        falling = curves.second < 0
-        squares = (preload + stiffness * curves.displacement[falling]) / (-mass * curves.second[falling])
-        assert c["valve.lift_off_speed"][variant] == pytest.approx(math.sqrt(squares.min()), rel=1e-6)
-
-
-def test_valve_train_study__answers_its_question(result):
-    """Preload and stiffness that reach the speed: the least pressure is that of the least force on the nose."""
-    best = result.best()
-    c = result.columns
-    heavy = c["elements.valve.follower.mass"] > 0.12
-    fast = c["valve.lift_off_speed"] > 4000 * math.pi / 30
-    assert c["valve.contact_pressure"][best] == c["valve.contact_pressure"][heavy & fast].min()
-    nose = c["elements.valve.follower.preload"] + 0.009 * c["elements.valve.follower.stiffness"]
-    # At idle inertia takes 5 N off it at most.
-    assert nose[best] <= nose[heavy & fast].min() + 5.0
 
 
 def test_cam_that_cannot_be_placed__is_not_drawn():

@@ -14,14 +14,7 @@ from train_samples import BRANCHED, chain, free, frequencies_of, matrices, solve
 
 from engine import Verdict
 
-some = settings(deadline=None, max_examples=25)
-
-
-def test_uniform_chain_of_200__has_twice_the_sine():
-    values, errors = frequencies_of(chain(np.full(200, 2.0), np.full(199, 8e4)))
-    exact = [2 * math.sqrt(8e4 / 2.0) * math.sin(math.pi * k / 400) for k in range(1, 51)]
-    assert (np.abs(values - exact) <= errors + 1e-14 * np.array(exact)).all()
-    assert (errors < 3e-13 * values).all()
+some = settings(deadline=None, max_examples=15)
 
 
 def exact_chain(inertias, stiffnesses):
@@ -111,12 +104,6 @@ def test_gear_ratio__may_stand_with_a_shaft_that_has_teeth_among_its_parts():
     k = 1 / (1 / 2e4 + 1 / (14e9 * 0.03 * 0.05**2) + 1 / (5e5 * 0.25**2))
     load = 9.0 * 0.25**2
     assert values == pytest.approx([math.sqrt(k * (0.2 + load) / (0.2 * load))], rel=1e-13)
-
-
-def test_shaft_without_give__makes_two_masses_one():
-    stiff = frequencies_of(chain([1.0, 0.6, 2.0], [1e16, 1e4]))[0][0]
-    one = frequencies_of(chain([1.6, 2.0], [1e4]))[0][0]
-    assert stiff == pytest.approx(one, rel=1e-11)
 
 
 def test_thin_walled_shaft__has_a_figure_for_what_its_wall_loses():

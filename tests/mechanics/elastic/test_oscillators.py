@@ -1,7 +1,6 @@
 """One mass on a spring: against mpmath's solution of its equation, integration, energy, and textbook values."""
 
 import math
-from fractions import Fraction
 
 import mpmath
 import numpy as np
@@ -15,7 +14,7 @@ from scipy.integrate import solve_ivp
 from engine import Verdict
 
 OSCILLATOR = {"type": "oscillator", "mass": 2.0, "stiffness": 800.0}
-some = settings(deadline=None, max_examples=40)
+some = settings(deadline=None, max_examples=20)
 ratios = st.one_of(st.floats(0.0, 3.0), st.sampled_from([0.0, 1.0, 1 - 1e-9, 1 + 1e-9, 1 - 1e-14, 1 + 1e-6, 50.0]))
 starts = st.floats(-2.0, 2.0).filter(lambda x: x == 0 or abs(x) > 1e-6)
 
@@ -32,34 +31,6 @@ def free_exact(ratio, q, v, t, w=20.0):
         first = (v - b * q) / (a - b)
         terms = first * mpmath.exp(a * t), (q - first) * mpmath.exp(b * t)
         return float(mpmath.re(sum(terms))), float(mpmath.re(a * terms[0] + b * terms[1]))
-
-
-EXCITATIONS = {
-    "force": {"amplitude": 5.0},
-    "unbalance": {"mass": 0.02, "radius": 0.08},
-    "support_motion": {"amplitude": 0.002},
-}
-
-
-@pytest.mark.parametrize("kind", EXCITATIONS)
-def test_vibration_near_resonance__is_that_of_fractions_within_its_figure(kind):
-    stiffness, distance = 801.3, 10.0 ** -np.linspace(1, 15, 57)
-    speeds = math.sqrt(stiffness / 2.0) * (1 + np.concatenate([distance, -distance]))
-    excitation = {"type": kind, "speed": 1.0} | EXCITATIONS[kind]
-    data = OSCILLATOR | {"stiffness": stiffness, "damping": 0.0, "excitation": excitation}
-    (values,), outcome = asked({"it": data}, "it.amplitude", it__excitation__speed=speeds)
-    assert (outcome.status == Verdict.OK).all()
-    for speed, value, error in zip(speeds, values, outcome.errors["it.amplitude"], strict=True):
-        squared = Fraction(speed) ** 2
-        force = {
-            "force": Fraction(5),
-            "unbalance": Fraction(0.02) * Fraction(0.08) * squared,
-            "support_motion": Fraction(0.002) * Fraction(stiffness),
-        }[kind]
-        exact = force / abs(Fraction(stiffness) - 2 * squared)
-        assert abs(Fraction(value) - exact) <= Fraction(error)
-        # A few roundings of the frequency ratio, over its distance from 1.
-        assert error <= 100 * 2.0**-53 * value / abs(speed**2 * 2.0 / stiffness - 1)
 
 
 @some
@@ -213,22 +184,6 @@ def test_run_through_resonance__is_that_of_the_integrated_equation(ratio, start,
     # The instants of the integration miss the top by less than 1e-6 of it.
     assert amplitude == pytest.approx(0.1 * 0.02 / 2 * integrated_peak(ratio, start, acceleration), rel=2e-6)
     assert 0 < error < 1e-9 * amplitude
-
-
-def test_run_through__scales_with_its_unit_of_time_within_its_error_estimates():
-    generator, n = np.random.default_rng(8), 300
-    frequency, faster = generator.uniform(5.0, 50.0, n), generator.uniform(1.1, 3.0, n)
-    start, acceleration = generator.uniform(0.0, 0.9, n) * frequency, 10 ** generator.uniform(-2, 1, n) * frequency
-    ratio, names = generator.uniform(0.001, 0.4, n), ("run_through_time", "run_through_speed", "run_through_amplitude")
-
-    def found(scale):
-        varied = {"it__damping_ratio": ratio, "it__stiffness": ROTOR["mass"] * (scale * frequency) ** 2}
-        varied |= {"it__run_through__start": scale * start, "it__run_through__acceleration": scale**2 * acceleration}
-        values, outcome = asked({"it": ROTOR | {"damping_ratio": 0.1}}, *(f"it.{name}" for name in names), **varied)
-        return zip(values, (outcome.errors[f"it.{name}"] for name in names), strict=True)
-
-    for own, other, scale in zip(found(1.0), found(faster), (1.0 / faster, faster, 1.0), strict=True):
-        assert (np.abs(own[0] * scale - other[0]) <= own[1] * scale + other[1]).all()
 
 
 def test_run_that_moves_away_from_the_resonance__has_no_amplitude():

@@ -39,7 +39,7 @@ def peak_of_start(first, second, k, gap, motor, load):
 sizes = st.floats(-1, 1).map(lambda x: 10**x)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=25)
 @given(sizes, sizes, st.floats(2, 6), st.floats(0, 0.1), st.floats(1, 300), st.floats(0, 1))
 @example(10.0, 1.0, 2.0, 5e-324, 1.0, 0.0)
 @example(10.0, 1.0, 2.0, 1e-300, 1.0, 0.0)
@@ -56,19 +56,6 @@ def test_first_peak_of_a_start__is_the_closed_form(first, second, k, gap, motor,
     assert abs(value - exact) <= error + 4e-15 * exact
     # The walks compared take ten steps to the peak, each within their tolerance.
     assert error <= 10 * COARSER * TOLERANCE * exact
-
-
-def test_step_on_a_free_pair__doubles_the_moment_of_the_rigid_shaft():
-    drive = DRIVE | {"backlash": 0.0, "load_moment": 0.0}
-    assert one(drive, "rigid_moment", "greatest_moment", "dynamic_factor") == pytest.approx(
-        [100 * 3 / 3.5, 2 * 100 * 3 / 3.5, 2.0], rel=1e-13
-    )
-
-
-def test_sudden_load__doubles_the_change_of_the_moment():
-    drive = DRIVE | {"begin": "running", "speed": 100.0, "load_before": 20.0, "load_moment": 90.0}
-    before, after = ((100 * 3 + load * 0.5) / 3.5 for load in (20.0, 90.0))
-    assert one(drive, "greatest_moment") == pytest.approx([2 * after - before], rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -97,14 +84,6 @@ def test_history__keeps_momentum_and_ends_as_the_results_do(change):
     assert [history.motor_speed[-1], history.load_speed[-1]] == pytest.approx(speeds, abs=1e-9)
     # Instants miss the peak of a damper that is hit with full speed.
     assert np.abs(history.moment).max() == pytest.approx(greatest, rel=5e-3)
-
-
-def test_load_that_holds_the_motor__never_starts():
-    drive = DRIVE | {"load_moment": 900.0, "damping_ratio": 0.1, "time": 3.0}
-    (starts, _), of_load, (motor_speed, _) = figures(drive, "load_starts_at", "load_speed", "motor_speed")
-    assert np.isnan(starts)
-    assert of_load == (0.0, pytest.approx(0.0, abs=1e-11))
-    assert abs(motor_speed) < 1e-6
 
 
 def test_parts_of_the_shaft__count_as_their_series():

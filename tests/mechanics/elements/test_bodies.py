@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from engine import Verdict
 
-some = settings(deadline=None, max_examples=40)
+some = settings(deadline=None, max_examples=20)
 angles = st.floats(-3.0, 3.0)
 FIXED = [f"fixed_inertia_{axis}" for axis in "xyz"] + [f"fixed_product_{pair}" for pair in ("xy", "yz", "zx")]
 PRINCIPAL = ["greatest_inertia", "middle_inertia", "least_inertia"]
@@ -172,13 +172,6 @@ def test_short_way_on_the_lever__keeps_its_digits(way, velocity, friction):
             assert abs(value - there) <= error
 
 
-def test_lever_without_friction__is_the_hyperbolic_cosine():
-    time, turned, rate = one(LEVER, "time", "turned_angle", "relative_speed")
-    assert time == pytest.approx(math.acosh(5.0) / 20.0, rel=1e-14)
-    assert turned == pytest.approx(math.acosh(5.0), rel=1e-14)
-    assert rate == pytest.approx(20.0 * 0.1 * math.sqrt(24.0), rel=1e-13)
-
-
 # A wound flywheel
 
 
@@ -305,9 +298,3 @@ def test_tie__bursts_at_the_speeds_at_which_its_force_is_its_strength():
     impulse, spin_up = of("bursts_by_impulse", "bursts_by_spin_up", it__speed=0.5 * (by_impulse + by_spin_up))
     assert impulse.all()
     assert not spin_up.any()
-
-
-def test_stiff_tie__is_pulled_twice_as_much_by_an_impulse():
-    factor, force, spun = one(TIED | {"stiffness": 1e12}, "dynamic_factor", "impulse_force", "spin_up_force")
-    # x is 1e-9: the next term of κ x (1 + x)² = 2 + x.
-    assert (factor, force, spun) == pytest.approx((2.0, 2 * 0.5 * 30.0**2 / 0.8, 0.5 * 30.0**2 / 0.8), rel=1e-8)

@@ -30,7 +30,7 @@ def test_named_thread__is_that_of_its_angle(thread, angle):
     assert_allclose(one(bare, "friction_angle", thread=thread), [float(reduced)], rtol=6 * EPS)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=25)
 @given(st.floats(0.001, 0.1), st.floats(0.0, 0.3), st.floats(0.0, 1.2), st.floats(0.0, 0.02))
 def test_screw__takes_in_what_it_gives_and_loses(pitch, friction, angle, collar):
     changes = {"pitch": pitch, "friction": friction, "thread": None, "thread_angle": angle, "collar_friction": collar}
@@ -191,14 +191,6 @@ def test_variants__outside_limits_or_dropped_get_no_numbers():
     assert_array_equal(np.isfinite(outcome.summaries["jack.raise_moment"]), outcome.status == Verdict.OK)
     nothing = ready.evaluate({"elements.jack.pitch": np.array([-1.0])})
     assert nothing.status[0] == Verdict.OUTSIDE_LIMITS
-
-
-def test_variants__are_what_each_is_by_itself():
-    rng = np.random.default_rng(3)
-    pitch, friction = rng.uniform(0.001, 0.01, 1000), rng.uniform(0.0, 0.3, 1000)
-    (up,), _ = asked({"jack": JACK, "key": WEDGE}, "jack.raise_moment", jack__pitch=pitch, jack__friction=friction)
-    for i in (0, 17, 999):
-        assert up[i] == one(JACK, "raise_moment", pitch=pitch[i], friction=friction[i])[0]
 
 
 def test_error_figure__grows_where_digits_cancel():

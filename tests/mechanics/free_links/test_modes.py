@@ -2,17 +2,12 @@
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 from free_link_scenes import triad_data
 
-from engine import Machine, Scene, SceneError, Verdict, assembly_modes
+from engine import Machine, Scene, SceneError, assembly_modes
 from sweeps.pictures.drawing.mode_pictures import mode_pictures
 from sweeps.report.mode_table import mode_table
-from sweeps.study.bundled import bundled_studies
-from sweeps.study.study_reader import read_study
-from sweeps.text.scene_text import read_scene
-from sweeps.text.templates import bundled_templates
 
 
 def triad_with_a_ram(rod: float, **near: dict) -> Scene:
@@ -76,28 +71,6 @@ def test_modes_of_random_triads__end_as_with_50_digits(monkeypatch: pytest.Monke
         assert not mode.place_apart > 1e-6
 
 
-def test_path_in_the_dwell__is_that_of_the_output_from_position_to_position():
-    scene = read_study(bundled_studies()["triad_dwell"]).scene
-    positions = 3600
-    machine = Machine(scene, ["output.swing", "still.moment.mean"], ["output.angle"], positions=positions)
-    outcome = machine.evaluate({})
-    assert outcome.status[0] == Verdict.OK
-    numbers = scene.moments["still"].numbers
-    begin, arc = (numbers[key].value for key in ("begin", "arc"))
-    # The arc's ends are positions: between them the path bends at its turning points alone.
-    angle, step = np.unwrap(outcome.fields["output.angle"][0]), 2.0 * np.pi / positions
-    within = angle[round(begin / step) : round((begin + arc) / step) + 1]
-    path = np.degrees(np.abs(np.diff(within)).sum())
-    # A turning point between two positions: less than the path of a step, some 1e-4 deg there.
-    assert -outcome.summaries["still.moment.mean"][0] == pytest.approx(path, abs=1e-3)
-    assert np.degrees(np.ptp(within)) < 0.4
-    assert np.degrees(outcome.summaries["output.swing"][0]) > 30.0
-
-
-# With 0.11 m two modes meet.
-LONG_CRANK = 0.1075
-
-
 @pytest.fixture
 def campaigns(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.syspath_prepend(str(CAMPAIGN))
@@ -108,29 +81,8 @@ def campaigns(monkeypatch: pytest.MonkeyPatch):
     return exact_triads, mode_campaign, triad_estimates
 
 
-def test_template_with_a_long_crank__has_the_positions_of_50_digits(campaigns):
-    exact_triads, mode_campaign, _ = campaigns
-    scene = read_scene(bundled_templates()["triad"])
-    fields = ["plate.angle", "lower.angle"]
-    machine = Machine(scene, ["group_of_plate.transmission.min"], fields, ["input.length"])
-    outcome = machine.evaluate({"input.length": np.array([LONG_CRANK])})
-    assert outcome.status[0] == Verdict.OK
-    assert outcome.summaries["group_of_plate.transmission.min"][0] < 0.03
-    paths = [f"points.{name}.{axis}" for name in "BCDPQ" for axis in "xy"]
-    paths += [f"links.{name}.length" for name in ("rod", "lower", "upper")]
-    numbers = {path: np.array([machine._limits[path].value]) for path in paths} | {"input.length": [LONG_CRANK]}
-    triad = mode_campaign.exact_triad(numbers, 0)
-    own = np.array(
-        [part for name in fields for part in (np.cos(outcome.fields[name][0]), np.sin(outcome.fields[name][0]))]
-    )
-    start = mode_campaign.pose_of(triad, {"plate": tuple(own[:2, 0]), "lower": tuple(own[2:, 0])})
-    path = exact_triads.followed_exactly(triad, start, machine.positions)
-    exact = mode_campaign.directions_of(triad, path, "lower")[:-1]
-    assert np.abs(own.T - exact).max() < 1e-13
-
-
 def test_triads_near_dead_centres__errors_are_within_their_estimates(campaigns):
     *_, estimates = campaigns
-    found = estimates.compared(2, 20, 2, None)
+    found = estimates.compared(1, 10, 2, None)
     for name, (error, estimate, *_) in found.items():
         assert (error <= estimate).all(), name

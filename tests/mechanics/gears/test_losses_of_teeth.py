@@ -8,6 +8,7 @@ from driving_cams import BALANCE, asked, changed
 from geared_links import CRANK
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from machines import rrp
 from noncircular_wheels import ELLIPSES
 from test_wheels_on_groups import WATT
 
@@ -33,7 +34,7 @@ def rows_of(data: dict, fields: list[str], summaries: list[str], **values: float
     return {n: outcome.fields[n][0] for n in fields} | {n: outcome.summaries[n][0] for n in summaries}
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=5, deadline=None)
 @given(st.floats(0.5, 1.0), st.sampled_from([-1, 1]), st.sampled_from([-0.5, 2.5]), st.booleans())
 def test_two_wheels__lose_what_their_efficiency_says(efficiency, load, ratio, teeth):
     data = changed(PAIR_OF_WHEELS, shafts__second__ratio=ratio, moments__load__moment=12.0 * load)
@@ -135,8 +136,7 @@ def test_pinion_that_rolls_on_a_rack__is_driven_by_what_losses_leave():
     """A slider pushes a pinion along; a drag M on it asks for M/(η r) at the axis."""
     data = changed(
         RACK, racks=None, points={"O": {"x": 0, "y": 0}}, guides={"way": {}}, forces=None,
-        groups={"g": {"type": "RRP", "inner": "B", "first": {"link": "rod", "joint": "A", "length": 0.2},
-                      "second": {"link": "block", "guide": "way"}}},
+        groups={"g": rrp("B", ("rod", "A", 0.2), "block", "way")},
         pinions={"wheel": {"guide": "way", "pivot": "B", "radius": 0.03, "efficiency": 0.8}},
         moments={"drag": {"type": "linear_drag", "on": "wheel", "coefficient": 0.5}},
     )  # fmt: skip

@@ -92,9 +92,6 @@ def test_forces_between_rack_and_pinion__hold_up_a_weight_and_push_the_axis_away
         assert rows[name][3] == pytest.approx(value, rel=16 * EPS), name
 
 
-BALANCE = ["input_moment_by_equilibrium", "input_moment_by_power", "input.reaction", "gear.reaction", "idler.reaction"]
-
-
 test_wrong_racks__are_refused_in_words = refusals(
     lambda data, changes: Mechanics(Scene.model_validate(changed(data, **changes))),
     (DOUBLER, {"racks__table__pinion": "rod"}, "the angle of 'rod' isn't known"),

@@ -55,7 +55,7 @@ def lost_share(teeth, tips, angle, friction):
     helix=st.sampled_from([0.0, 20.0, 35.0]),
     shifts=st.tuples(st.floats(-0.3, 0.9), st.floats(-0.3, 0.9)),
 )
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=40, deadline=None)
 def test_mesh_loss_and_contact_ratio__are_lengths_and_work_along_the_line_of_action(
     z1, more, sense, angle, helix, shifts
 ):

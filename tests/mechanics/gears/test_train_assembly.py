@@ -33,8 +33,8 @@ def can_be_set_in(central, planets, internal, count):
 @pytest.mark.parametrize("internal", [False, True])
 def test_stepped_planets__are_set_in_as_their_two_wheels_allow(internal):
     rng = np.random.default_rng(3)
-    first, second, third = rng.integers(12, 60, (3, 500))
-    fourth = rng.integers(60, 130, 500)
+    first, second, third = rng.integers(12, 60, (3, 150))
+    fourth = rng.integers(60, 130, 150)
     names = ("first", "second", "third", "fourth")
     for count in (2, 3, 5):
         roles = {"first": {"speed": 100.0}, "fourth": {"held": True}}
@@ -49,7 +49,7 @@ def test_stepped_planets__are_set_in_as_their_two_wheels_allow(internal):
 
 def test_all_conditions__over_all_small_integers():
     """Coaxial z_r = z_s + 2 z_p, equal spacing (z_s + z_r)/k whole, neighbours (z_s + z_p) sin(π/k) > z_p + 2."""
-    axes = (range(12, 26), range(12, 26), range(36, 78), range(1, 6))
+    axes = (range(12, 22), range(12, 22), range(36, 66), range(1, 6))
     grid = np.array(list(itertools.product(*axes)), float)
     keys = ("wheels.sun.teeth", "wheels.planet.teeth", "wheels.ring.teeth", "shafts.arm.planets")
     found, status = found_of(simple_planetary(18, 24, 66, ROLES, planets=3), dict(zip(keys, grid.T, strict=True)))

@@ -117,27 +117,6 @@ def test_differential__adds_motions_and_divides_moments(pivot):
         np.testing.assert_allclose(rows["P.x"], 0.1 * np.cos(angle), atol=8 * EPS)
 
 
-def test_planetary_train_with_a_sun__has_the_ratio_of_willis():
-    """A carrier drives the sun: 1 + z₃/z₁ = 1 + 84/24, and moments as 1 to that."""
-    scene = {
-        "points": {"O": {"x": 0, "y": 0}},
-        "input": CRANK,
-        "shafts": {
-            "planet": {"geared_to": "frame", "carrier": "crank", "pivot": "A", "ratio": "84/30"},
-            "sun": {"geared_to": "planet", "carrier": "crank", "pivot": "O", "ratio": "-30/24", "inertia": 0.01},
-        },
-        "moments": {"load": {"type": "constant", "on": "sun", "moment": -2.0}},
-    }
-    fields = ["sun.angle_phi", "input_moment_by_equilibrium", "reduced_inertia", "frame.reaction_moment"]
-    for teeth in ({}, {"shafts__sun__pressure_angle": 0.35, "shafts__planet__pressure_angle": 0.35}):
-        turned, moment, inertia, on_frame = asked(changed(scene, **teeth), fields, 12)[1].values()
-        np.testing.assert_allclose(turned, 4.5, rtol=8 * EPS)
-        np.testing.assert_allclose(moment, 9.0, rtol=32 * EPS)
-        np.testing.assert_allclose(inertia, 0.01 * 4.5**2, rtol=32 * EPS)
-        # The ring takes what the drive and the load don't, and the frame passes on the drive's own.
-        np.testing.assert_allclose(on_frame, -2.0, rtol=64 * EPS)
-
-
 @pytest.mark.parametrize(
     ("changes", "told"),
     [

@@ -4,19 +4,15 @@ import math
 
 import numpy as np
 import pytest
-from commands import said
 from element_samples import element
 from governor_samples import ENGINE, EVERY_GOVERNOR, PORTER, PROELL, TABLE, governor_results
 from machines import slider_crank
 from numpy.testing import assert_allclose
-from study_samples import coarser
 
 from engine import Scene, Verdict, governed_scene, made_ready, scene_numbers, warnings_from_numbers
-from sweeps import SweepResult, read_study, run_study
 from sweeps.pictures.elements.element_pictures import element_sheet, element_sheets
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import save_beside
-from sweeps.study.bundled import bundled_studies
 from sweeps.text.scene_text import scene_from, write_scene
 from sweeps.text.toml_text import parse_toml
 
@@ -69,59 +65,6 @@ def test_governor_of_no_machine__is_refused():
         element(PORTER | {"engine": engine})
     with pytest.raises(ValueError, match="machine = true for the scene's own"):
         element(PORTER | {"engine": engine | {"machine": False}})
-
-
-# The study
-
-
-@pytest.fixture(scope="module")
-def result(tmp_path_factory):
-    """Result of the bundled study of an engine's governor, on a coarser grid."""
-    folder = tmp_path_factory.mktemp("governor")
-    study = coarser("engine_governor", {"count = 25": "count = 7"}, folder)
-    return SweepResult(run_study(study, folder / "engine_governor.h5"))
-
-
-def test_engine_governor_study__hunts_where_hurwitz_says(result):
-    c = {name.removeprefix("governor."): column for name, column in result.columns.items()}
-    assert (c["status"] == Verdict.OK).all()
-    # Both critical values stand on the same side of what is given as the gain does.
-    damping, inertia = c["elements.governor.damping"], c["elements.governor.engine.inertia"]
-    stable = c["stable"] == 1
-    assert 0.1 < stable.mean() < 0.98
-    assert ((c["vyshnegradsky_x"] * c["vyshnegradsky_y"] > 1) == stable).all()
-    assert ((damping > c["critical_damping"]) == stable).all()
-    assert ((inertia > c["critical_inertia"]) == stable).all()
-    assert ((c["gain_margin"] > 1) == stable).all()
-    assert ((c["decay_rate"] > 0) == stable).all()
-    # Balls on a faster spindle pull as hard: statics stay as they are, but for the balls' weight.
-    assert_allclose(c["non_uniformity"], c["non_uniformity"][0], rtol=0.05)
-
-
-def test_engine_governor_study__answers_its_question(result):
-    best, c = result.best(), result.columns
-    assert c["elements.governor.engine.ratio"][best] == 2
-    assert c["governor.settling_time"][best] < 0.03
-    assert c["governor.overshoot"][best] < 0.04
-    assert c["governor.gain_margin"][best] > 2
-    # A heavier wheel is slower.
-    heavy = c["elements.governor.engine.inertia"] == 16
-    assert np.nanmin(c["governor.settling_time"][heavy]) > c["governor.settling_time"][best]
-
-
-def test_governed_set_study__weighs_evenness_against_speed():
-    """A few of its variants: the swing within a cycle goes with 1/I, what the governor takes to settle grows with I."""
-    study = read_study(bundled_studies()["governed_set"])
-    wheels = np.array([0.1, 0.2, 0.4])
-    varied = {"flywheel.inertia": wheels, "elements.governor.damping": np.full(3, 21.0)}
-    outcome = made_ready(study.scene, study.summaries, varied=list(varied)).evaluate(varied)
-    found = {name.removeprefix("governor."): column for name, column in outcome.summaries.items()}
-    assert (outcome.status == Verdict.OK).all()
-    # All that turns: wheel, rotor, and the mechanism in the mean.
-    whole = wheels + 0.05651310699685665
-    assert_allclose(found["hunting"] * whole, found["hunting"][1] * whole[1], rtol=0.15)
-    assert (np.diff(found["settling_time"]) > 0).all()
-    assert (found["critical_inertia"] < wheels).all()
 
 
 # Pictures and commands
@@ -188,17 +131,6 @@ def test_element_that_cannot_be_drawn__leaves_the_pictures_of_the_others(tmp_pat
     with pytest.raises(PictureError, match=r"elements\.short: .*no results to draw"):
         save_beside(tmp_path / "sheet.svg", element_sheets(Scene.model_validate({"elements": elements})))
     assert [path.name for path in tmp_path.iterdir()] == ["sheet_sound_governor.svg"]
-
-
-def test_commands__on_a_governor(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert said("new", "governor").exit_code == 0
-    checked = said("check", "governor.toml", "--all")
-    assert checked.exit_code == 0
-    assert "governor.vyshnegradsky_x" in checked.output
-    plotted = said("plot", "governor.toml", "--out", "sheet.svg")
-    assert "sheet_governor_governor.svg" in plotted.output
-    assert (tmp_path / "sheet_governor_governor.svg").stat().st_size > 10_000
 
 
 def test_friction_at_the_sleeve__is_a_force_and_no_coefficient():

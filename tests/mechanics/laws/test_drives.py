@@ -61,7 +61,7 @@ def test_induction_motor__slope_and_curvature_are_the_derivatives_of_kloss_formu
             assert abs(law(300.0, breakdown_slip, ratio, SYNCHRONOUS, omega) - exact) <= room + 1e-13 * abs(exact)
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=50)
 @given(
     st.floats(0.0, 3.0), st.floats(0.01, 3.0), st.floats(0.1, 3.0), st.floats(-3.0, 3.0).filter(lambda s: abs(s) > 1e-6)
 )
@@ -105,6 +105,15 @@ def test_dc_motor__does_the_power_of_its_line():
     assert [torque_of(motor, speed) for speed in (0.0, 64.0, 80.0)] == [8.0, 0.0, -2.0]
 
 
+@pytest.mark.parametrize("law", BY_SPEED, ids=lambda law: law.__name__)
+def test_slope_of_a_motor__is_the_difference_quotient_by_the_speed(law):
+    constants = {4: (300.0, 0.1, 0.5, SYNCHRONOUS), 2: (8.0, -0.5)}[law.py_func.__code__.co_argcount - 1]
+    speed, h = np.array([-40.0, 30.0, 90.0, 200.0]), 1e-3
+    rise = (law(*constants, speed + h) - law(*constants, speed - h)) / (2 * h)
+    slope = np.zeros(4) if BY_SPEED[law] is None else BY_SPEED[law](*constants, speed)
+    assert_allclose(slope, rise, rtol=1e-6, atol=1e-9)
+
+
 def test_motor_by_a_table__goes_through_its_rows_and_on():
     motor = {"type": "table_motor", "speed": [0, 8, 16, 24], "moment": [10, 6, 12, 0], "scale": 2.0}
     speeds = np.array([-8.0, 0.0, 4.0, 8.0, 12.0, 16.0, 20.0, 24.0, 32.0])
@@ -120,15 +129,6 @@ def test_motor_by_a_table__goes_through_its_rows_and_on():
 def test_motor_by_a_table__does_not_drive_above_its_no_load_speed(moment, no_load):
     motor = {"type": "table_motor", "on": "crank", "speed": [0, 2, 4], "moment": moment}
     assert TypeAdapter(MomentAction).validate_python(motor).no_load_speed == no_load
-
-
-@pytest.mark.parametrize("law", BY_SPEED, ids=lambda law: law.__name__)
-def test_slope_of_a_motor__is_the_difference_quotient_by_the_speed(law):
-    constants = {4: (300.0, 0.1, 0.5, SYNCHRONOUS), 2: (8.0, -0.5)}[law.py_func.__code__.co_argcount - 1]
-    speed, h = np.array([-40.0, 30.0, 90.0, 200.0]), 1e-3
-    rise = (law(*constants, speed + h) - law(*constants, speed - h)) / (2 * h)
-    slope = np.zeros(4) if BY_SPEED[law] is None else BY_SPEED[law](*constants, speed)
-    assert_allclose(slope, rise, rtol=1e-6, atol=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -166,7 +166,7 @@ test_motor_by_a_table_that_is_none__is_refused = refusals(
 )
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=40)
 @given(st.floats(1.0, 1e6), st.floats(1.0, 1e4), st.floats(1e-3, 0.9), st.sampled_from([1.0, -1.0]))
 def test_dc_nameplate__runs_through_the_rated_point(power, rated, droop, turn):
     no_load = rated / (1.0 - droop)
@@ -184,7 +184,7 @@ slips = st.floats(0.002, 0.15)
 ratios = st.floats(1.2, 5.0)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=40)
 @given(slips, ratios, st.sampled_from([1.0, -1.0]))
 def test_simple_nameplate__runs_through_the_rated_point(rated_slip, most, turn):
     rated = turn * SYNCHRONOUS * (1.0 - rated_slip)
@@ -196,7 +196,7 @@ def test_simple_nameplate__runs_through_the_rated_point(rated_slip, most, turn):
     assert nameplate_trouble(7500.0, rated, turn * SYNCHRONOUS, most) is None
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=50)
 @given(slips, ratios, st.floats(0.001, 0.999))
 def test_nameplate_with_start__runs_through_rated_and_starting_point(rated_slip, most, part):
     rated = SYNCHRONOUS * (1.0 - rated_slip)
@@ -232,7 +232,7 @@ def test_impossible_nameplate__is_nan_and_says_why(nameplate, text):
     assert text in nameplate_trouble(*nameplate)
 
 
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=60)
 @given(
     st.floats(-1.0, 1e4),
     st.floats(-10.0, 200.0),

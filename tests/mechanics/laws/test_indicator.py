@@ -4,13 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
-from numba import njit
-from numpy.testing import assert_allclose
-from packed import assert_packed
 
-from engine.compiling.tiles import TILE_OPTIONS
 from engine.laws.indicator_diagrams import (
     COMPRESSION,
     EXPANSION,
@@ -18,47 +14,15 @@ from engine.laws.indicator_diagrams import (
     OUTFLOW,
     branch_pressure,
     compressor_branch,
-    compressor_opening_travels,
-    compressor_peak,
     four_stroke_branch,
     line_pressure,
     pump_branch,
     two_stroke_branch,
 )
 
-EPS = np.finfo(float).eps
 STROKE = 0.08
-ATMOSPHERE = 101325.0
 # Cylinder, pressures and exponents.
 GAS = (STROKE, 0.1, 0.8), (1e5, 4e5, 50e5), (1.35, 1.25)
-
-clearances = st.floats(0.01, 0.3)
-exponents = st.floats(1.05, 1.67)
-
-
-# Branches, and the pressure along them
-
-shares = st.one_of(st.floats(0.0, 1.0), st.sampled_from([0.0, 1.0]))
-# A power of a ratio that is rounded twice: so many eps of the exponent, and of the products with it. Clearance and
-# stroke enter V_max, V_min and V once each.
-ROUNDINGS = 16 * EPS
-
-
-@settings(deadline=None, max_examples=100)
-@given(st.floats(1e-3, 3.0), st.floats(1.01, 50.0), exponents, exponents)
-def test_valves__open_where_the_polytropes_reach_the_lines(clearance, ratio, n, m):
-    suction, discharge = ATMOSPHERE, ratio * ATMOSPHERE
-    discharge_opens, suction_opens = compressor_opening_travels(clearance, suction, discharge, n, m)
-    peak = compressor_peak(clearance, suction, discharge, n)
-    if discharge_opens > 0.0:
-        assert peak == discharge
-        compressed = suction * ((1.0 + clearance) / (discharge_opens + clearance)) ** n
-        # The travel is a difference of terms of about 1 + c, with a rounding each.
-        assert_allclose(compressed, discharge, rtol=16 * EPS * (1.0 + clearance) / (discharge_opens + clearance))
-    else:
-        assert peak <= discharge
-    expanded = peak * (clearance / (suction_opens + clearance)) ** m
-    assert_allclose(expanded, suction, rtol=32 * EPS)
 
 
 @pytest.mark.parametrize("missed", [-1e-9, 0.0, 1e-9])
@@ -66,25 +30,6 @@ def test_valves__open_where_the_polytropes_reach_the_lines(clearance, ratio, n, 
 def test_firing_angle_within_rounding_of_a_dead_centre__is_that_one(missed, way):
     # Just after it the piston leaves the head, whichever way the crank turns.
     assert four_stroke_branch(1.0, 0.3 + way * 0.1, 0.3, 0.3 + missed, way) == EXPANSION
-
-
-@pytest.mark.parametrize(("rate", "closed"), [(-1.0, COMPRESSION), (1.0, EXPANSION)])
-def test_ports__are_open_beyond_their_place(rate, closed):
-    place = 0.8 * STROKE
-    branches = [two_stroke_branch(travel, STROKE, rate, 0.8) for travel in (place, np.nextafter(place, 1.0))]
-    assert branches == [closed, OUTFLOW]
-
-
-@pytest.mark.parametrize("branch", [EXPANSION, OUTFLOW, INFLOW, COMPRESSION])
-def test_branch__goes_on_beyond_its_ends(branch):
-    # Along the whole stroke the pressure is a polytrope, or constant: p V^n is.
-    travels = np.linspace(0.0, STROKE, 9)
-    pressure = np.array([branch_pressure(branch, x, *GAS) for x in travels])
-    exponent = {EXPANSION: 1.25, COMPRESSION: 1.35}.get(branch, 0.0)
-    constant = pressure * (travels + 0.1 * STROKE) ** exponent
-    assert_allclose(constant, constant[0], rtol=ROUNDINGS)
-    start = {EXPANSION: 50e5, OUTFLOW: 4e5, INFLOW: 1e5, COMPRESSION: 1e5 * 9.0**1.35}[branch]
-    assert_allclose(pressure[0], start, rtol=ROUNDINGS)
 
 
 def test_unknown_motion__has_no_branch_and_no_pressure():
@@ -101,23 +46,6 @@ def test_unknown_motion__has_no_branch_and_no_pressure():
 @pytest.mark.parametrize("branch", [EXPANSION, COMPRESSION])
 def test_travel_rounded_below_the_dead_centre__is_the_dead_centre(branch):
     assert branch_pressure(branch, -1e-17, *GAS) == branch_pressure(branch, 0.0, *GAS)
-
-
-def test_a_loop_over_positions_of_all_branches__is_compiled_to_packed_instructions():
-    cylinder, pressures, exponents = GAS
-
-    @njit(**TILE_OPTIONS)
-    def loop(branch, travel, out):
-        for i in range(travel.size):
-            out[i] = branch_pressure(branch[i], travel[i], cylinder, pressures, exponents)
-
-    branch, travel = np.arange(37.0) % 4.0, np.linspace(0.0, STROKE, 37)
-    out = np.empty(37)
-    loop(branch, travel, out)
-    alone = [branch_pressure(b, x, *GAS) for b, x in zip(branch, travel, strict=True)]
-    # Sums of products may be fused in one of the two.
-    assert_allclose(out, alone, rtol=ROUNDINGS)
-    assert_packed(loop, 1)
 
 
 @given(st.floats(-4.0, 10.0), st.floats(-10.0, 10.0), st.sampled_from([1.0, -1.0]), st.integers(-3, 3))

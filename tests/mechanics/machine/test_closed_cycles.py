@@ -19,9 +19,8 @@ from machines import crank, four_bar, frame, on, rrr, slider_crank
 from engine import Machine, Mechanics, Scene, SceneError, Verdict
 from engine.machine.results import AskError
 from engine.parts.skeleton import MOST_REVOLUTIONS
-from engine.scene.structure.closing import closing_revolutions
 
-some = settings(deadline=None, max_examples=60)
+some = settings(deadline=None, max_examples=30)
 RATIOS = st.builds(Fraction, st.sampled_from([-5, -3, -2, -1, 1, 2, 3, 4, 7]), st.integers(1, 6))
 PLACES = np.array([0.3, 1.1, 2.9, 4.4, 5.7])
 
@@ -118,12 +117,6 @@ def test_trains__are_refused_until_their_cycle_closes_and_do_no_work_in_it(case)
     assert abs(moment.mean()) <= 1e-11 * np.abs(moment).max()
 
 
-@given(st.lists(st.builds(Fraction, st.integers(-50, 50), st.integers(1, 30)), max_size=4))
-def test_turns_that_close__are_the_least_common_multiple(ratios):
-    needed = math.lcm(*(ratio.denominator for ratio in ratios))
-    assert closing_revolutions([float(ratio) for ratio in ratios]) == (needed if needed <= MOST_REVOLUTIONS else None)
-
-
 WEIGHT = {
     "gravity": 9.81,
     "points": {"O": frame(0, 0), "Q": frame(0.3, 0)},
@@ -147,11 +140,6 @@ def test_weight_on_a_shaft__needs_no_power_and_each_ratio_is_judged_for_itself()
     # E = m g r sin θ against δ ω²: the mean of the weight's energy is kinetic, and constant.
     expected = 2 * 5 * 9.81 * 0.1 / (0.02 * (100 * math.tau / 60) ** 2)
     np.testing.assert_allclose(wheel[0] + 5 * 0.1**2 / 4, expected, rtol=1e-3)
-
-
-def test_bare_shaft__may_have_any_ratio():
-    data = WEIGHT | {"bodies": {}, "shafts": {"s": WEIGHT["shafts"]["s"] | {"ratio": 0.31, "inertia": 0.1}}}
-    assert Machine(Scene.model_validate(data), ["reduced_inertia.mean"]).evaluate({}).status[0] == Verdict.OK
 
 
 # Loads over time

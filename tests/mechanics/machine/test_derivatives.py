@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from machines import crank, frame, rrp
+from machines import slider_crank as crank_and_ram
 from mpmath import mpf
 
 from engine import AskError, Machine, Outcome, Scene, Verdict, made_ready
 from engine.machine.derivatives import LADDERS, Move, derivatives_along, scale_of, unit_over
-from engine.machine.extrapolation import Differences, derivative_of, weights
+from engine.machine.extrapolation import Differences, derivative_of
 
 EPS = np.finfo(float).eps
 POSITIONS = 96
@@ -30,17 +30,13 @@ NOMINAL = {LENGTH: 0.05, ROD: 0.2, OFFSET: 0.01, MASS: 2.0, FORCE: 300.0}
 
 def slider_crank() -> Scene:
     """An offset slider-crank whose ram alone has a mass, pushed one way by a constant force."""
-    return Scene.model_validate(
-        {
-            "points": {"O": frame(0.0, 0.0)},
-            "guides": {"way": {"y": NOMINAL[OFFSET]}},
-            "input": crank(length=NOMINAL[LENGTH], speed=6.0),
-            "groups": {"drive": rrp("B", ("rod", "A", NOMINAL[ROD]), "ram", "way")},
-            "bodies": {"ram_body": {"link": "ram", "mass": NOMINAL[MASS]}},
-            "flywheel": {"speed_fluctuation": 0.02},
-            "forces": {"push": {"type": "constant", "on": "B", "angle": 0.0, "force": NOMINAL[FORCE]}},
-        }
-    )
+    parts = {
+        "guides": {"way": {"y": NOMINAL[OFFSET]}},
+        "bodies": {"ram_body": {"link": "ram", "mass": NOMINAL[MASS]}},
+        "flywheel": {"speed_fluctuation": 0.02},
+        "forces": {"push": {"type": "constant", "on": "B", "angle": 0.0, "force": NOMINAL[FORCE]}},
+    }
+    return Scene.model_validate(crank_and_ram(NOMINAL[LENGTH], NOMINAL[ROD], 6.0, "drive", **parts))
 
 
 @pytest.fixture(scope="module")
@@ -63,24 +59,6 @@ def found(machine: Machine, by: str, **numbers: float):
     return derivatives(machine, {path: np.array([value]) for path, value in values.items()}, by)
 
 
-def means(nodes: np.ndarray, length, rod, offset, mass) -> dict:
-    """The summaries that are means over positions, as the closed form of the slider-crank gives them."""
-    slides, inertias = [], []
-    for phi in nodes:
-        c, s = mpmath.cos(mpf(phi)), mpmath.sin(mpf(phi))
-        aside = length * s - offset
-        root = mpmath.sqrt(rod * rod - aside * aside)
-        slides.append(length * c + root)
-        rate = -length * s - aside * length * c / root
-        inertias.append(mass * rate * rate)
-    count = len(nodes)
-    return {
-        "ram.slide.mean": sum(slides) / count,
-        "ram.slide.rms": mpmath.sqrt(sum(x * x for x in slides) / count),
-        "reduced_inertia.mean": sum(inertias) / count,
-    }
-
-
 def stroke(length, rod, offset):
     """Between the two positions where crank and rod are in line."""
     return mpmath.sqrt((rod + length) ** 2 - offset**2) - mpmath.sqrt((rod - length) ** 2 - offset**2)
@@ -99,17 +77,6 @@ def reference(function, by: str, numbers: dict):
 
 
 # Extrapolation by itself
-
-
-@pytest.mark.parametrize("powers", [(), (2,), (2, 4, 6), (1, 2, 3), (1, 3, 5)])
-def test_weights__cancel_powers_of_the_step(powers):
-    steps = (0.25, 0.125, 0.0625, 0.03125)[: len(powers) + 1]
-    made = weights(steps, powers)
-    relative = np.array(steps) / steps[0]
-    # Solving a few equations whose condition is some hundred.
-    assert made.sum() == pytest.approx(1, abs=1e-13)
-    for power in powers:
-        assert made @ relative**power == pytest.approx(0, abs=1e-13)
 
 
 def sampled(function, at: float, scale: float, error: float = 0.0) -> Differences:
@@ -134,7 +101,7 @@ def sampled(function, at: float, scale: float, error: float = 0.0) -> Difference
     st.floats(-1.5, 1.5),
     st.floats(0.01, 1.0),
 )
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=60)
 def test_smooth_function__derivative_within_a_small_figure(pair, at, scale):
     function, slope = pair
     made = derivative_of(sampled(function, at, scale), 4 * EPS)
@@ -158,7 +125,7 @@ def test_kink_at_the_place__figure_holds_the_jump():
 
 
 @given(st.floats(1e-9, 1e-3), st.integers(0, 2**32 - 1))
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=40)
 def test_noise_within_the_error_figure__is_covered(noise, seed):
     random = np.random.default_rng(seed)
     made = derivative_of(
@@ -230,22 +197,8 @@ def test_little_room_to_both_sides__shorter_steps(room):
 # Against closed forms
 
 
-@pytest.mark.parametrize("by", [LENGTH, ROD, OFFSET, MASS])
-def test_means__mpmath(machine, by):
-    made = found(machine, by)
-    values = [NOMINAL[path] for path in (LENGTH, ROD, OFFSET, MASS)]
-    sizes = means(machine.nodes, *map(mpf, values))
-    scale = scale_of(machine.scene, {by: np.array([NOMINAL[by]])}, by)[0]
-    for name in MEANS:
-        exact = reference(lambda *n, name=name: means(machine.nodes, *n)[name], by, NOMINAL)
-        # A window of steps of 2⁻³ to 2⁻⁶ of the scale leaves 2⁻³⁶ of the term of the ninth order, which is up to some
-        # (r + l)/(l − r − e) to the ninth, but falls as fast as the factorial; rounding is less.
-        assert abs(made.values[name][0] - exact) <= 1e-10 * float(sizes[name]) / scale, name
-        assert abs(made.values[name][0] - exact) <= made.errors[name][0], name
-
-
 @given(st.floats(0.002, 0.5), st.floats(1.02, 10.0), st.floats(-0.5, 0.5), st.sampled_from([LENGTH, ROD, OFFSET]))
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=15)
 def test_any_slider_crank__within_its_figure(machine, length, ratio, share, by):
     offset = share * length
     rod = ratio * (length + abs(offset))
@@ -305,17 +258,6 @@ def test_variant_that_fails__has_its_own_verdict(machine):
     failed = found(machine, LENGTH, input__length=0.3)
     assert failed.status[0] == Verdict.CANNOT_ASSEMBLE
     assert all(np.isnan(values[0]) for values in (*failed.values.values(), *failed.errors.values()))
-
-
-def test_several_variants__each_as_by_itself(machine):
-    lengths = np.array([0.03, 0.3, 0.05, 0.1899])
-    together = derivatives(machine, {p: np.full(4, v) for p, v in NOMINAL.items()} | {LENGTH: lengths}, LENGTH)
-    for i, length in enumerate(lengths):
-        alone = found(machine, LENGTH, input__length=length)
-        assert alone.status[0] == together.status[i]
-        for name in SUMMARIES:
-            assert np.array_equal(alone.values[name], together.values[name][i : i + 1], equal_nan=True)
-            assert np.array_equal(alone.errors[name], together.errors[name][i : i + 1], equal_nan=True)
 
 
 def test_refusals__name_what_is_wrong(machine):

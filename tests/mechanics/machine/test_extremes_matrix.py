@@ -15,7 +15,6 @@ from extreme_slider_crank import (
     FIELDS,
     NUMBERS,
     POSITIONS,
-    ROUNDINGS,
     SLIDER_CRANK,
     SUMMARIES,
     Closed,
@@ -55,27 +54,6 @@ def test_fields_of_an_extreme__are_the_closed_form(machines, name):
                 row = outcome.fields[FIELDS[key][0]][0]
                 for got, true, slack in zip(row, true_row, closed.slack[key], strict=True):
                     assert abs(mp.mpf(float(got)) - true) <= slack * EPS[dtype], (dtype, key, got, true)
-
-
-@pytest.mark.parametrize("name", CASES)
-def test_work_in_an_extreme__is_the_closed_form(machines, name):
-    numbers = usual(**CASES[name])
-    kept = {dtype: machine.evaluate(paths([numbers])) for dtype, machine in machines.items()}
-    figure = kept[np.float64].errors["excess_work"][0]
-    for dtype, outcome in kept.items():
-        if outcome.status[0] != Verdict.OK:
-            continue
-        with mp.workdps(80):
-            cycle = Cycle(numbers)
-            places = [mp.mpf(float(phi)) for phi in machines[dtype].nodes]
-            true = [cycle.work(phi) for phi in places]
-            # A position of its own is rounded, too, and moves the work by the moment there.
-            moved = [abs(cycle.moment(phi, cycle.transfer(phi)[1])) * float(phi) for phi in places]
-        # Between the positions of panels it is off by what their series leave of the moment.
-        series = 2 * math.pi * CLOSELY * np.abs(outcome.fields["reduced_moment"]).max()
-        for got, value, of_place in zip(outcome.fields["work"][0], true, moved, strict=True):
-            room = EPS[dtype] * abs(value) + ROUNDINGS * EPS[np.float64] * of_place
-            assert abs(mp.mpf(float(got)) - value) <= figure + series + room, (got, value)
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -187,39 +165,12 @@ def test_four_bar_off_its_change_point_by_1e_12__is_judged_by_the_side(miss, ver
     assert outcome.status == verdict
 
 
-# Links of most unequal lengths, and far away
-
-
-def swing(ground: mp.mpf, crank: float, coupler: float, rocker: float) -> mp.mpf:
-    """Between crank and coupler in line, stretched and folded."""
-
-    def at_pivot(side: mp.mpf) -> mp.mpf:
-        return mp.acos((ground**2 + mp.mpf(rocker) ** 2 - side**2) / (2 * ground * rocker))
-
-    return at_pivot(mp.mpf(coupler) + crank) - at_pivot(mp.mpf(coupler) - crank)
-
-
-@pytest.mark.parametrize(("crank", "coupler", "rocker"), [(1e-3, 1.0, 0.8), (1e-3, 1.0, 1.0), (0.3, 1.0, 0.8)])
-@pytest.mark.parametrize("origin", [0.0, 1e6, -3e6])
-def test_links_one_to_a_thousand_and_origins_far_away__swing_as_their_triangles(origin, crank, coupler, rocker):
-    machine = Machine(Scene.model_validate(FOUR_BAR), ["rocker.swing"], [], LENGTHS)
-    lengths = (origin, origin + 1.0, crank, coupler, rocker)
-    outcome = machine.evaluate({path: np.array([value]) for path, value in zip(LENGTHS, lengths, strict=True)})
-    assert outcome.status[0] == Verdict.OK
-    with mp.workdps(50):
-        true = swing(mp.mpf(origin + 1.0) - mp.mpf(origin), crank, coupler, rocker)
-        off = abs(mp.mpf(float(outcome.summaries["rocker.swing"][0])) - true)
-    # Coordinates are rounded as they are far away, and the rocker's length makes angles of them.
-    assert off <= outcome.errors["rocker.swing"][0] + 16 * EPS[np.float64] * (1.0 + abs(origin)) / rocker
-    assert outcome.errors["rocker.swing"][0] <= 1e-8 * float(true) + 32 * EPS[np.float64] * abs(origin)
-
-
 # Laws of scale
 
 decades = {"lengths": st.floats(-6, 6), "masses": st.floats(-12, 9), "speeds": st.floats(-9, 5)}
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=15)
 @given(st.floats(0.05, 0.9), st.floats(-2, 2), st.floats(-3, 0), *decades.values())
 def test_scaled_machine__has_scaled_results(machines, ratio, mass, fluctuation, lengths, masses, speeds):
     base = usual(l=0.05 / ratio, m=3.0 * 10**mass, d=10**fluctuation)
@@ -313,7 +264,7 @@ def test_positions__that_cannot_be_are_refused():
 @pytest.mark.parametrize("shapes", [1, 60])
 def test_threads_and_chunks__change_no_bit(machines, shapes):
     rng = np.random.default_rng(5)
-    variants = [usual(m=rng.uniform(0.1, 9), F=rng.uniform(-900, 900), l=0.1 + 0.01 * (i % shapes)) for i in range(60)]
+    variants = [usual(m=rng.uniform(0.1, 9), F=rng.uniform(-900, 900), l=0.1 + 0.01 * (i % shapes)) for i in range(150)]
     machine, varied = machines[np.float64], paths(variants)
     before = threads()
     try:
@@ -327,7 +278,7 @@ def test_threads_and_chunks__change_no_bit(machines, shapes):
     for other in found[1:]:
         for name, row in other.items():
             assert row.tobytes() == found[0][name].tobytes(), name
-    for cut in (slice(0, 20), slice(20, 31), slice(31, 60)):
+    for cut in (slice(0, 20), slice(20, 90), slice(90, 150)):
         part = machine.evaluate({path: values[cut] for path, values in varied.items()})
         for name, row in (part.summaries | part.errors | part.fields).items():
             assert row.tobytes() == found[0][name][cut].tobytes(), name

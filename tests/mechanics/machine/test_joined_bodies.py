@@ -7,11 +7,11 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from machines import moving, slider_crank
+from machines import moving
 from oracle import EPS
 from press import press
 
-from engine import Machine, Scene, Verdict
+from engine import Machine, Scene
 from engine.scene.masses import resultant_masses
 
 DYNAMICS = [
@@ -90,16 +90,3 @@ def test_many_bodies__are_one_mass_to_a_link(count):
     bodies = {f"b{i}": body(LINKS[i % len(LINKS)], PARTS[i % 3]) for i in range(count)}
     masses = resultant_masses(Scene.model_validate(press(bodies=bodies)), frozenset())
     assert [mass.link for mass in masses.values()] == LINKS
-
-
-@pytest.mark.parametrize("others", [{}, {"other": {"link": "crank", "mass": 0.0, "inertia": 0.2}}])
-def test_crank_body_without_mass__adds_its_inertia(others):
-    bodies = {"wheel": {"link": "crank", "mass": 0.0, "inertia": 0.1}, "ram": {"link": "piston", "mass": 2.0}} | others
-    scene = slider_crank(speed=30.0, slider="piston", bodies=bodies)
-    asked = ["reduced_inertia.max", "input.reaction.max", "shaking_force.max"]
-    machine = Machine(Scene.model_validate(scene), asked, varied=["bodies.wheel.inertia"])
-    found = machine.evaluate({"bodies.wheel.inertia": np.array([0.0, 0.1, 3.0])})
-    assert (found.status == Verdict.OK).all()
-    np.testing.assert_allclose(np.diff(found.summaries["reduced_inertia.max"]), [0.1, 2.9], rtol=1e-13)
-    for name in asked[1:]:
-        np.testing.assert_allclose(found.summaries[name], found.summaries[name][0], rtol=1e-12)

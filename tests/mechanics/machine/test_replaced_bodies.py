@@ -6,7 +6,8 @@ Where nothing else is said, tolerances are some roundings (EPS) of the greatest 
 import numpy as np
 import pytest
 from each_case import refusals
-from machines import changed, crank, four_bar, frame, moving, on, rrp, variants_of
+from machines import changed, four_bar, frame, moving, on, variants_of
+from machines import slider_crank as crank_and_ram
 from oracle import EPS
 from press import bodies, press
 
@@ -87,13 +88,18 @@ def test_static_masses__lie_in_the_pins_and_add_up():
 
 def slider_crank(**changes):
     body = {"link": "rod", "mass": 2.0, "x": 0.3, "inertia": 0.1, **changes}
-    return {
-        "points": {"O": frame(0, 0), "P": on("rod", 0.3, 0.2), "N": on("rod", 0.5, 0.0)},
-        "guides": {"way": {}},
-        "input": crank(),
-        "groups": {"g": rrp("B", ("rod", "A", 0.8), "slider", "way")},
-        "bodies": {"rod_body": body, "slider_body": {"link": "slider", "mass": 1.0}},
-    }
+    points = {"O": frame(0, 0), "P": on("rod", 0.3, 0.2), "N": on("rod", 0.5, 0.0)}
+    bodies = {"rod_body": body, "slider_body": {"link": "slider", "mass": 1.0}}
+    return crank_and_ram(0.3, 0.8, slider="slider", points=points, bodies=bodies)
+
+
+@pytest.mark.parametrize("at", [["A", "centre", "B"], ["A", "N", "B"]])
+def test_dynamic_replacement_in_line__changes_nothing(at):
+    fields = ["reduced_inertia", "reduced_inertia_phi", "input_moment"]
+    scenes = slider_crank(), slider_crank(replace={"type": "dynamic", "at": at})
+    own, made = (moving(scene, fields, 24)[1] for scene in scenes)
+    for name in fields:
+        np.testing.assert_allclose(made[name], own[name], rtol=0, atol=100 * EPS * np.abs(own[name]).max())
 
 
 def test_variant_that_cannot_be_replaced__is_told_and_has_no_numbers():

@@ -4,8 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
 from machines import crank, frame, on, rpr, rrp, rrr
 
 from engine import Machine, Scene, Verdict
@@ -14,8 +12,6 @@ from engine.quantities.chapters.strokes import quick_return_ratio
 
 EPS = np.finfo(float).eps
 TURN = 2 * math.pi
-
-angles = st.floats(0, TURN, exclude_max=True)
 
 
 def apart(a, b):
@@ -31,26 +27,6 @@ def within_figures(outcome, name, exact, room):
 
 
 # The quick-return ratio
-
-
-@settings(deadline=None, max_examples=60)
-@given(angles, st.floats(0.01, TURN - 0.01))
-def test_quick_return_ratio__is_the_slow_share_over_the_fast(low, up):
-    high = (low + up) % TURN
-    there, back = (quick_return_ratio(Measured(a), Measured(b)).value for a, b in ((low, high), (high, low)))
-    assert there >= 1
-    assert there == pytest.approx(max(up, TURN - up) / min(up, TURN - up), rel=1e-11)
-    assert there == pytest.approx(back, rel=1e-11)
-
-
-@settings(deadline=None, max_examples=60)
-@given(st.floats(0.1, 3.0), st.sampled_from([0.5, 0.1, 1e-3, 1e-9]))
-def test_figure_of_the_quick_return_ratio__is_what_its_angles_may_change(up, figure):
-    found = quick_return_ratio(Measured(1.0, figure), Measured(1.0 + up, figure))
-    assume(not math.isnan(found.value))
-    moved = [quick_return_ratio(Measured(1.0), Measured(1.0 + up + way * 2 * figure)).value for way in (-1, 1)]
-    # Ratios of up to 60 are rounded.
-    assert max(abs(moved - found.value)) == pytest.approx(found.error, rel=1e-9, abs=1e-12)
 
 
 def test_quick_return_ratio__of_an_end_that_may_be_at_either_of_two_places_is_undefined():
@@ -84,8 +60,8 @@ SLIDER_CRANK = rrp("B", ("rod", "A", 0.2), "ram", "way", 0.01)
 def test_offset_slider_crank__has_the_stroke_and_time_ratio_of_its_triangles():
     asked = ["ram.stroke", "ram.stroke_low_at", "ram.stroke_high_at", "ram.stroke_time_ratio", "g.transmission_angle"]
     rng = np.random.default_rng(3)
-    r, rod = rng.uniform(0.01, 0.08, 200), rng.uniform(0.12, 0.5, 200)
-    offset = rng.uniform(-0.95, 0.95, 200) * (rod - r)
+    r, rod = rng.uniform(0.01, 0.08, 60), rng.uniform(0.12, 0.5, 60)
+    offset = rng.uniform(-0.95, 0.95, 60) * (rod - r)
     varied = {"input.length": r, "groups.g.first.length": rod, "groups.g.second.offset": offset}
     outcome = Machine(scene({"g": SLIDER_CRANK}, {}, 0.05, {"way": {}}), asked, varied=list(varied)).evaluate(varied)
     assert (outcome.status == Verdict.OK).all()

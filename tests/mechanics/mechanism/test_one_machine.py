@@ -70,24 +70,6 @@ def test_verdict__says_why_a_slider_crank_has_no_fields(values, verdict):
     assert np.isfinite(moving.fields(["B.x"])["B.x"]).all() == (verdict in (Verdict.OK, Verdict.SINGULAR))
 
 
-def test_field_at_any_positions__is_exact_and_angles_go_on():
-    crank, rod = 0.05, 0.2
-    at = np.array([5.9, 0.3, 2.0])
-    found = MovingMachine(Scene.model_validate(slider_crank(crank, rod)), positions=at).fields(["B.x", "crank.angle"])
-    # Some roundings of a length of a quarter of a metre.
-    exact = crank * np.cos(at) + np.sqrt(rod**2 - (crank * np.sin(at)) ** 2)
-    np.testing.assert_allclose(found["B.x"], exact, rtol=0, atol=4e-16)
-    np.testing.assert_allclose(found["crank.angle"], at, rtol=0, atol=1e-15)
-
-
-def test_dead_centres__are_those_of_an_in_line_slider_crank():
-    moving = MovingMachine(Scene.model_validate(slider_crank(0.05, 0.2)))
-    ends = [moving.summary(f"ram.stroke_{end}") for end in ("low", "high", "low_at", "high_at")]
-    # Lengths of a quarter of a metre, and places known as well as the slide's derivative: to some roundings.
-    np.testing.assert_allclose(ends[:2], [0.15, 0.25], rtol=1e-15)
-    np.testing.assert_allclose([ends[2], math.remainder(ends[3], math.tau)], [math.pi, 0.0], rtol=0, atol=1e-14)
-
-
 @pytest.mark.parametrize("name", ["way", "O"])
 def test_group_named_as_a_guide_or_a_point__moves_as_under_any_name(name, tmp_path):
     path, found = tmp_path / "scene.toml", []

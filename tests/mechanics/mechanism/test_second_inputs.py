@@ -61,14 +61,7 @@ def by_circles(phi: float, psi: float) -> complex:
     return one + line / abs(line) * complex(along, math.sqrt(0.19**2 - along**2))
 
 
-def derived(values: np.ndarray, times: int) -> np.ndarray:
-    """Derivatives of a periodic function from its series of Fourier."""
-    k = np.fft.fftfreq(values.size, 1 / values.size)
-    k[values.size // 2] = 0
-    return np.fft.ifft(np.fft.fft(values) * (1j * k) ** times)
-
-
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(st.floats(-3.0, 3.0), st.floats(-0.3, 0.3), st.floats(-0.08, 0.08), st.floats(0.5, 300.0))
 def test_five_bar__goes_as_two_circles_say_and_both_drives_give_the_power(phase, cosine, sine, speed):
     # Rods of 0.19 m and 0.17 m reach the 0.11 m … 0.30 m that cranks of 0.05 m and 0.041 m leave between them.
@@ -82,17 +75,6 @@ def test_five_bar__goes_as_two_circles_say_and_both_drives_give_the_power(phase,
     size = 0.1 * sum(np.abs(rows[name]) for name in REACTIONS).max()
     np.testing.assert_allclose(whole, rows["input_moment_by_power"], atol=100 * EPS * size)
     np.testing.assert_allclose(whole, rows["input_moment"], atol=100 * EPS * size)
-
-
-def test_rates__are_derivatives_of_positions():
-    phi, rows = varied(0.5, 0.2, 0.05, 10.0)
-    # Rounding grows with the square of the highest order, 64; what the series leaves out is below it here.
-    for name in ("B.x", "B.y"):
-        np.testing.assert_allclose(rows[f"{name}_phi"], derived(rows[name], 1).real, atol=1e-10)
-        np.testing.assert_allclose(rows[f"{name}_phiphi"], derived(rows[name], 2).real, atol=1e-8)
-    psi = np.unwrap(rows["second.angle"]) + phi
-    np.testing.assert_allclose(rows["second.angle_phi"] + 1, derived(psi, 1).real, atol=64 * 16 * EPS)
-    np.testing.assert_allclose(rows["second.angle_phiphi"], derived(psi, 2).real, atol=64**2 * 16 * EPS)
 
 
 def test_friction__is_borne_by_both_drives():

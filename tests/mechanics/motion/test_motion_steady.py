@@ -48,16 +48,6 @@ def scene_of(name: str, regimes: dict) -> dict:
     return slider_crank({k: regime | {"only": only} for k, regime in regimes.items()}, flywheel=flywheel)
 
 
-def test_regimes_of_the_same_loads__answer_as_each_does_alone():
-    """They share a search for the cycle, which doesn't look for extremes where none are asked."""
-    names = ["one.period", "two.speed_max", "two.speed_min", "two.motor_moment_peak"]
-    scene = scene_of("DC motor, cutting", {"one": steady(""), "two": steady("")})
-    together = ask(scene, " ".join(names))
-    for name in names:
-        alone = ask(scene, name)
-        assert abs(together[name] - alone[name]) <= together.figure(name) + alone.figure(name), name
-
-
 @pytest.mark.parametrize("name", [*MACHINES, "engine with fan"])
 def test_steady_motion__is_the_limit_of_a_long_run(name):
     found = ask(scene_of(name, {"on": steady("")}), "on.multiplier on.mean_speed on.period", 240, "on.speed")
@@ -72,19 +62,6 @@ def test_steady_motion__is_the_limit_of_a_long_run(name):
     once = ask(scene_of(name, {"go": run("", from_speed=at_zero, cycles=1.0)}), "go.time go.final_speed", 960)
     assert once["go.time"] == pytest.approx(found["on.period"], rel=1e-9)
     assert found["on.mean_speed"] == pytest.approx(2 * math.pi / once["go.time"], rel=1e-9)
-
-
-def test_fields_of_a_cycle__as_found_to_the_last_digits_within_their_figures():
-    names = ["speed", "acceleration", "motor_moment", "input_moment", "input.reaction", "useful_power"]
-    fields = [f"on.{name}" for name in names]
-    for name in MACHINES:
-        scene = Scene.model_validate(scene_of(name, {"on": steady("")}))
-        own, exact = (Machine(scene, (), fields, positions=240, accuracy=a).evaluate({}) for a in (1e-6, 1e-13))
-        for field in fields:
-            off = np.abs(own.fields[field] - exact.fields[field]).max()
-            assert off <= own.errors[field][0] + exact.errors[field][0], (name, field)
-            # Figures alone could be large.
-            assert own.errors[field][0] <= 1e-5 * np.abs(own.fields[field]).max(), (name, field)
 
 
 def test_statistics_of_fields__differ_from_the_exact_ones_by_less_than_their_errors_at_any_accuracy():
@@ -187,19 +164,11 @@ def test_flywheel_light_enough__is_zero():
     assert ask(scene, "on.flywheel")["on.flywheel"] == 0.0
 
 
-def test_speed_fluctuation__is_relative_to_the_mean_of_both_extremes_and_says_so():
+def test_speed_fluctuation__is_relative_to_the_mean_of_both_extremes():
     scene = slider_crank({"on": steady("dc cut gravity")}, flywheel=0.02)
-    found = ask(scene, "on.speed_fluctuation on.speed_min on.speed_max on.mean_speed")
+    found = ask(scene, "on.speed_fluctuation on.speed_min on.speed_max")
     low, high = found["on.speed_min"], found["on.speed_max"]
     assert found["on.speed_fluctuation"] == pytest.approx(2.0 * (high - low) / (high + low), rel=1e-12)
-    # The mean over time is another one.
-    assert abs((high - low) / found["on.mean_speed"] / found["on.speed_fluctuation"] - 1.0) > 1e-4
-    # At constant speed only what repeats is offered.
-    repeating = slider_crank({}, flywheel=0.02)
-    del repeating["moments"]["by_time"], repeating["moments"]["nothing"]
-    for asked, name in ((scene, "on.speed_fluctuation"), (repeating, "speed_fluctuation")):
-        offered = Machine(Scene.model_validate(asked)).available_summaries
-        assert "2 (ω_max − ω_min)/(ω_max + ω_min)" in offered[name].long_name
 
 
 # The other way round

@@ -271,16 +271,3 @@ def test_fields_of_a_run__are_kept_where_it_says_where():
     scene = Scene.model_validate(rotor({"go": run("dc", from_speed=1.0, time=1.0)}))
     with pytest.raises(AskError, match="go"):
         Machine(scene, fields=["go.speed"])
-
-
-# Where a run begins
-
-
-@pytest.mark.parametrize("begin", [{"from_speed": 3.0}, {"from_speed": 3.0, "from_angle": 0.4}])
-def test_run_that_sets_its_begin__is_the_same_whatever_else_is_asked(begin):
-    regimes = {"first": run("dc", from_speed=2.0, time=0.3), "go": run("dc", time=0.2, **begin)}
-    scene = slider_crank(regimes, dc={})
-    alone = ask(scene, "go.final_speed go.angle", 240)
-    both = ask(scene, "go.final_speed go.angle first.time", 240)
-    for name in ("go.final_speed", "go.angle"):
-        assert alone[name] == pytest.approx(both[name], rel=1e-9)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from each_case import refusals
 from motion_scenes import INERTIA, MOMENTS, RATIO, ask, inertia_at, rotor, run, slider_crank, steady
-from scipy.integrate import quad, solve_ivp
+from scipy.integrate import solve_ivp
 
 from engine import Scene, Verdict, history
 
@@ -194,47 +194,6 @@ def test_start_of_a_slider_crank__goes_as_an_independent_simulation_does():
     assert (found.values["go.clutch_moment_peak"] <= capacities * (1 + 1e-9)).all()
 
 
-def test_crank_without_loads__is_taken_along_from_the_begin_on():
-    """At the begin nothing acts at all, then the clutch alone: I ε = r C t/τ."""
-    scene = coupled(rotor({"go": run("", from_speed=0.0, from_shaft_speed=400.0, time=0.1)}), capacity=2.0)
-    scene["couplings"]["clutch"]["engagement"] = 0.3
-    found = ask(scene, of("go", NAMES))
-    rate = RATIO * 2.0 / 0.3 / INERTIA
-    assert found["go.angle"] == pytest.approx(rate * 0.1**3 / 6.0, rel=1e-9)
-    assert found["go.final_speed"] == pytest.approx(rate * 0.1**2 / 2.0, rel=1e-9)
-
-
-def test_friction_by_formula__holds_the_crank_until_the_clutch_overcomes_it():
-    """A moment that no powers of the speed make."""
-    formula = "-(0.2 N m + 0.3 N m * exp(-abs(omega) / (2 rad/s))) * sign(omega)"
-    go, stop = run("", from_speed=0.0, from_shaft_speed=400.0, time=0.2), run("", rest=True)
-    scene = rotor({"go": go, "stop": stop})
-    scene["moments"]["rubs"] = {"type": "formula", "on": "crank", "moment": formula}
-    scene = coupled(scene, capacity=2.0, open_in="stop")
-    scene["couplings"]["clutch"]["engagement"] = 0.3
-    found = ask(scene, of("go", "angle final_speed") + " stop.time")
-    rate = RATIO * 2.0 / 0.3
-    fades = 0.3
-
-    def rates(t: float, y: np.ndarray) -> list[float]:
-        return [y[1], (rate * t - (0.5 - fades) - fades * math.exp(-y[1] / 2.0)) / INERTIA]
-
-    gone = solve_ivp(rates, (0.5 / rate, 0.2), [0.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
-    assert found["go.angle"] == pytest.approx(gone[0], rel=1e-8)
-    assert found["go.final_speed"] == pytest.approx(gone[1], rel=1e-8)
-    # Alone it comes to rest in finite time, ∫ I dω/M.
-    slows = lambda w: INERTIA / (0.5 - fades + fades * math.exp(-w / 2.0))  # noqa: E731
-    assert found["stop.time"] == pytest.approx(quad(slows, 0.0, gone[1], epsabs=0.0, epsrel=1e-12)[0], rel=1e-8)
-
-
-def test_jumps_of_moments__leave_the_works_in_balance():
-    scene = coupled(slider_crank({"go": run("dc by_angle rub oil gravity cut", from_speed=0.0, cycles=3.0)}))
-    scene["couplings"]["clutch"]["engagement"] = 0.3
-    found = ask(scene, of("go", "work_residual clutch_heat time useful_work"))
-    assert abs(found["go.work_residual"]) < 1e-9
-    assert found["go.clutch_heat"] > 0.0
-
-
 def test_light_shaft_of_a_slipping_clutch__takes_implicit_steps():
     """J ω' = M₀ (1 − ω/ω₀) − C comes to its speed within microseconds; the crank speeds up evenly."""
     own, until, capacity, motor = 4e-6, 0.1, 4.0, MOMENTS["dc"]
@@ -370,33 +329,6 @@ def test_steady_motion_through_a_fluid__balances_motor_and_load():
     expected = math.exp(max(rates.real) * 2.0 * math.pi / crank)
     # What steps miss by what the cycles begin apart: 1e-9 over 3e-4.
     assert found["work.multiplier"] == pytest.approx(expected, abs=1e-5)
-
-
-def test_steady_motion_through_a_fluid__is_what_a_run_comes_to():
-    """What is left of a disturbance after a cycle is 1e-9 of it here, so that three of them forget their begin."""
-    to_it = {"early": run("dc oil load", from_speed=9.0, cycles=3.0), "last": run("dc oil load", cycles=1.0)}
-    scene = fluid(slider_crank({**to_it, "work": steady("dc oil load")}))
-    names = "speed_min speed_max fluid_heat motor_work fluid_slip fluid_moment_peak"
-    loads = "drive.inner.reaction.max input_moment.min acceleration.max frame.reaction_moment.max"
-    names = f"{names} {loads}"
-    fields = "work.speed work.instant work.kinetic_energy"
-    found = ask(scene, f"{of('work', names)} {of('last', names)} work.return_residual work.multiplier", fields=fields)
-    assert found.status == [Verdict.OK]
-    assert abs(found["work.multiplier"]) < 1e-6
-    for name in names.split():
-        figure = found.figure(f"work.{name}") + found.figure(f"last.{name}")
-        assert abs(found[f"work.{name}"] - found[f"last.{name}"]) <= figure + 1e-9 * abs(found[f"work.{name}"]), name
-    assert found["work.return_residual"] < 1e-9
-    # dt/dφ = 1/ω, by the trapezoidal rule for what is periodic.
-    speeds, instants = found.fields["work.speed"][0], found.fields["work.instant"][0]
-    period = np.mean(1.0 / speeds) * 2.0 * math.pi
-    assert instants[0] == pytest.approx(0.0, abs=1e-12)
-    assert instants[60] / period == pytest.approx(np.mean(1.0 / speeds[:60]) / 2 / np.mean(1.0 / speeds), rel=1e-2)
-    assert found.values["last.input_moment.min"][0] > 0.0
-    seen = history(Scene.model_validate(fluid(slider_crank({"work": steady("dc oil load")}))))
-    assert seen.verdict == Verdict.OK
-    assert (seen.shaft_speed > RATIO * seen.speed).all()
-    assert np.ptp(seen.angle) == pytest.approx(2.0 * math.pi, rel=1e-12)
 
 
 KNOTS, SHARES = [0.0, 0.03, 0.1, 1.0], [0.0, 0.002, 0.005, 0.008]

@@ -5,14 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import said
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from machines import crank, frame, rpp
-from test_paths import drawn
+from machines import crank, frame, rpp, rrp
 
 from engine import Machine, Scene, Verdict
-from sweeps import read
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import read_scene, write_scene
 
@@ -51,7 +48,7 @@ def assert_told(found, expected):
 COORDINATE = st.floats(-0.2, 0.2)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(st.lists(st.tuples(COORDINATE, COORDINATE), min_size=3, max_size=3))
 def test_places_off_a_circle__are_as_far_as_their_radii_say(places):
     x, y = zip(*places, strict=True)
@@ -64,13 +61,10 @@ def test_places_on_an_exact_straight_line__are_met_and_others_missed_by_their_di
     # Scott Russell: crank and rod of one length; the rod's end beyond the pin stays on the line through the bearing.
     def scene(x):
         wanted = {"type": "path", "point": "P", "x": x, "y": [0.04, 0.06, 0.08]}
-        rod = {"link": "rod", "joint": "A", "length": R}
         parts = {
             "points": {"O": frame(0.0, 0.0), "P": {"link": "rod", "x": -R, "y": 0.0}},
             "input": crank(length=R, start=0.3, stop=1.2),
-            "groups": {
-                "drive": {"type": "RRP", "inner": "B", "first": rod, "second": {"link": "block", "guide": "way"}}
-            },
+            "groups": {"drive": rrp("B", ("rod", "A", R), "block", "way")},
         }
         return machine(wanted, **parts)
 
@@ -140,26 +134,6 @@ inner = "B"
 first = {link = "coupler", joint = "A", length = "198 mm"}
 second = {link = "rocker", joint = "D", length = "120 mm"}
 """
-
-
-def test_linkage_sought_by_the_path_it_draws__is_found_again(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    # The path of the other test, seen from the crank's bearing.
-    places = 1e3 * (drawn(9) * np.exp(-0.4j) - 0.1 * np.exp(-0.4j))
-    Path("wanted.csv").write_text("\n".join(["x [mm], y [mm]", *(f"{z.real!r}, {z.imag!r}" for z in places.tolist())]))
-    Path("linkage.toml").write_text(f'{LINKAGE}\n[wanted.curve]\ntype = "path"\npoint = "P"\nfile = "wanted.csv"\n')
-    ranges = {"groups.swing.second.length": (110, 180), "points.P.x": (60, 140), "points.P.y": (40, 120)}
-    rows = "\n".join(f'"{path}" = {{low = "{low} mm", high = "{high} mm"}}' for path, (low, high) in ranges.items())
-    asked = '[outputs]\nsummaries = ["curve.deviation_max"]\n\n[optimise]\nminimise = "curve.deviation_rms"\n'
-    Path("search.toml").write_text(f'scene = "linkage.toml"\n\n[vary]\n{rows}\n\n{asked}population = 30\n')
-    answer = said("optimise", "search.toml", "--no-plots")
-    assert answer.exit_code == 0, answer.output
-    data = read("results/search_optimised.h5")
-    best = int(np.nanargmin(data["curve.deviation_rms"]))
-    found = [1e3 * float(data[path][best]) for path in ranges]
-    # Near the least the deviation is proportional to what the lengths are off by; the descent ends below 1e-3 mm.
-    assert found == pytest.approx([144.0, 100.0, 80.0], abs=0.05)
-    assert 1e3 * float(data["curve.deviation_max"][best]) < 0.05
 
 
 ROWS = 'over_angle = ["0 deg", "1 deg"]'

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from machines import slider_crank
 
 from engine import (
     WARNING_KINDS,
@@ -33,22 +34,8 @@ ROWS = {"type": "table", "on": "B", "angle": 0.0, "force": [100.0, 100.0], "inte
 
 def scene(rod=0.2, speed=20.0, **parts):
     """A slider-crank with a crank of 50 mm: the ram's stroke is 100 mm, from rod − 50 mm to rod + 50 mm."""
-    return Scene.model_validate(
-        {
-            "points": {"O": {"x": 0.0, "y": 0.0}},
-            "guides": {"way": {}},
-            "input": CRANK | {"speed": speed, **parts.pop("drive", {})},
-            "groups": {
-                "pair": {
-                    "type": "RRP",
-                    "inner": "B",
-                    "first": {"link": "rod", "joint": "A", "length": rod},
-                    "second": {"link": "ram", "guide": "way"},
-                }
-            },
-            **parts,
-        }
-    )
+    crank = {"input": CRANK | {"speed": speed, **parts.pop("drive", {})}}
+    return Scene.model_validate(slider_crank(rod=rod, group="pair") | crank | parts)
 
 
 def found(machine):

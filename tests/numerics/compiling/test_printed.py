@@ -350,10 +350,3 @@ def test_several_threads__may_all_be_the_first(fresh_cache):
     with ThreadPoolExecutor(3) as pool:
         for done in [pool.submit(assert_right, 0.2 + 0.01 * (i % 2)) for i in range(6)]:
             done.result()
-
-
-def test_several_threads__get_what_one_gets(fresh_cache):
-    functions, _, text = coupler()
-    expected = coupler_rows(text, functions).tobytes()
-    with ThreadPoolExecutor(4) as pool:
-        assert all(pool.map(lambda i: coupler_rows(text, functions).tobytes() == expected, range(40)))

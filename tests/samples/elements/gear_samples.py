@@ -7,8 +7,6 @@ import numpy as np
 from engine import ElementsAlone, Scene
 
 STANDARD = math.radians(20)
-# A mesh in which a dozen teeth do not interfere.
-STEEP = {"pressure_angle": math.radians(28)}
 
 
 def tips_keep_clear(z1, z2, sense=1, angle=STANDARD):

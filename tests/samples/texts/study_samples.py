@@ -3,7 +3,6 @@
 from pathlib import Path
 
 from sweeps import Study, read_study
-from sweeps.study.bundled import bundled_studies
 
 STUDY = """\
 title = "Which crank?"
@@ -35,13 +34,3 @@ def study_of(folder: Path, text: str) -> Study:
 
 def varying(folder: Path, vary: str, rest: str = "") -> Study:
     return study_of(folder, f'scene = "press.toml"\n{rest}\n[vary]\n{vary}\n')
-
-
-def coarser(name: str, replaced: dict[str, str], folder: Path) -> Study:
-    """A bundled study with parts of its text replaced, so that it has fewer variants, written to a folder."""
-    path = bundled_studies()[name]
-    text = path.read_text(encoding="utf8").replace('"scenes/', f'"{path.parent.as_posix()}/scenes/')
-    for old, new in replaced.items():
-        assert old in text
-        text = text.replace(old, new)
-    return study_of(folder, text)

@@ -9,11 +9,8 @@ from friction_ranges import frictions, loads, quick, sizes
 from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mpf
-from numba import njit
 from numpy.testing import assert_allclose
-from packed import assert_packed
 
-from engine.compiling.tiles import TILE_OPTIONS
 from engine.laws.friction.coefficients import NEW, SLIDING, STATIC_AND_KINETIC, WORN_IN, stribeck
 from engine.laws.friction.guides import edge_forces, overhung_drive, slider_friction, tilts, vee_friction
 from engine.laws.friction.journals import friction_circle, journal_moment
@@ -105,15 +102,3 @@ def test_journal__is_the_integral_of_pressure_and_friction_over_the_bush(factor,
     reaction = mpmath.hypot(along, across)
     assert_allclose(friction_circle(radius, friction, factor), float(moment / reaction), rtol=8 * EPS)
     assert_allclose(journal_moment(float(-reaction), radius, friction, factor), float(moment), rtol=10 * EPS)
-
-
-def test_a_loop_over_speeds__is_compiled_to_packed_instructions():
-    @njit(**TILE_OPTIONS)
-    def loop(x, out):
-        for i in range(x.size):
-            out[i] = stribeck(0.5, 0.2, x[i], 0.3, 0.5)
-
-    x, out = np.linspace(-2.0, 2.0, 37), np.empty(37)
-    loop(x, out)
-    assert_allclose(out, [stribeck(0.5, 0.2, v, 0.3, 0.5) for v in x], rtol=4 * EPS)
-    assert_packed(loop, 1)

@@ -8,7 +8,6 @@ from friction_ranges import frictions, quick, sizes, slopes
 from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mpf
-from numpy.testing import assert_allclose
 
 from engine.laws.friction.inclines import incline_down, incline_up, wedge_drive, wedge_withdraw
 
@@ -46,19 +45,6 @@ def test_incline__is_in_equilibrium_both_ways(angle, pull_angle, friction, load)
                 # Numerator and denominator may cancel, each from terms no greater than 1 + f.
                 allowed = 8 * EPS * (1 + f) * (q + abs(force)) / left
                 assert abs(mpf(got) - force) <= allowed
-
-
-@quick
-@given(frictions, sizes, st.floats(0.0, 1.0))
-def test_least_pull_up_an_incline__is_at_the_friction_angle(friction, load, angle):
-    phi = math.atan(friction)
-    if angle + phi > 1.5:
-        return
-    least = incline_up(load, angle, friction, phi)
-    assert_allclose(least, load * math.sin(angle + phi), rtol=8 * EPS, atol=1e-300)
-    for other in (phi - 0.05, phi + 0.05):
-        if angle + other < 1.5:
-            assert incline_up(load, angle, friction, other) > least
 
 
 def wedge_by_equilibrium(way, load, slope, face, base, guide):

@@ -24,13 +24,7 @@ from engine.mechanism.friction import Rub, pressing_in_group
 EPS = np.finfo(float).eps
 ROUNDINGS = 100
 
-quick = settings(deadline=None, max_examples=200)
-forces = st.floats(-1e3, 1e3).filter(lambda f: f == 0.0 or abs(f) > 1e-100)
-angles = st.floats(-math.pi, math.pi)
-
-
-def close(found: float, expected: float, margin: float, residual: float) -> bool:
-    return abs(found - expected) <= (ROUNDINGS * EPS / margin + residual) * abs(expected)
+quick = settings(deadline=None, max_examples=60)
 
 
 @cache
@@ -50,52 +44,6 @@ def settled(*numbers: float | np.ndarray) -> np.ndarray:
     rows = np.array(np.broadcast_arrays(*numbers), float)
     found = of_pairs(count)(rows.reshape(len(rows), -1))
     return found.reshape(len(found), *rows.shape[1:])
-
-
-# One pair: closed forms
-
-
-@quick
-@given(x=forces, y=forces, back=st.floats(0.0, 0.99), turned=angles)
-def test_journal_alone__root_of_its_quadratic(x, y, back, turned):
-    # n = |R + B n|: (1 − B²) n² − 2 R·B n − R² = 0.
-    bx, by = back * math.cos(turned), back * math.sin(turned)
-    n, margin, residual = settled(JOURNAL, 0.0, x, y, bx, by)
-    square, along = x * x + y * y, x * bx + y * by
-    root = math.sqrt(along * along + (1 - back * back) * square)
-    # The form of the root without cancellation.
-    expected = (along + root) / (1 - back * back) if along > 0 else (square / (root - along) if square else 0.0)
-    assert close(n, expected, 1 - back, residual)
-    # Near jamming steps double until they settle.
-    assert residual < (1e-12 if back < 0.5 else 1e-2)
-    # n (dn/dn of the right side) = B · (R + B n); what n still changes by turns the direction by as much.
-    slope = (along + back * back * expected) / expected if expected else 0.0
-    assert margin == pytest.approx(1 - slope, abs=residual + ROUNDINGS * EPS)
-
-
-@quick
-@given(n0=forces, m0=forces, edge=st.floats(0.1, 50.0), b=st.floats(-0.95, 0.95), c=st.floats(-0.95, 0.95))
-def test_guide_alone__greater_of_face_and_edges(n0, m0, edge, b, c):
-    # |N + b n| and |M + c n|/a pass n one after the other as n rises from 0: the later one presses.
-    on_face = abs(n0) / (1 - math.copysign(b, b * n0))
-    on_edges = abs(m0) * edge / (1 - math.copysign(c, c * m0))
-    n, margin, residual = settled(GUIDE, edge, n0, m0, b, c / edge)
-    assert residual == 0.0 or residual < 1e-15
-    assert close(n, max(on_face, on_edges), 0.05, 0.0)
-    # One minus what comes back, whose last digits are those of one.
-    assert 0.05 - 4 * EPS <= margin <= 1.95 * (1 + 4 * EPS)
-
-
-def test_slider_pushed_ahead_of_its_guide__jams_where_friction_returns_all_of_the_force():
-    # A pusher at the overhang h of a slider of half length a: M = h (Q + f n), n = |M|/a; jams where f h = a.
-    overhang, half = 0.2, 0.06
-    limit = half / overhang
-    for f, jams in ((limit - 1e-6, False), (limit, True), (limit + 1e-6, True), (2 * limit, True)):
-        n, margin, _ = settled(GUIDE, 1 / half, 0.0, overhang * 100.0, 0.0, overhang * f)
-        assert math.isnan(n) == jams
-        assert margin == (0.0 if f >= limit + 1e-7 else pytest.approx(1 - f / limit, abs=4 * EPS))
-        if not jams:
-            assert n == pytest.approx(100.0 / (limit - f), rel=1e-9)
 
 
 # Several pairs: the equations themselves
@@ -140,17 +88,6 @@ def test_pairs_of_a_group__press_with_the_magnitudes_of_their_reactions(group):
     assert error <= (ROUNDINGS * EPS + residual) * (n.sum() + np.abs(free).max())
     assert (n >= -error).all()
     assert margin > 0
-
-
-def test_iterations__settle_nearly_always():
-    # Friction that gives back a sixth of a force per pair and component settles to rounding.
-    rng = np.random.default_rng(1)
-    left = []
-    for _ in range(2000):
-        free = rng.normal(size=(3, 2)) * 10.0 ** rng.uniform(-2, 2, (3, 1))
-        kinds = list(rng.choice([JOURNAL, GUIDE], 3))
-        left.append(settled(*known(kinds, [0.0] * 3, free, rng.uniform(-0.17, 0.17, (3, 2, 3))))[-1])
-    assert np.mean(np.array(left) < 1e-10) > 0.998
 
 
 def test_margin__determinant_of_the_equations_that_remain():

@@ -15,7 +15,7 @@ from loaded_machines import asked, loaded
 from machines import chain, changed, moving, prp
 from reaction_graphs import in_all_pairs
 from rubbing import with_friction
-from rubbing_machines import RHO, L, Q, R, by_friction_circles, press, yoke
+from rubbing_machines import Q, R, by_friction_circles, press, yoke
 
 from engine import Machine, MovingMachine, Scene, SceneError, Verdict
 from engine.laws.friction.coefficients import NEW, STATIC_AND_KINETIC, WORN_IN, stribeck
@@ -112,24 +112,6 @@ def test_slider_crank__agrees_with_friction_circles_and_friction_angle(f_guide):
         expected = by_friction_circles(machine.q[k], f_guide)
         for name, value in zip(fields, expected, strict=True):
             assert rows[name][k] == pytest.approx(value, rel=1e-12), (name, k)
-
-
-def test_slider_crank__loses_its_gain_of_force_near_the_dead_centre():
-    # Within these few degrees: friction takes Q ((1 + r/l) rho_A + r/l rho_B + rho_O) there, to the first order.
-    most = 0.02
-    machine, rows = moving(
-        press(0.0, start=-most, stop=most), ["input_moment_with_friction", "input_moment"], positions=40
-    )
-    lost = rows["input_moment_with_friction"] - rows["input_moment"]
-    classic = Q * ((1 + R / L) * RHO["A"] + R / L * RHO["B"] + RHO["O"])
-    # Of second order: (rho/l)², and rho φ.
-    np.testing.assert_allclose(lost, classic, rtol=0.03)
-    # Without friction a moment raises any force at the dead centre; with it the crank is held on both sides of it.
-    alone = rows["input_moment"]
-    assert abs(alone[20]) < 1e-12 * Q
-    held = np.abs(alone) < lost
-    reach = np.ptp(machine.q[held])
-    assert reach > 0.02
 
 
 @pytest.mark.parametrize("role", ["useful", "driving", "harmful"])
@@ -246,14 +228,6 @@ def test_yoke__jams_where_its_overhang_reaches_half_its_length_over_f():
     assert outcome.status[0] == Verdict.JAMS
     # Panels are shortened towards the place until they are 1e-7 of the turn.
     assert outcome.status_at[0] == pytest.approx(math.asin(length / 2 / f / R), abs=1e-7 * 2 * math.pi)
-
-
-def test_yoke_with_its_slot_along_its_guide__is_singular():
-    scene = yoke(0.12, 0.1)
-    scene["groups"]["g"]["second"]["slot_angle"] = 0.0
-    _, outcome = outcome_of(scene, ["yoke.slide"], positions=8)
-    assert outcome.status[0] == Verdict.SINGULAR
-    assert outcome.status_group[0] == 0
 
 
 # What friction there is in a pair

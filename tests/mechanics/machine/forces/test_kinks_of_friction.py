@@ -12,10 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from machines import crank, frame, on, rpr, slider_crank
-from numpy.polynomial import chebyshev
-from reaction_graphs import ReactionValues
-from rubbing_machines import press
+from machines import on, slider_crank
 from scipy.optimize import brentq, minimize_scalar
 
 from engine import Machine, Scene, Verdict
@@ -170,84 +167,3 @@ def test_cases__have_the_kinks_they_are_for():
         assert (len(signs) == 2) == ("pull" in name)
         tilts = {exact.by_normal(phi) < exact.tilt for phi in np.linspace(0, 6, 200)}
         assert (len(tilts) == 2) == ("tilted" in name)
-
-
-# Between cuts and kinks
-
-
-def tilting() -> dict:
-    """A slider-crank with masses whose slider bears with its edges or its faces as the crank turns."""
-    scene = slider_crank(length=0.1, rod=0.4, speed=9.0)
-    scene["bodies"] = {
-        "rod": {"link": "rod", "mass": 2.0, "x": 0.2, "inertia": 0.03},
-        "ram": {"link": "ram", "mass": 3.0},
-    }
-    scene["points"]["P"] = on("ram", 0.0, 0.01)
-    scene["forces"] = {"work": {"type": "constant", "on": "P", "angle": 2.9, "force": 90.0}}
-    scene["friction"] = {
-        "a": {"pair": "g.first", "coefficient": 0.2, "diameter": 0.05},
-        "b": {"pair": "g.inner", "coefficient": 0.2, "diameter": 0.05},
-        "way": {"pair": "g.second", "coefficient": 0.2, "length": 0.15},
-    }
-    return scene
-
-
-def massless(f_guide: float) -> dict:
-    """A slider-crank whose rod bears nothing but its pins, and changes from push to pull."""
-    scene = press(f_guide)
-    scene["bodies"] = {"ram": {"link": "ram", "mass": 40.0}}
-    scene["input"]["speed"] = 19.0
-    if f_guide == 0.0:
-        del scene["friction"]["way"]
-    return scene
-
-
-def slotted() -> dict:
-    """A crank whose block swings a rocker with mass; the block bears nothing but its pin and slot."""
-    return {
-        "points": {"O": frame(0.0, 0.0), "D": frame(0.0, -0.5)},
-        "input": crank(length=0.1, speed=9.0),
-        "groups": {"g": rpr(("block", "A"), ("rocker", "D"))},
-        "bodies": {"rocker": {"link": "rocker", "mass": 2.0, "x": 0.3, "inertia": 0.1}},
-        "friction": {"pin": {"pair": "g.first", "coefficient": 0.3, "diameter": 0.06}},
-    }
-
-
-def in_panels(of: ReactionValues, cuts: np.ndarray) -> tuple[float, float]:
-    """How far the moment of friction between cuts is from polynomials, and from itself with nothing held.
-
-    Both as shares of its peak.
-    """
-    node, rough, wrong, peak = of.reactions.variables["friction_moment"], 0.0, 0.0, 0.0
-    for left, right in itertools.pairwise(cuts):
-        # Panels of half a radian at most: their series fall by an order of magnitude in every two or three terms.
-        for a, b in itertools.pairwise(np.linspace(left, right, int((right - left) / 0.5) + 2)):
-
-            def row(x: np.ndarray, a: float = a, b: float = b) -> np.ndarray:
-                return of.values.in_panel([node], a, b, 0.5 * (a + b) + 0.5 * (b - a) * x)[0]
-
-            x = np.linspace(-0.999, 0.999, 41)
-            found, free = row(x), of.values([node], 0.5 * (a + b) + 0.5 * (b - a) * x)[0]
-            series = chebyshev.chebinterpolate(row, 24)
-            rough = max(rough, np.abs(chebyshev.chebval(x, series) - found).max())
-            wrong, peak = max(wrong, np.abs(found - free).max()), max(peak, np.abs(free).max())
-    return rough / peak, wrong / peak
-
-
-@pytest.mark.parametrize("scene", [tilting(), massless(0.2), massless(0.0), slotted()])
-def test_friction_between_cuts__is_smooth_to_the_ends(scene):
-    of = ReactionValues(scene)
-    cuts = of.values.cuts([of.reactions.variables["friction_moment"]])
-    kinks = np.concatenate(
-        [of.values.roots(curve, between=cuts) for curve in of.graph.kinks_behind(of.reactions.checks.values())]
-    )
-    # Cuts closer than rounding are one.
-    every = np.unique(np.concatenate([cuts, kinks]))
-    every = every[np.append(True, np.diff(every) > 1e-9)]
-    rough, wrong = in_panels(of, every)
-    assert rough < 1e-9
-    assert wrong == 0.0
-    assert in_panels(of, cuts)[0] > 1e-5
-    # Without cuts where it switches what is held is wrong; kinks are none of these. The block's pin never turns back.
-    if len(cuts) > 2:
-        assert in_panels(of, np.unique([of.values.first, *kinks, of.values.last]))[1] > 1e-2

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from loaded_machines import loaded
-from machines import chain, crank, frame, moving
+from machines import crank, frame, moving
 from press import actions, bodies, press
 from scipy.special import ellipe
 
@@ -75,13 +74,6 @@ def test_wheel_heavier_than_its_unbalance_pulls__loads_its_shaft_all_around(shar
     assert math.isnan(middle[0])
 
 
-def test_each_direction_asked_alone__is_as_with_the_others():
-    names = summaries_of("input", "frame")
-    together = answers(wheel(0.3), names)
-    for name in names:
-        assert answers(wheel(0.3), [name]) == {name: together[name]}
-
-
 def test_wheel_lighter_than_its_unbalance_pulls__loads_its_shaft_on_one_side():
     share = 4.0
     _, _, arc, middle = answers(wheel(share), summaries_of("input", "crank")).values()
@@ -125,30 +117,6 @@ def with_chords(force: np.ndarray) -> np.ndarray:
     turns = (np.abs(np.angle(force[1:] / force[:-1])) > 0.01) & (np.abs(step) < 0.02 * largest)
     chords = force[:-1][turns] + np.linspace(0.0, 1.0, 200)[:, None] * step[turns]
     return np.append(force, chords.ravel())
-
-
-def test_bearings_of_a_chain__as_sorted_by_numpy():
-    data = loaded(chain(0, 2, True), 0)
-    scene = Scene.model_validate(data)
-    revolute = bearings(scene, "input", "g0.inner")
-    names = [n for pair in revolute for link in (pair.link, pair.other) for n in summaries_of(pair.name, link)]
-    fields = [f"{pair.name}.reaction_{axis}" for pair in revolute for axis in "xy"]
-    links = {link for pair in revolute for link in (pair.link, pair.other)} - {"frame"}
-    fields += [f"{link}.angle" for link in links]
-    outcome, (_, rows) = Machine(scene, names).evaluate({}), moving(data, fields, 20_000)
-    for pair in revolute:
-        force = rows[f"{pair.name}.reaction_x"] + 1j * rows[f"{pair.name}.reaction_y"]
-        for link, sign in ((pair.link, 1), (pair.other, -1)):
-            own = sign * force * np.exp(-1j * rows.get(f"{link}.angle", 0.0))
-            found = [float(outcome.summaries[name][0]) for name in summaries_of(pair.name, link)]
-            arc, middle = sorted_arc(own)
-            # Between two of so many positions directions go no farther than this beyond those at them.
-            turn = np.abs(np.angle(own[1:] / own[:-1])).max()
-            assert -1e-12 < arc - found[2] < 2 * turn
-            assert abs(math.remainder(found[3] - middle, TURN)) < turn or found[2] < 1e-12
-            # The mean over equal positions of a curve of one period is its integral, to about this.
-            assert found[1] == pytest.approx(1 - abs(own.mean()) / np.abs(own).mean(), abs=1e-6)
-            assert abs(math.remainder(found[0] - np.angle(own.mean()), TURN)) < 1e-6 / (1.01 - found[1])
 
 
 def arcs_of_variants(template: str, count: int, spread: float, positions: int):

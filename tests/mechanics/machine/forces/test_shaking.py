@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from each_case import refusals
 from machines import changed, crank, four_bar, frame, moving, on, rpr, rrp, rrr
+from machines import slider_crank as crank_and_ram
 from oracle import EPS
 
 from engine import Machine, Scene, Verdict
@@ -152,14 +153,7 @@ def piston_orders(ratio, orders):
 
 
 def slider_crank(**parts) -> dict:
-    return {
-        "points": {"O": frame(0.0, 0.0)},
-        "guides": {"way": {}},
-        "input": crank(),
-        "groups": {"g": rrp("B", ("rod", "A", 1.2), "piston", "way")},
-        "bodies": {"piston_body": {"link": "piston", "mass": 2.0}},
-        **parts,
-    }
+    return crank_and_ram(0.3, 1.2, slider="piston", bodies={"piston_body": {"link": "piston", "mass": 2.0}}) | parts
 
 
 def orders_of(scene: dict, positions: int = 360, **settings) -> tuple[np.ndarray, np.ndarray]:
@@ -176,18 +170,3 @@ def test_rod_hardly_longer_than_the_crank__its_orders_are_off_by_no_more_than_th
     assert (np.abs(found - exact) <= errors).all()
     # The figure isn't large because nothing is known.
     assert max(errors) < 0.5 * exact[0]
-
-
-def test_orders_of_a_machine_in_single_precision__are_in_double():
-    np.testing.assert_array_equal(orders_of(slider_crank(), dtype=np.float32), orders_of(slider_crank()))
-
-
-def test_eccentric_mass__pulls_evenly():
-    scene = slider_crank(bodies={"rotor": {"link": "crank", "mass": 3.0, "x": 0.03, "y": -0.04}})
-    names = ["shaking_force.rms", "shaking_force.peak", "shaking_force.order_1", "shaking_moment.peak"]
-    outcome = Machine(Scene.model_validate(scene), names).evaluate({})
-    rms, peak, order, moment = (outcome.summaries[name][0] for name in names)
-    pull = 3.0 * 0.05 * SPEED**2
-    np.testing.assert_allclose([rms, peak, order], pull, rtol=16 * EPS)
-    # Its inertia force passes through the crank's axis.
-    assert moment <= 4 * EPS * pull

@@ -143,7 +143,7 @@ def some_windows(draw: st.DrawFn) -> list[tuple[float, float, float]]:
     return found
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(some_windows())
 @example([(1.0, 1.0001, -30.0)])
 @example([(0.0, 1e-4, -30.0)])
@@ -156,7 +156,7 @@ def test_windows_of_the_crank_angle__are_never_missed(windows):
     assert_within_figures(outcome, exactly(windows))
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(
     st.floats(0.151, 0.249),
     st.sampled_from([1e-6, 1e-5, 1e-3, 0.02]),

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from motion_scenes import GRAVITY, INERTIA, MOMENTS, RATIO, Found, ask, rotor, run, slider_crank, steady
 
-from engine import Machine, Scene, Verdict
+from engine import Verdict
 
 MASS, COEFFICIENT, DIAMETER = 6.0, 0.2, 0.04
 # Radius of the friction circle: f r over the root of 1 + f²; and the torque of friction in the journal.
@@ -136,11 +136,12 @@ def test_rotor_behind_a_clutch__stands_until_the_clutch_overcomes_friction():
 def test_clutch_weaker_than_friction__slips_and_the_crank_stands():
     weak = CLUTCH | {"capacity": 0.999 * HELD / RATIO}
     go = run("dc gravity", from_speed=0.0, from_shaft_speed=50.0, time=0.2)
-    found = ask(behind(weak, in_journal({"go": go})), of("go", "angle joint_slip_time work_residual"))
+    asked = of("go", "angle joint_slip_time work_residual")
+    found = ask(behind(weak, in_journal({"go": go})), asked)
     assert found["go.angle"] == 0.0
     assert found["go.joint_slip_time"] == pytest.approx(0.2, rel=1e-12)
     for_ever = run("dc gravity", from_speed=0.0, from_shaft_speed=50.0, lock_up=True)
-    assert ask(behind(weak, in_journal({"go": for_ever})), "go.work_residual").status == [Verdict.SLIPS]
+    assert ask(behind(weak, in_journal({"go": for_ever})), asked).status == [Verdict.SLIPS]
 
 
 def test_steady_motion_through_a_fluid__carries_load_and_friction():
@@ -191,19 +192,6 @@ def test_steady_motion__is_in_balance_at_every_instant_and_without_friction_what
     np.testing.assert_allclose(found[1e-12].fields["on.speed"], smooth.fields["on.speed"], rtol=0, atol=room + within)
 
 
-def test_heavy_flywheel__needs_the_moment_of_uniform_speed():
-    found = ask(rubbing({"on": steady("dc cut gravity")}, flywheel=100.0), "on.mean_speed", 120)
-    scene = rubbing({}, flywheel=100.0, speed=found["on.mean_speed"])
-    acting = {"cut": scene["forces"]["cut"]}
-    scene |= {"moments": {}, "forces": acting, "regimes": {}}
-    outcome = Machine(Scene.model_validate(scene), ["input_moment_with_friction.mean"]).evaluate({})
-    # The motor's line: 20 N·m at rest, nothing at 100 rad/s.
-    given = 20.0 * (1.0 - found["on.mean_speed"] / 100.0)
-    # The flywheel leaves 11 J of excess work over I ω² of the speed, about 2e-5; and the speed's own figure.
-    room = 1e-3 + 0.2 * found.figure("on.mean_speed")
-    assert given == pytest.approx(outcome.summaries["input_moment_with_friction.mean"][0], rel=0, abs=room)
-
-
 def test_run_that_begins_where_friction_jumps__is_looked_at_behind_the_jump():
     """At the dead centre itself the slider stands, and its guide doesn't rub."""
     near, found = 1e-7, []
@@ -228,17 +216,3 @@ def test_clutch_that_holds__moves_a_rubbing_slider_crank_as_a_gear_does():
     for name in asked.split():
         assert abs(one[name] - two[name]) <= one.figure(name) + two.figure(name), name
     assert two["go.harmful_work"] > 1.0
-
-
-def test_slipping_start__works_pay_for_heat_friction_and_energy():
-    regimes = {"spin": run("dc", time=0.6), "go": run("dc gravity cut", time=0.8)}
-    scene = behind(CLUTCH | {"capacity": 4.0}, rubbing(regimes, flywheel=0.0))
-    scene["regimes"]["spin"]["off"].append("joint")
-    names = "motor_work useful_work harmful_work other_work energy_change joint_heat joint_slip_time"
-    found = ask(scene, of("go", names))
-    motor, useful, harmful, other, change, heat, slips = (found[f"go.{name}"] for name in names.split())
-    assert 0.0 < slips < 0.8
-    assert heat > 1.0
-    assert harmful > 1.0
-    figures = sum(found.figure(f"go.{name}") for name in names.split())
-    assert abs(motor + other - useful - harmful - heat - change) <= figures

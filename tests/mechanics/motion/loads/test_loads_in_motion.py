@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 import pytest
-from machines import compare, moving
+from machines import compare
 from motion_scenes import ECCENTRIC_MASS, MOMENTS, RAM_MASS, Found, ask, slider_crank, steady
 from newton_euler import reactions
 from oracle import EPS
@@ -140,40 +140,6 @@ def test_slider_crank__shaking_force_is_what_all_masses_take(speed):
         np.testing.assert_allclose(rows[f"shaking_{name}"], row, rtol=0, atol=100 * EPS * np.abs(row).max())
 
 
-# Limits
-
-
-def uniform(only: str, speed: float, positions: int = 240) -> dict[str, np.ndarray]:
-    """Loads on the slider-crank at uniform speed."""
-    scene = slider_crank({"on": steady(only)}, speed)
-    gone = without(scene, {*scene["regimes"]["on"]["off"], "dc", "induction"})
-    names = [name for name in LOADS if name != "input_moment_by_equilibrium"]
-    return moving(gone, [*names, "input_moment"], positions)[1]
-
-
-@pytest.mark.parametrize(
-    ("numbers", "flywheel"),
-    [({"flywheel": 1e3}, 1e3), ({"dc": {"stall_moment": 2e10}}, None)],
-    ids=["flywheel", "motor"],
-)
-def test_even_running__as_at_uniform_speed(numbers, flywheel):
-    rows = rows_of(settled("dc cut gravity fan", 960, **numbers))
-    speed = rows["speed"].mean()
-    # What is left of the fluctuation: 11 J of excess work over I ω², or 50 N·m over the motor's slope of 2e8 N·m·s.
-    assert np.ptp(rows["speed"]) < 5e-6 * speed
-    about_epsilon = ("frame.reaction_moment", "shaking_moment")
-    if flywheel is not None:
-        # However small ε gets, what the flywheel does to the frame stays.
-        rows |= {name: rows[name] + flywheel * rows["acceleration"] for name in about_epsilon}
-    for name, row in uniform("dc cut gravity fan", speed, 960).items():
-        # A motor so steep follows a load by 1/600 of a step, and ε is a difference of second order in the step.
-        if flywheel is not None or name not in about_epsilon:
-            # Inertia forces go with the square of the speed, and input moments are a third of their parts.
-            # What is left of ε, 0.02 rad/s², takes 0.0005 N·m for the crank alone.
-            room = 5e-5 * np.abs(row).max() + 1e-3
-            np.testing.assert_allclose(rows[name], row, rtol=0, atol=room, err_msg=name)
-
-
 # The other way round, other places for the same inertia
 
 
@@ -200,33 +166,6 @@ def test_brake_left_on__is_borne_by_the_frame():
 # Statistics and their error estimates
 
 
-def test_statistics__of_the_field_over_time():
-    found = settled("dc cut gravity fan rub", flywheel=0.02, positions=480, more="on.speed_max on.mean_speed")
-    rows = rows_of(found)
-    apart = abs(found["on.speed.max"] - found["on.speed_max"])
-    assert apart <= found.figure("on.speed.max") + found.figure("on.speed_max")
-    # Over time; by the trapezoid rule over nodes, of order four between jumps.
-    assert found["on.speed.mean"] == pytest.approx(found["on.mean_speed"], rel=1e-8)
-    for name in (*PAIRS, "shaking_force", "input_moment"):
-        row, omega = rows[name], rows["speed"]
-        own = {key: found[f"on.{name}.{key}"] for key in STATISTICS}
-        figures = {key: found.figure(f"on.{name}.{key}") for key in STATISTICS}
-        mean, square = (np.sum(row**n / omega) / np.sum(1 / omega) for n in (1, 2))
-        # Equal steps miss the jumps by up to half a step of them; on average over five breaks less than one step.
-        step = np.ptp(row) / 480
-        assert own["mean"] == pytest.approx(mean, abs=2 * step)
-        assert own["rms"] ** 2 == pytest.approx(square, abs=4 * step * np.abs(row).max())
-        assert own["max"] >= row.max()
-        assert own["min"] <= row.min()
-        assert own["peak"] == max(abs(own["max"]), abs(own["min"]))
-        assert own["range"] == own["max"] - own["min"] == 2 * own["amplitude"]
-        for end, value in (("max", row.max()), ("min", row.min())):
-            assert 0.0 <= own[f"{end}_at"] < 2 * math.pi
-            # The extreme lies next to that of the row.
-            apart = own[f"{end}_at"] - 2 * math.pi * int(np.argmax(row == value)) / 480
-            assert abs(math.remainder(apart, 2 * math.pi)) <= 2 * math.pi / 480 + figures[f"{end}_at"]
-
-
 @pytest.mark.parametrize("only", ["dc cut gravity fan", "induction rub gravity cut"])
 def test_error_figures__cover_what_more_positions_change(only):
     flywheel = 0.02 if only.startswith("dc") else 2.0
@@ -243,22 +182,6 @@ def test_error_figures_with_a_steep_motor__cover_what_more_positions_change(stee
     rough, fine = (settled("dc cut gravity fan", n, flywheel=0.02, dc={"stall_moment": stall}) for n in (60, 960))
     for name in numbers_of(rough):
         assert abs(rough[name] - fine[name]) <= rough.figure(name) + fine.figure(name), name
-
-
-def test_sized_flywheel__loads_are_those_with_it():
-    asked = {"flywheel": {"speed_fluctuation": 0.05}}
-    sized = settled("dc cut fan", changes=asked, more="on.flywheel")
-    fitted = settled("dc cut fan", flywheel=sized["on.flywheel"])
-    assert sized["on.flywheel"] > 0.01
-    for name in numbers_of(fitted):
-        size = abs(fitted[f"{name.rpartition('.')[0]}.peak"]) + 1e-9
-        assert sized[name] == pytest.approx(fitted[name], rel=0, abs=1e-7 * size), name
-    np.testing.assert_allclose(
-        rows_of(sized)["shaking_moment"],
-        rows_of(fitted)["shaking_moment"],
-        rtol=0,
-        atol=1e-7 * np.abs(rows_of(fitted)["shaking_moment"]).max(),
-    )
 
 
 # An engine

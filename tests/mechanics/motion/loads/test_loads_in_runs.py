@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from machines import compare
-from motion_scenes import GRAVITY, INERTIA, RATIO, ask, pendulum, rotor, run, slider_crank, steady
+from motion_scenes import GRAVITY, RATIO, ask, pendulum, rotor, run, slider_crank, steady
 from newton_euler import reactions
 from oracle import EPS
 
@@ -86,16 +86,6 @@ def test_pendulum_let_go__bears_its_weight_and_twice_the_energy_of_its_fall():
     covered(found, "go.acceleration.max", epsilon)
     covered(found, "go.acceleration.min", -epsilon)
     covered(found, "go.acceleration.amplitude", epsilon)
-
-
-def test_brake__stops_evenly():
-    scene = rotor({"stop": run("brake", from_speed=10.0, rest=True)})
-    found = ask(scene, asked("stop"), 240)
-    # I = 0.4 kg·m², two blocks of 20 N with 0.2 on 0.1 m: 0.8 N·m.
-    for end in ("min", "max"):
-        covered(found, f"stop.acceleration.{end}", -0.8 / INERTIA)
-    assert found["stop.speed.min_time"] == pytest.approx(5.0, abs=found.figure("stop.speed.min_time") + 1e-6)
-    covered(found, "stop.input.reaction.max", 0.0)
 
 
 # Against Newton and Euler, at the instants of a history

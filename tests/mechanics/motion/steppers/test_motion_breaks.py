@@ -6,8 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from motion_scenes import INERTIA, ask, crank_on_dc_motor, rotor, run, slider_crank, steady
-from scipy.integrate import solve_ivp
+from motion_scenes import INERTIA, ask, rotor, run, slider_crank, steady
 
 TURN = 2 * math.pi
 
@@ -77,41 +76,3 @@ def test_cycle_of_many_turns__cuts_as_often_as_one_of_one():
     for name in names.split():
         share = 7 if name == "on.motor_work" else 1
         assert found[7][name] == pytest.approx(share * found[1][name], rel=1e-8), name
-
-
-def test_sections_of_a_second_input__end_steps_where_they_meet():
-    """The arm's motion is uniformly accelerated and decelerated: dI/dφ jumps four times in a rise and a return."""
-    own, lump, arm, swing, back = 0.3, 20.0, 0.2, 0.6, math.pi / 2
-    stall, light, drag, begin, end = 60.0, 12.0, 1.0, 0.3, 0.3 + 2.3 * 2 * math.pi
-    law = {"law": "parabolic"}
-    sections = {"out": {"type": "rise", "angle": 2.0, "swing": swing} | law}
-    sections |= {"back": {"type": "return", "angle": back} | law, "rest": {"type": "dwell"}}
-    scene = crank_on_dc_motor(own, stall, light, {"type": "linear_drag", "coefficient": drag}, {})
-    scene["points"]["C"] = {"x": 0.5, "y": 0.0}
-    scene["inputs"] = {"arm": {"type": "crank", "pivot": "C", "drive": "crank", "sections": sections}}
-    scene["bodies"]["lump"] = {"link": "arm", "mass": lump, "x": arm}
-    scene["regimes"]["go"] = {"type": "run", "from_speed": 5.0, "from_angle": begin, "cycles": 2.3}
-    rises = np.linspace(1.8, 2.4, 12)
-    for accuracy in (None, 1e-6):
-        varied = {"inputs.arm.sections.out.angle": rises}
-        found = ask(scene, "go.final_speed", varied=varied, accuracy=accuracy)
-        for k, rise in enumerate(rises):
-
-            def inertia(phi: float, rise: float = rise) -> float:
-                at = phi % math.tau
-                width, at = (rise, at) if at < rise else (back, at - rise)
-                slope = 4.0 * swing / width * min(at / width, 1.0 - at / width) if at < width else 0.0
-                return own + lump * (arm * slope) ** 2
-
-            def power(phi: float, energy: np.ndarray, inertia: object = inertia) -> np.ndarray:
-                omega = np.sqrt(2.0 * energy / inertia(phi))
-                return stall * (1.0 - omega / light) - drag * omega
-
-            meet = [0.0, 0.5 * rise, rise, rise + 0.5 * back, rise + back]
-            edges = [turn * math.tau + at for turn in range(3) for at in meet]
-            edges = [begin, *(at for at in edges if begin < at < end), end]
-            energy = [0.5 * inertia(begin) * 25.0]
-            for here, there in pairwise(edges):
-                energy = solve_ivp(power, (here, there), energy, "DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
-            speed, error = math.sqrt(2.0 * energy[0] / inertia(end)), found.errors["go.final_speed"][k]
-            assert abs(found.values["go.final_speed"][k] - speed) <= error + 1e-11 * speed

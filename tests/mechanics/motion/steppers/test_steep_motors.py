@@ -89,7 +89,7 @@ def settled(slip: float, wheel: float, ratio: float) -> tuple[float, float, floa
     return state[1] - begun, speeds.min(), speeds.max()
 
 
-@pytest.mark.parametrize(("slip", "wheel", "ratio"), [(0.02, 0.0, 2.0), (0.01, 0.005, 3.0), (0.015, 0.002, 2.5)])
+@pytest.mark.parametrize(("slip", "wheel", "ratio"), [(0.02, 0.0, 2.0), (0.01, 0.005, 3.0)])
 def test_breakdown_slip_of_2_percent_and_less__as_radau(slip, wheel, ratio):
     motor = {"breakdown_slip": slip, "breakdown_moment": MOMENTS["induction"]["breakdown_moment"] * ratio}
     scene = slider_crank({"on": steady("induction cut gravity")}, flywheel=wheel, induction=motor)
@@ -116,24 +116,6 @@ def test_motor_with_a_flywheel__needs_no_implicit_steps():
     scene = slider_crank(regimes, flywheel=1.0)
     found = ask(scene, "on.implicit_steps go.implicit_steps")
     assert (found["on.implicit_steps"], found["go.implicit_steps"]) == (0.0, 0.0)
-
-
-def test_load_that_jumps_on_a_steep_motor__slows_it_down_to_their_balance():
-    inertia, stall, light, load, turns = 0.1, 20000.0, 12.5, 80.0, 200
-    # More than four times what energy there is in a radian, as near to rest.
-    loads = {"over_angle": [1.0, 1.0, 4.0, 4.0], "moment": [0.0, -load, -load, 0.0]}
-    loads |= {"type": "table", "interpolation": "linear"}
-    regimes = {"go": {"type": "run", "from_speed": light, "cycles": turns}}
-    scene = crank_on_dc_motor(inertia, stall, light, loads, regimes)
-    found = ask(scene, "go.speed_min go.speed_max go.time")
-    # Its time constant I ω₀/M₀ is worth a thousandth of a radian: ω = ω₀ (1 − M/M₀) after one radian.
-    slow = light * (1.0 - load / stall)
-    assert found["go.speed_min"] == pytest.approx(slow, rel=0, abs=found.figure("go.speed_min") + 1e-12)
-    # While the speed changes by δ = ω₀ − ω, the way gained or lost is its integral, ±δ·I ω₀/M₀ to first order, so that
-    # what both layers leave of a turn's time is of the order of δ/ω₀ more: 2·10⁻⁹ s of each turn.
-    period = 3.0 / slow + (2.0 * math.pi - 3.0) / light
-    assert found["go.time"] == pytest.approx(turns * period, rel=0, abs=turns * 4e-9 + found.figure("go.time"))
-    assert found.figure("go.speed_min") < 1e-3 * slow
 
 
 def test_kink_of_a_load_on_a_steep_motor__is_followed_to_the_extremes_behind_it():

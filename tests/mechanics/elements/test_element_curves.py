@@ -1,62 +1,14 @@
-"""Pictures of belts, guides, journals and vehicles: their curves are the textbook's formulas."""
+"""Curves in the pictures of elements are closed forms, and the results of the element."""
 
 import math
 
 import numpy as np
 import pytest
-from element_samples import BELT, DISC, GUIDE, INCLINE, JOURNAL, LEVER, WOUND, one, scene
+from element_samples import DISC, LEVER, WOUND, one, scene
 
 from engine import body_ellipsoid
 from sweeps.pictures.elements.element_pictures import element_sheet
 from sweeps.pictures.picture_error import PictureError
-
-
-def curves(element) -> dict:
-    figure = element_sheet(scene(it=element).elements["it"], "it")
-    return {line.get_label(): np.array(line.get_data()) for ax in figure.axes for line in ax.get_lines()}
-
-
-def test_belt__its_tensions_are_eytelweins():
-    drawn = curves(BELT)
-    friction, ratio = drawn["tension ratio"]
-    assert friction[-1] == pytest.approx(0.6)
-    assert ratio == pytest.approx(np.exp(friction * 3.0), rel=1e-12)
-    # In kN, as the shaft bears more than one at the friction given.
-    assert drawn["slack tension"][1] == pytest.approx(0.9 / ratio, rel=1e-12)
-
-
-def test_incline__its_efficiency_is_that_of_the_plane():
-    friction, efficiency = curves(INCLINE)["efficiency"]
-    # Of a pull along the plane: tan α / (tan α + μ).
-    assert efficiency == pytest.approx(math.tan(0.35) / (math.tan(0.35) + friction), rel=1e-12)
-
-
-def test_guide__its_curves_end_where_it_jams():
-    friction, force = curves({**GUIDE, "overhang": 0.4, "load": 0.0})["drive force"]
-    # A slider of length l pushed at an overhang h jams from l/(2h) on.
-    assert (np.isnan(force) == (friction >= 0.25)).all()
-
-
-def drawn_by(element) -> dict:
-    figure = element_sheet(scene(it=element).elements["it"], "it")
-    return {line.get_label(): np.array(line.get_data()) for line in figure.axes[1].get_lines()}
-
-
-def test_journal__its_moments_go_by_the_sine_of_the_angle_of_friction():
-    drawn = drawn_by({**JOURNAL, "load": 100.0, "diameter": 0.06, "friction": 0.1})
-    friction, moment = drawn["line"]
-    # M = R r sin atan f, and nearly so many times as much in a bush that is worn in, or new.
-    assert moment == pytest.approx(100.0 * 0.03 * np.sin(np.arctan(friction)), rel=1e-12)
-    assert drawn["worn in"][1][5] / moment[5] == pytest.approx(4.0 / math.pi, rel=1e-2)
-    assert drawn["new"][1][5] / moment[5] == pytest.approx(math.pi / 2.0, rel=1e-2)
-
-
-def test_roller__its_pull_grows_with_the_arm_until_it_slides():
-    roller = {"type": "roller", "load": 5000.0, "diameter": 0.4, "rolling_arm": 0.03, "friction": 0.2}
-    arm, pull = drawn_by(roller)["force that moves it"]
-    # k in mm, F = N k/r up to f N, in kN.
-    assert pull == pytest.approx(np.minimum(5.0 * arm / 200.0, 1.0), rel=1e-12)
-
 
 PLATE = {"type": "tilted_body", "mass": 8.0, "semi_axis_x": 0.1, "semi_axis_y": 0.06, "semi_axis_z": 0.02}
 
@@ -138,3 +90,34 @@ def test_way_on_an_elastic_tie__stretches_it_as_far_as_energy_and_moment_of_mome
     speed, force = next(line for line in pull.get_lines() if line.get_label() == "by an impulse").get_data()
     # Straight between places that are a few hundredths of the speed apart.
     assert np.interp(burst, speed, force) == pytest.approx(1e-3 * TIE["strength"], rel=1e-4)
+
+
+# Cars
+
+CAR = {
+    "type": "car",
+    "speed": 15.0,
+    "friction": 0.6,
+    "wheelbase": 2.8,
+    "rear_distance": 1.2,
+    "height": 0.6,
+    "gravity": 9.81,
+    "reaction_time": 0.8,
+}
+
+
+def curves(ax) -> dict:
+    return {line.get_label(): np.array(line.get_data()) for line in ax.get_lines()}
+
+
+@pytest.mark.parametrize("brakes", ["front", "rear", "all"])
+def test_car__comes_to_rest_where_its_results_say(brakes):
+    figure = element_sheet(scene(car=CAR | {"brakes": brakes}).elements["car"], "car")
+    over_speed, along = figure.axes
+    speed, way = curves(over_speed)[f"brakes: {brakes}"]
+    (thick,) = (line for line in along.get_lines() if line.get_linewidth() > 1.0)
+    passed, left = thick.get_data()
+    assert (left[0], left[-1]) == (pytest.approx(15.0), 0.0)
+    # At 15 m/s, two thirds of the greatest speed; linear between points 1/240 apart the square misses 1e-5 of it.
+    assert passed[-1] == pytest.approx(np.interp(15.0, speed, way), rel=1e-4)
+    assert passed[1] == pytest.approx(12.0)
