@@ -68,6 +68,15 @@ class Commands(click.Group):
                 tell_aside(f"Error: {shown_message(str(_in_its_file(error, files)))}")
                 sys.exit(NOT_ALL_DONE if isinstance(error, needed.UnfinishedError) else WRONG_INPUT)
 
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command that a command line names; a name that is none is answered with those that are."""
+        if args and self.get_command(ctx, args[0]) is None:
+            names = self.list_commands(ctx)
+            ctx.fail(engine.unknown_name_message(args[0], names, f"{args[0]!r} is not a command"))
+        return super().resolve_command(ctx, args)
+
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(own_version(), message="sweeps %(version)s", help="Version.")

@@ -262,7 +262,8 @@ line break in a cell | input.length [mm],reach\n"1,2\n3",4\n |  | a quoted cell 
 COMMANDS = cases(r"""
 no such file | run nope.toml | nope.toml | there is no such file
 scene for a result | show press.toml | press.toml | For scenes and studies use `sweeps check`
-misspelt command | chekc press.toml | chekc | Did you mean 'check'?
+misspelt command | chekc press.toml | chekc | did you mean 'check'?
+no command | frobnicate | frobnicate | known are animate, balance, check
 no value | check press.toml --set input.length | --set | write PATH=VALUE, such as input.length='55 mm'
 words for an angle | show press.toml --at ten | --at | expected an angle such as '30 deg' | for example --at 0,60,120
 no angle | show press.toml --at , | --at | no positions; for example --at 0,60,120
