@@ -83,7 +83,8 @@ def test_slender_body__is_as_sure_as_its_terms_that_cancel(least, middle, yaw, p
         tilt = min(mpmath.acos(abs(own[2, k])) for k in range(3))
         wanted = [*(fixed[k, k] for k in range(3)), -fixed[0, 1], -fixed[1, 2], -fixed[2, 0]]
         for (value, error), there in zip(found, [*wanted, *sorted(principal, reverse=True), tilt], strict=True):
-            assert abs(value - there) <= error
+            # Products below the normal numbers vanish.
+            assert abs(value - there) <= error + np.finfo(float).tiny
 
 
 def test_ellipsoid__has_its_moments_and_a_disc_askew_on_its_shaft_the_textbooks_couple():
