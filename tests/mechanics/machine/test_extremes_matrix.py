@@ -15,6 +15,7 @@ from extreme_slider_crank import (
     FIELDS,
     NUMBERS,
     POSITIONS,
+    ROUNDINGS,
     SLIDER_CRANK,
     SUMMARIES,
     Closed,
@@ -54,6 +55,27 @@ def test_fields_of_an_extreme__are_the_closed_form(machines, name):
                 row = outcome.fields[FIELDS[key][0]][0]
                 for got, true, slack in zip(row, true_row, closed.slack[key], strict=True):
                     assert abs(mp.mpf(float(got)) - true) <= slack * EPS[dtype], (dtype, key, got, true)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_work_in_an_extreme__is_the_closed_form(machines, name):
+    numbers = usual(**CASES[name])
+    kept = {dtype: machine.evaluate(paths([numbers])) for dtype, machine in machines.items()}
+    figure = kept[np.float64].errors["excess_work"][0]
+    for dtype, outcome in kept.items():
+        if outcome.status[0] != Verdict.OK:
+            continue
+        with mp.workdps(80):
+            cycle = Cycle(numbers)
+            places = [mp.mpf(float(phi)) for phi in machines[dtype].nodes]
+            true = [cycle.work(phi) for phi in places]
+            # A position of its own is rounded, too, and moves the work by the moment there.
+            moved = [abs(cycle.moment(phi, cycle.transfer(phi)[1])) * float(phi) for phi in places]
+        # Between the positions of panels it is off by what their series leave of the moment.
+        series = 2 * math.pi * CLOSELY * np.abs(outcome.fields["reduced_moment"]).max()
+        for got, value, of_place in zip(outcome.fields["work"][0], true, moved, strict=True):
+            room = EPS[dtype] * abs(value) + ROUNDINGS * EPS[np.float64] * of_place
+            assert abs(mp.mpf(float(got)) - value) <= figure + series + room, (got, value)
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -163,6 +185,33 @@ def test_four_bar_off_its_change_point_by_1e_12__is_judged_by_the_side(miss, ver
         dict(zip(LENGTHS, map(np.array, ([0.0], [1.0 + miss], [0.3], [0.7], [0.6])), strict=True))
     )
     assert outcome.status == verdict
+
+
+# Links of most unequal lengths, and far away
+
+
+def swing(ground: mp.mpf, crank: float, coupler: float, rocker: float) -> mp.mpf:
+    """Between crank and coupler in line, stretched and folded."""
+
+    def at_pivot(side: mp.mpf) -> mp.mpf:
+        return mp.acos((ground**2 + mp.mpf(rocker) ** 2 - side**2) / (2 * ground * rocker))
+
+    return at_pivot(mp.mpf(coupler) + crank) - at_pivot(mp.mpf(coupler) - crank)
+
+
+@pytest.mark.parametrize(("crank", "coupler", "rocker"), [(1e-3, 1.0, 0.8), (1e-3, 1.0, 1.0), (0.3, 1.0, 0.8)])
+@pytest.mark.parametrize("origin", [0.0, 1e6, -3e6])
+def test_links_one_to_a_thousand_and_origins_far_away__swing_as_their_triangles(origin, crank, coupler, rocker):
+    machine = Machine(Scene.model_validate(FOUR_BAR), ["rocker.swing"], [], LENGTHS)
+    lengths = (origin, origin + 1.0, crank, coupler, rocker)
+    outcome = machine.evaluate({path: np.array([value]) for path, value in zip(LENGTHS, lengths, strict=True)})
+    assert outcome.status[0] == Verdict.OK
+    with mp.workdps(50):
+        true = swing(mp.mpf(origin + 1.0) - mp.mpf(origin), crank, coupler, rocker)
+        off = abs(mp.mpf(float(outcome.summaries["rocker.swing"][0])) - true)
+    # Coordinates are rounded as they are far away, and the rocker's length makes angles of them.
+    assert off <= outcome.errors["rocker.swing"][0] + 16 * EPS[np.float64] * (1.0 + abs(origin)) / rocker
+    assert outcome.errors["rocker.swing"][0] <= 1e-8 * float(true) + 32 * EPS[np.float64] * abs(origin)
 
 
 # Laws of scale
