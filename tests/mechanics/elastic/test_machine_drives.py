@@ -503,3 +503,21 @@ def test_run_on_a_stiff_shaft__takes_about_as_long_as_forecast(tmp_path):
     (tmp_path / "scene.toml").write_text(write_scene(scene), encoding="utf8")
     study = read_study(tmp_path / "scene.toml")
     assert on_shafts_text(study).startswith("Runs on elastic shafts: about ")
+
+
+def test_start_through_backlash__loses_no_energy_but_to_drag_and_damper():
+    """A yoke that starts through backlash: what the motor does less what drag and damper take is what moves."""
+    run = RUN | {"time": 0.6, "backlash": 0.05}
+    history = drive_run(yoke({"run": run, "damping": 0.0}), "d")
+    inertia = WHEEL + MASS * 0.01 * np.sin(history.angle) ** 2
+    stretch = np.where(history.twist > 0.0, history.twist, np.minimum(history.twist + 0.05, 0.0))
+    energy = 0.1 * history.motor_speed**2 + 0.5 * inertia * history.machine_speed**2 + 200.0 * stretch**2
+    motor = STALL * (1 - history.motor_speed / NO_LOAD) * history.motor_speed
+    power = motor - DRAG * 0.01 * np.sin(history.angle) ** 2 * history.machine_speed**2
+    work = np.concatenate([[0.0], np.cumsum(0.5 * (power[1:] + power[:-1]) * np.diff(history.time))])
+    # The trapezoid rule over steps of up to 0.3 rad of the vibration.
+    assert energy == pytest.approx(work, abs=0.01 * energy.max())
+    # In the gap the shaft bears nothing.
+    inside = (history.twist < -1e-9) & (history.twist > -0.05 + 1e-9)
+    assert inside.sum() > 5
+    assert (history.moment[inside] == 0.0).all()

@@ -496,3 +496,30 @@ def test_clutch_that_slips_for_a_moment__is_seen_between_the_ends_of_a_step(accu
     for name in names.split():
         off = np.abs(found.values[name] - exact.values[name])
         assert (off <= 2 * found.errors[name] + exact.errors[name] + 1e-12 * exact.values[name]).all(), name
+
+
+def test_steady_motion_through_a_fluid__is_what_a_run_comes_to():
+    """What is left of a disturbance after a cycle is 1e-9 of it here, so that three of them forget their begin."""
+    to_it = {"early": run("dc oil load", from_speed=9.0, cycles=3.0), "last": run("dc oil load", cycles=1.0)}
+    scene = fluid(slider_crank({**to_it, "work": steady("dc oil load")}))
+    names = "speed_min speed_max fluid_heat motor_work fluid_slip fluid_moment_peak"
+    loads = "drive.inner.reaction.max input_moment.min acceleration.max frame.reaction_moment.max"
+    names = f"{names} {loads}"
+    fields = "work.speed work.instant work.kinetic_energy"
+    found = ask(scene, f"{of('work', names)} {of('last', names)} work.return_residual work.multiplier", fields=fields)
+    assert found.status == [Verdict.OK]
+    assert abs(found["work.multiplier"]) < 1e-6
+    for name in names.split():
+        figure = found.figure(f"work.{name}") + found.figure(f"last.{name}")
+        assert abs(found[f"work.{name}"] - found[f"last.{name}"]) <= figure + 1e-9 * abs(found[f"work.{name}"]), name
+    assert found["work.return_residual"] < 1e-9
+    # dt/dφ = 1/ω, by the trapezoidal rule for what is periodic.
+    speeds, instants = found.fields["work.speed"][0], found.fields["work.instant"][0]
+    period = np.mean(1.0 / speeds) * 2.0 * math.pi
+    assert instants[0] == pytest.approx(0.0, abs=1e-12)
+    assert instants[60] / period == pytest.approx(np.mean(1.0 / speeds[:60]) / 2 / np.mean(1.0 / speeds), rel=1e-2)
+    assert found.values["last.input_moment.min"][0] > 0.0
+    seen = history(Scene.model_validate(fluid(slider_crank({"work": steady("dc oil load")}))))
+    assert seen.verdict == Verdict.OK
+    assert (seen.shaft_speed > RATIO * seen.speed).all()
+    assert np.ptp(seen.angle) == pytest.approx(2.0 * math.pi, rel=1e-12)
