@@ -1,16 +1,17 @@
-"""Formulas of loads as nodes: random ones against the same text evaluated by Python."""
+"""Formulas of loads as nodes: random ones against the same text evaluated by Python, their derivatives and cuts."""
 
 import math
 import re
+from itertools import pairwise
 
 import numpy as np
 from graph_values import GraphValues
-from hypothesis import given, reject, settings
+from hypothesis import example, given, reject, settings
 from hypothesis import strategies as st
 from machines import slider_crank
 
 from engine import Scene, SceneError
-from engine.graph.nodes import Graph, Node
+from engine.graph.nodes import Graph, Node, Stage
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.loads import Loads
 from engine.scene.structure.ordering import order
@@ -131,3 +132,41 @@ def test_random_formula__is_what_python_makes_of_it(text, speed):
     good = ~wild & np.isfinite(expected)
     assert (np.abs(found - expected) <= 1e-11 * size + near)[good].all(), (text, found, expected)
     assert (np.isnan(found) == np.isnan(expected))[~wild].all()
+
+
+# The minimum of a curve and of numbers between which another part switches.
+STEPPED = "min(rod.angular_velocity / (1 rad/s), (n if rod.angular_velocity / (1 rad/s) > phi else k))"
+
+
+@settings(deadline=None, max_examples=100)
+@given(sums, st.sampled_from(SPEEDS))
+@example(STEPPED, 3.0)
+def test_what_switches__lies_at_a_declared_crossing(text, speed):
+    """In the panels that the crossings cut, what is held in the middle holds everywhere."""
+    values, force = force_of(scene_of(text, speed))
+    cuts = values.cuts([force])
+    for left, right in pairwise(cuts):
+        width = right - left
+        if width < 1e-6:
+            continue
+        q = left + width * np.linspace(0.001, 0.999, 7)
+        found, held = values([force], q)[0], values.in_panel([force], left, right, q)[0]
+        np.testing.assert_allclose(held, found, rtol=1e-12, atol=1e-12 * (1 + np.nanmax(np.abs(found), initial=0)))
+
+
+@settings(deadline=None, max_examples=100)
+@given(sums, st.sampled_from(SPEEDS))
+def test_derivative_of_a_switching_curve__is_its_slope(text, speed):
+    values, _ = force_of(scene_of(f"max({text}, 0.1)", speed))
+    h, q = 1e-4, np.random.default_rng(len(text)).uniform(0.01, 2 * math.pi - 0.01, 5)
+    for crossing in values.graph.crossings:
+        if crossing.curve.stage < Stage.POSITION:
+            continue
+        near = [values([crossing.curve], q + k * h)[0] for k in (-2, -1, 1, 2)]
+        rate = values([crossing.rate], q)[0]
+        rates = [values([crossing.rate], q + k * h)[0] for k in (-2, -1, 1, 2)]
+        slope = (near[0] - 8 * near[1] + 8 * near[2] - near[3]) / (12 * h)
+        size = np.max(np.abs([rate, *rates]), axis=0) + 1e-3 + np.max(np.abs(near), axis=0)
+        # Fourth order; not where a piece ends nearby, where the slopes beside differ.
+        smooth = np.max(np.abs(np.diff([*rates[:2], rate, *rates[2:]], n=2, axis=0)), axis=0) < 1e-4 * size
+        assert (np.abs(slope - rate) <= 2e-4 * size)[smooth & np.isfinite(slope)].all(), text
