@@ -10,6 +10,8 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
+import numpy as np
+
 from engine.compiling.blocks import LANES, Row, Rows, in_lanes
 from engine.compiling.decorators import inlined, routine
 from engine.cycle.panels.integrals import ROUNDING
@@ -148,18 +150,23 @@ class CloseTurns(NamedTuple):
     marks : one IntervalMarks
     at : Samples
         All functions where the intervals are divided.
+    order, sorted : ndarray (positions,)
+        Order of a lane's positions, and a row of its samples in that order.
     """
 
     suspects: many(Suspect)
     parts: many(Suspect)
     marks: one(IntervalMarks)
     at: Samples
+    order: np.ndarray
+    sorted: np.ndarray
 
 
-def new_close_turns(outputs: int) -> CloseTurns:
-    """Allocate the scratch arrays for an `events` function with `outputs` rows."""
-    at = new_samples(outputs, MOST_SUSPECTS)
-    return new_record(CloseTurns, suspects=MOST_SUSPECTS, parts=MOST_SUSPECTS, at=at)
+def new_close_turns(outputs: int, positions: int) -> CloseTurns:
+    """Allocate the scratch arrays for an `events` function with `outputs` rows, and so many scan positions."""
+    at, order = new_samples(outputs, MOST_SUSPECTS), np.zeros(positions, np.int64)
+    found = {"suspects": MOST_SUSPECTS, "parts": MOST_SUSPECTS, "at": at, "order": order}
+    return new_record(CloseTurns, **found, sorted=np.zeros(positions))
 
 
 @inlined
@@ -240,20 +247,38 @@ def begin_suspects(function: int, samples: Samples, turns: CloseTurns) -> None:
 
 
 @inlined
-def _insert(at: float, row: int, lane: int, samples: Samples, turns: CloseTurns) -> None:
-    """Add a position of `turns.at` to a lane's scan positions, in their order."""
-    q, run = in_lanes(samples.place[0]), 1.0 if samples.place[0, 0, lane] < samples.place[0, 1, lane] else -1.0
+def _append(at: float, row: int, lane: int, samples: Samples, turns: CloseTurns) -> None:
+    """Add a position of `turns.at` behind a lane's scan positions."""
     k = int(turns.marks.used[lane])
-    functions = samples.tile.shape[0]
-    while run * q[k - 1, lane] > run * at:
-        q[k, lane] = q[k - 1, lane]
-        for f in range(functions):
-            samples.tile[f, k, lane] = samples.tile[f, k - 1, lane]
-        k -= 1
-    q[k, lane] = at
-    for f in range(functions):
+    samples.place[0, k, lane] = at
+    for f in range(samples.tile.shape[0]):
         samples.tile[f, k, lane] = turns.at.tile[f, row, lane]
     turns.marks.used[lane] += 1.0
+
+
+@routine
+def sort_added(first: int, lane: int, samples: Samples, turns: CloseTurns) -> None:
+    """Sort a lane's scan positions, of which those from `first` on were added."""
+    q, order, count = in_lanes(samples.place[0]), turns.order, int(turns.marks.used[lane])
+    run = 1.0 if q[0, lane] < q[1, lane] else -1.0
+    for k in range(count):
+        i = k
+        while k >= first and i > 0 and run * q[order[i - 1], lane] > run * q[k, lane]:
+            order[i] = order[i - 1]
+            i -= 1
+        order[i] = k
+    permute(count, lane, q, turns)
+    for f in range(samples.tile.shape[0]):
+        permute(count, lane, in_lanes(samples.tile[f]), turns)
+
+
+@routine
+def permute(count: int, lane: int, column: Rows, turns: CloseTurns) -> None:
+    """Put a lane's first `count` numbers into the order found."""
+    for k in range(count):
+        turns.sorted[k] = column[turns.order[k], lane]
+    for k in range(count):
+        column[k, lane] = turns.sorted[k]
 
 
 @routine
@@ -274,7 +299,7 @@ def divide(function: int, rows: int, range_of: Row, samples: Samples, turns: Clo
             suspected_low, suspected_high = is_suspected(low, at_low), is_suspected(at_high, high)
             turned = ((low.slope >= 0.0) == (high.slope >= 0.0)) & ((slope >= 0.0) != (low.slope >= 0.0))
             if turned | suspected_low | suspected_high:
-                _insert(at, row, lane, samples, turns)
+                _append(at, row, lane, samples, turns)
                 if abs(high.q - low.q) > SHORTEST * abs(range_of[lane]):
                     if suspected_low:
                         _enter(low, at_low, lane, turns)
@@ -301,7 +326,7 @@ def add_close_turns(
         All functions at the scan positions. Lanes with fewer positions than others repeat their last one.
     turns : CloseTurns
     """
-    marks = turns.marks
+    marks, first = turns.marks, samples.used[0]
     begin_suspects(function, samples, turns)
     for _ in range(MOST_DIVISIONS):
         if not any_positive(marks.found):
@@ -322,6 +347,9 @@ def add_close_turns(
             marks.found[lane] = 0.0
         sample(events, given, rows, turns.at)
         divide(function, rows, range_of, samples, turns)
+    for lane in range(LANES):
+        if marks.used[lane] > first:
+            sort_added(first, lane, samples, turns)
     repeat_last(samples, marks.used)
 
 

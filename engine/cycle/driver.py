@@ -252,7 +252,7 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
     """Allocate the workspace of a task, with a given number of rows of P and of steps of the walk."""
     functions, count = len(task.landmarks), task.tolerance.size
     outputs = 2 * functions + task.states.size
-    crossings = len(task.crossings) * task.most_roots
+    crossings, positions = len(task.crossings) * task.most_roots, (1 + ADDED) * task.scan
     search = new_record(Search, candidates=steps, series=POSITIONS, other_series=POSITIONS)
     search.up[:], search.down[:] = 1.0, -1.0
     return new_record(
@@ -264,9 +264,9 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
         figures=count,
         scales=count,
         integrals=task.integrals.size,
-        scan=new_samples(outputs, (1 + ADDED) * task.scan),
+        scan=new_samples(outputs, positions),
         scan_beside=new_samples(outputs, LOOKED_BESIDE),
-        close_turns=new_close_turns(outputs),
+        close_turns=new_close_turns(outputs, positions),
         turns=new_roots(outputs, functions * task.most_roots),
         crossings=new_roots(outputs, crossings),
         middle=new_samples(outputs, 1),

@@ -46,8 +46,8 @@ from engine.cycle.measures.fluctuation import Fluctuation
 from engine.cycle.measures.unloaded_arcs import Arc
 from engine.cycle.plan import Plan, is_cut, without_cuts
 
-# Initial room for steps of the walk, plus two for each crossing; blocks that need more are evaluated again.
-_STEPS = 24
+# Initial room for steps of the walk; blocks that need more are evaluated again. What isn't used takes no memory.
+_STEPS = 512
 # Doublings of the scan positions and of the room for roots, after which a variant that needs more has no results.
 MOST_DOUBLINGS = 6
 
@@ -234,8 +234,7 @@ class CycleMachine:
     def _answers(self, asked: Packed, numbers: np.ndarray, tables: np.ndarray) -> DriverAnswers:
         blocks = np.arange(-(-numbers.shape[1] // LANES))
         answers = self._new_answers(asked.record, numbers.shape[1], blocks.size)
-        steps = _STEPS + 2 * len(self.task.crossings)
-        both = asked, Packed(answers)
+        steps, both = _STEPS, (asked, Packed(answers))
         while blocks.size:
             given = *both, Packed(EvaluatedVariants(blocks, numbers, tables)), steps
             spread(evaluate_blocks, blocks.size, partial(self._arguments, *given))

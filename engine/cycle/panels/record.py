@@ -143,10 +143,9 @@ def room_for(curves: int, steps: int, degree: int) -> Record:
 @routine
 def begin_record(record: Record) -> None:
     """Clear a record."""
-    known = record.known
+    for slot in range(record.steps[0] * record.curves):
+        record.known[slot] = 0
     record.steps[0] = 0
-    for slot in range(known.shape[0]):
-        known[slot] = 0
     for k in range(record.curves):
         whole = record.whole[k]
         for lane in range(LANES):
