@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from engine.cycle.regula_falsi import bisected
 from engine.motion.fields.recorded_motion import OneSpeedMotion
 from engine.motion.runs.one_speed_run import OneSpeedRuns
 from engine.motion.runs.run_in_angle import TIMES_TO_THE_END
@@ -21,7 +22,6 @@ MOST_CYCLES = 100.0
 STRIDE = 20.0
 # Shortest interval between tests, relative to the time: more than the width of a jump.
 AT_ONCE = 1e-9
-HALVINGS = 60
 # Fraction of the peak speed below which a machine that nothing stops has practically ended its motion.
 FADED = 1e-9
 # The same fraction for a machine that something stops.
@@ -103,12 +103,11 @@ def _starts_by(runs: OneSpeedRuns, who: np.ndarray, look: np.ndarray) -> np.ndar
         # A stop holds an input that is pressed against it.
         return (facing != 0.0) & (runs.ahead(who, facing) > 0.0)
 
-    started, low, high = start(look), runs.state.time[who], look
-    for _ in range(HALVINGS if started.any() else 0):
-        middle = 0.5 * (low + high)
-        there = start(middle)
-        low, high = np.where(there, low, middle), np.where(there, middle, high)
-    return np.where(started, high, look)
+    started = start(look)
+    if not started.any():
+        return look
+    _, first = bisected(lambda time: ~start(time), runs.state.time[who], look)
+    return np.where(started, first, look)
 
 
 def stretch_over_time(runs: OneSpeedRuns, who: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
