@@ -30,18 +30,13 @@ def braking_moment(brake: Brake, at: str, numbers: Numbers) -> float | np.ndarra
     if isinstance(brake, BandBrake):
         lever, friction = (numbers[f"{at}.{key}"] for key in _LEVER), numbers[f"{at}.friction"]
         if brake.blocks is None:
-            return _each(band_brake, *lever, friction, numbers[f"{at}.wrap"], numbers[f"{at}.radius"])
-        grip = _each(band_and_block_grip, friction, numbers[f"{at}.block_angle"], float(brake.blocks))
-        return _each(band_brake, *lever, 1.0, grip, numbers[f"{at}.radius"])
+            return band_brake(*lever, friction, numbers[f"{at}.wrap"], numbers[f"{at}.radius"])
+        grip = band_and_block_grip(friction, numbers[f"{at}.block_angle"], float(brake.blocks))
+        return band_brake(*lever, 1.0, grip, numbers[f"{at}.radius"])
     force, friction = numbers[f"{at}.force"], numbers[f"{at}.friction"]
     if isinstance(brake, BlockBrake):
-        factor = _each(long_block_factor, 0.5 * numbers[f"{at}.embrace"])
-        return _each(block_brake, force, friction * factor, numbers[f"{at}.radius"], float(brake.blocks))
+        factor = long_block_factor(0.5 * numbers[f"{at}.embrace"])
+        return block_brake(force, friction * factor, numbers[f"{at}.radius"], float(brake.blocks))
     mean_radius = uniform_wear_radius if brake.linings == "worn in" else uniform_pressure_radius
-    radius = _each(mean_radius, numbers[f"{at}.inner_radius"], numbers[f"{at}.outer_radius"])
-    return _each(disc_brake, force, friction, radius, float(brake.faces))
-
-
-def _each(law, *arguments: float | np.ndarray) -> np.ndarray:  # noqa: ANN001
-    """Apply a scalar law elementwise to arrays."""
-    return np.vectorize(law, otypes=[float])(*arguments)
+    radius = mean_radius(numbers[f"{at}.inner_radius"], numbers[f"{at}.outer_radius"])
+    return disc_brake(force, friction, radius, float(brake.faces))
