@@ -248,6 +248,11 @@ class Workspace(NamedTuple):
     record: Record
 
 
+def recorded_curves(task: Task) -> int:
+    """Number of curves in the record."""
+    return task.kept.size + len(task.works) + len(task.angles) + task.speeds.size
+
+
 def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
     """Allocate the workspace of a task, with a given number of rows of P and of steps of the walk."""
     functions, count = len(task.landmarks), task.tolerance.size
@@ -278,7 +283,7 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
         ends=new_record(SpeedEnds),
         stretches=new_stretches(MOST_STRETCHES if len(task.arcs) else 0),
         parts=new_record(Parts, edges=1),
-        record=room_for(task.kept.size + len(task.works) + len(task.angles) + task.speeds.size, steps, task.degree),
+        record=room_for(recorded_curves(task), steps, task.degree),
     )
 
 

@@ -37,6 +37,7 @@ from engine.cycle.driver import (
     evaluate_blocks,
     find_cuts,
     new_workspace,
+    recorded_curves,
 )
 from engine.cycle.events import LandmarkRows
 from engine.cycle.measured import Measured, maximum
@@ -46,8 +47,9 @@ from engine.cycle.measures.fluctuation import Fluctuation
 from engine.cycle.measures.unloaded_arcs import Arc
 from engine.cycle.plan import Plan, is_cut, without_cuts
 
-# Initial room for steps of the walk; blocks that need more are evaluated again. What isn't used takes no memory.
-_STEPS = 512
+# Initial room for steps of the walk, and for those of all curves together; blocks that need more are evaluated again.
+# The system gives memory to what is used only.
+_STEPS, _SLOTS = 24, 4096
 # Doublings of the scan positions and of the room for roots, after which a variant that needs more has no results.
 MOST_DOUBLINGS = 6
 
@@ -234,7 +236,7 @@ class CycleMachine:
     def _answers(self, asked: Packed, numbers: np.ndarray, tables: np.ndarray) -> DriverAnswers:
         blocks = np.arange(-(-numbers.shape[1] // LANES))
         answers = self._new_answers(asked.record, numbers.shape[1], blocks.size)
-        steps, both = _STEPS, (asked, Packed(answers))
+        steps, both = max(_STEPS, _SLOTS // max(recorded_curves(self.task), 1)), (asked, Packed(answers))
         while blocks.size:
             given = *both, Packed(EvaluatedVariants(blocks, numbers, tables)), steps
             spread(evaluate_blocks, blocks.size, partial(self._arguments, *given))
