@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import Field
 
 from engine.cycle.regula_falsi import regula_falsi
-from engine.elements.element import ElementResult, NamedRows, NamingElement, Numbers
+from engine.elements.element import Element, ElementResult, NamedRows, Numbers
 from engine.elements.panels import TIME, Curve, Mark, Panel, PanelAxis, path, plan
 from engine.parts.skeleton import AngularSpeed, Length, Mass, Number, Speed
 
@@ -30,7 +30,7 @@ _SHOWN, _LEVERS = 721, 8
 _FAR, _TERMS, _NODES, _NEAR = 200.0, 20, 24, 4.0
 
 
-class RotatingGuide(NamingElement):
+class RotatingGuide(Element):
     """A body that slides outwards on a straight lever rotating in a horizontal plane with constant `speed`.
 
     At time 0 it is at `start_radius` from the axis, with `start_velocity` along the lever; it leaves the lever at

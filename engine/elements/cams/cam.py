@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from enum import IntEnum
+from functools import cached_property
 from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
@@ -77,6 +78,7 @@ class CamElement(CamProgram, Element):
         if self.follower.contact == "flat" and self.limits is not None and self.limits.pressure_angle is not None:
             yield "limits.pressure_angle: a flat face has none; give limits.convex_radius alone"
 
+    @cached_property
     def results(self) -> tuple[ElementResult, ...]:
         """Results for shape and motion, for forces if the follower's mass is known, and for the limits."""
         return tuple(made.result for made in _results(self))
@@ -286,7 +288,7 @@ def _result(
     name: str, words: str, unit: str, when: tuple[Lasting, bool] = (Lasting.ALWAYS, True), of: tuple[Sought, ...] = ()
 ) -> Result:
     rank = Rank.FURTHER if name in _FURTHER or name.endswith("_at") else Rank.ANSWER
-    return Result(ElementResult(name, words, unit, None, True, rank=rank), *when, of)
+    return Result(ElementResult(name, words, unit, True, rank=rank), *when, of)
 
 
 def _with_angle(

@@ -9,13 +9,13 @@ from pydantic import Field
 
 from engine.elements.compliances.elastic_parts import ElasticPart
 from engine.elements.compliances.reduction import damping_and_absorption, in_series, reduced_part
-from engine.elements.element import ElementResult, NamingElement, Numbers
+from engine.elements.element import Element, ElementResult, Numbers
 from engine.elements.panels import Curve, Panel, PanelAxis
 from engine.parts.skeleton import Moment, Name, quantity
 from engine.units.display import quantity_text
 
 
-class ComplianceElement(NamingElement):
+class ComplianceElement(Element):
     """Parts of a drive in series, reduced to one shaft, relative to which the parts' speed ratios are defined.
 
     A `moment` on that shaft gives the moment and twist of every part; the `frequency` of a vibration relates energy

@@ -31,14 +31,14 @@ OF_ENGINE = (
     ElementResult("working_lift", "lift of the sleeve at the engine's load, after its change", "m"),
     ElementResult("working_speed", "steady speed of the engine, after the change of load", "rad s-1"),
     ElementResult("steady_speed_change", "steady change of the engine's speed by the change of load", "rad s-1"),
-    further("vyshnegradsky_x", "Vyshnegradsky's X", "1", None, True),
-    further("vyshnegradsky_y", "Vyshnegradsky's Y", "1", None, True),
+    further("vyshnegradsky_x", "Vyshnegradsky's X", "1", True),
+    further("vyshnegradsky_y", "Vyshnegradsky's Y", "1", True),
     ElementResult("stable", "engine and governor are stable (1) or hunt (0)", "1", exact=True),
-    ElementResult("gain_margin", "gain of the throttle at which they hunt, over that given", "1", None, True),
-    further("critical_damping", "damping at the sleeve below which they hunt", "N s m-1", None, True),
-    further("critical_inertia", "inertia of the engine below which they hunt", "kg m2", None, True),
-    further("decay_rate", "rate at which the slowest part of a disturbance decays", "s-1", None, True),
-    ElementResult("hunting_frequency", "angular frequency of the oscillation", "rad s-1", None, True),
+    ElementResult("gain_margin", "gain of the throttle at which they hunt, over that given", "1", True),
+    further("critical_damping", "damping at the sleeve below which they hunt", "N s m-1", True),
+    further("critical_inertia", "inertia of the engine below which they hunt", "kg m2", True),
+    further("decay_rate", "rate at which the slowest part of a disturbance decays", "s-1", True),
+    ElementResult("hunting_frequency", "angular frequency of the oscillation", "rad s-1", True),
     further("oscillates", "a disturbance decays or grows in oscillations (1 or 0)", "1", exact=True),
 )
 
@@ -323,7 +323,7 @@ def near_equilibrium(g: GovernorVariants, marks: Marks) -> dict[ElementResult, n
         further("greatest_speed_with_friction", "speed at which the sleeve rises to its highest", "rad s-1"): rises,
         further("sleeve_force", _SLEEVE_FORCE, "N"): half.sleeve,
         ElementResult("effort", _EFFORT, "N"): effort,
-        ElementResult("power", "effort times the lift that the given change of speed makes", "J", None, True): power,
+        ElementResult("power", "effort times the lift that the given change of speed makes", "J", True): power,
     }
     if g.governor.engine is None:
         return results

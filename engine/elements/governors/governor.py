@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import ROUNDING, Answers, ElementResult, NamingElement, Numbers, by_name, further, nudged
+from engine.elements.element import ROUNDING, Answers, Element, ElementResult, Numbers, by_name, further, nudged
 from engine.elements.governors.equilibria import (
     GovernorVariants,
     governor_marks,
@@ -37,7 +37,7 @@ _TRANSIENT = (
     ElementResult("highest_speed", "highest speed of the engine after the change of load", "rad s-1"),
     ElementResult("lowest_speed", "lowest speed of the engine after the change of load", "rad s-1"),
     ElementResult("overshoot", "maximum departure beyond the new steady speed, relative", "1"),
-    ElementResult("settling_time", "time after which the speed stays in its band", "s", None, True),
+    ElementResult("settling_time", "time after which the speed stays in its band", "s", True),
     ElementResult("hunting", "amplitude of the speed at the end, over the new steady speed", "1"),
     further("inner_stop_hits", "how often the sleeve runs on its inner stop", **_FLAG),
     further("outer_stop_hits", "how often the sleeve runs on its outer stop", **_FLAG),
@@ -54,7 +54,7 @@ _FLAT = 1e-12
 _POSITIONS, BEYOND = 401, 0.25
 
 
-class Governor(NamingElement):
+class Governor(Element):
     """Common to all governors: two balls, a sleeve with friction, damping and a spring, stops, optionally an engine.
 
     `sleeve_mass` includes the central load. The spring on the sleeve has the force `preload` at the inner stop.
@@ -107,7 +107,7 @@ class Governor(NamingElement):
         return radius
 
     @cached_property
-    def own_results(self) -> tuple[ElementResult, ...]:
+    def results(self) -> tuple[ElementResult, ...]:
         """Results of the governor; with an engine, its stability; with a simulated change of load, the response."""
         g, marks, _ = governor_marks(governor_variants(self, self.own_numbers()))
         return (*near_equilibrium(g, marks), *(_TRANSIENT if self.is_followed else ()))

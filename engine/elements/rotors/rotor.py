@@ -13,7 +13,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Answers, Columns, ElementResult, NamedRows, NamingElement, Numbers, further, nudged
+from engine.elements.element import Answers, Columns, Element, ElementResult, NamedRows, Numbers, further, nudged
 from engine.elements.panels import Curve, Panel, PanelAxis
 from engine.elements.rotors.bearings import peak_forces, rotating_forces, static_forces
 from engine.elements.rotors.correction import correct, corrected_unbalance, misplaced_share
@@ -47,7 +47,7 @@ _SINGLE_PLANE = "position at which a single correction leaves the least couple"
 _PERMISSIBLE = "permissible residual unbalance in the plane of the"
 
 
-class RotorElement(NamingElement):
+class RotorElement(Element):
     """A rigid rotor in two bearings, with masses off its axis and correction planes.
 
     `centre` is the position of the centre of mass along the axis, as are the positions of bearings and planes. `grade`
@@ -182,10 +182,10 @@ def _qualities(
     for (state, words), quality in zip(_STATES.items(), needed, strict=True):
         yield further(f"quality_{state}", f"balance quality e ω {words}", "m s-1"), quality
     for (state, words), quality in zip(_STATES.items(), needed, strict=True):
-        grade = ElementResult(f"grade_{state}", f"finest grade G held {words}", "m s-1", None, True, True)
+        grade = ElementResult(f"grade_{state}", f"finest grade G held {words}", "m s-1", True, True)
         yield grade, grade_reached(quality) / 1000
     words = "error of every correction that the grade allows, as a share of it"
-    yield further("error_allowance", words, "1", None, True), room
+    yield further("error_allowance", words, "1", True), room
 
 
 def rotor_unbalances(rotor: RotorElement, n: Numbers) -> tuple[np.ndarray, np.ndarray]:
