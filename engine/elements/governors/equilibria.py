@@ -14,7 +14,6 @@ from engine.elements.governors.governor_nodes import DATUM, States, equilibrium_
 from engine.elements.sampled_peak import sampled_peak
 from engine.graph.nodes import Graph, Stage
 from engine.graph.over_arrays import NodesOverArrays, over_arrays
-from engine.laws.governors.equilibrium import non_uniformity, under_friction
 from engine.laws.governors.stability import stability_with_engine
 from engine.laws.rounding import EPS
 from engine.words.verdicts import Verdict
@@ -299,9 +298,14 @@ def near_equilibrium(g: GovernorVariants, marks: Marks) -> dict[ElementResult, n
     at_low, at_high, first, last, shaky, weak = found.each()
     half = g.at(g.moved(middle, "lift", 0.5 * (first.lift + last.lift)))
     mean, effort = 0.5 * (first.speed + last.speed), n["speed_change"] * half.sleeve
-    ends = first.speed, first.sleeve, last.speed, last.sleeve
-    falls, rises, insensitivity = over_arrays(under_friction, n["friction"], *ends, weak.sleeve)
-    uneven, isochronous = non_uniformity(first.speed, last.speed, mean), np.tile(marks.isochronous, copies)
+    # Friction F holds the sleeve between ω √(1 − F/E) and ω √(1 + F/E).
+    falls, rises = (
+        end.speed * np.sqrt(1.0 + side * n["friction"] / end.sleeve) for end, side in ((first, -1.0), (last, 1.0))
+    )
+    held = n["friction"] / weak.sleeve
+    # √(1 + F/E) − √(1 − F/E) without its cancellation.
+    insensitivity = 2.0 * held / (np.sqrt(1.0 + held) + np.sqrt(1.0 - held))
+    uneven, isochronous = (last.speed - first.speed) / mean, np.tile(marks.isochronous, copies)
     power = 2.0 * effort * effort / half.stiffness
     results = {
         further("inner_speed", "speed of the spindle in equilibrium at the inner stop", "rad s-1"): at_low.speed,

@@ -19,11 +19,10 @@ from engine.elements.governors.equilibria import (
     search_errors,
 )
 from engine.elements.governors.governed_engine import FullAndShutThrottle, GovernedEngine
-from engine.elements.governors.governor_nodes import Holding, Linkage, States, held_by_weights, numbers
+from engine.elements.governors.governor_nodes import Linkage, States, along_axis, numbers
 from engine.elements.governors.transients import TOLERANCE, follow_changes
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.graph.nodes import Graph, Node
-from engine.laws.governors.linkages import balls_on_upper_arms
 from engine.laws.tables import Table
 from engine.parts.actions import Force
 from engine.parts.bodies import STANDARD_GRAVITY
@@ -98,8 +97,8 @@ class Governor(Element):
         """Linkage of balls and sleeve at a position."""
         raise NotImplementedError
 
-    def held(self, graph: Graph, x: Node, link: Linkage, lift: Node) -> Holding:
-        """Potential that holds the balls at a position."""
+    def held(self, link: Linkage, rates: Linkage, lift: Node) -> tuple[Node, Node]:
+        """V' of the potential that holds the balls, and the sum of the magnitudes of its terms."""
         raise NotImplementedError
 
     def position_of(self, g: GovernorVariants, radius: np.ndarray) -> np.ndarray:
@@ -153,9 +152,14 @@ class LoadedGovernor(Governor):
     preload: Force = 0.0
     gravity: Annotated[Acceleration, Field(ge=0)] = STANDARD_GRAVITY
 
-    def held(self, graph: Graph, x: Node, link: Linkage, lift: Node) -> Holding:
-        """Potential of the weights and the spring."""
-        return held_by_weights(graph, link, lift)
+    def held(self, link: Linkage, rates: Linkage, lift: Node) -> tuple[Node, Node]:
+        """Work of the weights of balls and sleeve, and of the spring on the sleeve."""
+        keys = ("ball_mass", "sleeve_mass", "gravity", "preload", "stiffness")
+        mass, sleeve_mass, gravity, preload, stiffness = numbers(lift.graph, *keys)
+        ball, weight = mass * gravity, sleeve_mass * gravity
+        slope = 2.0 * ball * rates.balls + (weight + preload + stiffness * lift) * rates.sleeve
+        whole = weight + abs(preload) + stiffness * (abs(link.sleeve) + abs(link.sleeve - lift))
+        return slope, 2.0 * ball * abs(rates.balls) + whole * abs(rates.sleeve)
 
 
 class ArmGovernor(LoadedGovernor):
@@ -176,8 +180,11 @@ class ArmGovernor(LoadedGovernor):
         return "upper_arm"
 
     def linkage(self, graph: Graph, x: Node) -> Linkage:
-        """Linkage of the arms, with the balls on the upper ones."""
-        return Linkage(*graph.apply(balls_on_upper_arms, x, *numbers(graph, *ARMS, self.ball_arm_key)))
+        """Linkage of the arms at a radius of their joints, with the balls on the upper ones."""
+        upper, lower, pivot, lower_pivot, ball_arm = numbers(graph, *ARMS, self.ball_arm_key)
+        along, share = along_axis(x, pivot, upper), ball_arm / upper
+        radius = pivot + share * (x - pivot)
+        return Linkage(radius, -share * along, -along - along_axis(x, lower_pivot, lower))
 
     def position_of(self, g: GovernorVariants, radius: np.ndarray) -> np.ndarray:
         """Radii of the joints."""
