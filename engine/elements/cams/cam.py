@@ -1,4 +1,7 @@
-"""Cams: shape of the profile, motion of the follower, forces, minimum base circle."""
+"""Cams: shape of the profile, motion of the follower, forces, minimum base circle.
+
+Source: K. L. Johnson, Contact Mechanics, chapter 4 (Hertz's pressure between cylinders).
+"""
 
 import math
 from collections.abc import Iterator
@@ -16,7 +19,6 @@ from engine.elements.cams.over_turn import Measures, PeakPlaces, Sought, measure
 from engine.elements.cams.positions import PEAK_FACTOR, at_positions, cam_variants, limit_radius, with_roundings
 from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, Rank, nudged
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
-from engine.laws.cams.hertz_contact import pressure_of_lines
 from engine.laws.rounding import EPS
 from engine.parts.motion_programs import CamProgram, sections_of
 from engine.parts.skeleton import AngularSpeed, Faults, Positive
@@ -190,7 +192,9 @@ class CamElement(CamProgram, Element):
                 found["lift_off_speed"] = np.where(growth > 0.0, growth**-0.5, np.nan)
         if self.line_contact is not None:
             modulus = n["line_contact.elastic_modulus"] / (2.0 * (1.0 - n["line_contact.poisson"] ** 2))
-            found["contact_pressure"] = pressure_of_lines(found["contact_pressure"], modulus, n["line_contact.width"])
+            # Hertz's pressure of cylinders of one material, from the normal force times the sum of the curvatures.
+            width = math.pi * n["line_contact.width"]
+            found["contact_pressure"] = np.sqrt(found["contact_pressure"] * modulus / width)
         if self.limits is not None:
             if angles is None:
                 height = np.maximum(found["least_base_radius"], 0.0)

@@ -40,13 +40,13 @@ RESULTS = (
     further("growth_rate", "rate at which disturbances grow", "s-1"),
 )
 RUN_RESULTS = (
-    ElementResult("run_greatest_moment", "peak shaft torque during the run", "N m", "run"),
-    ElementResult("run_greatest_at", "time of its peak", "s", "run"),
-    further("run_motor_speed", "speed at the motors' end after the run, at the crank", "rad s-1", "run"),
-    further("run_machine_speed", "speed of the crank after the run, negative backwards", "rad s-1", "run"),
-    further("run_angle", "angle that the crank turned", "rad", "run"),
-    further("run_stops", "number of stops of the crank", "1", "run", exact=True),
-    further("run_closings", "how often the backlash closed", "1", "run", exact=True),
+    ElementResult("run_greatest_moment", "peak shaft torque during the run", "N m", True),
+    ElementResult("run_greatest_at", "time of its peak", "s", True),
+    further("run_motor_speed", "speed at the motors' end after the run, at the crank", "rad s-1", True),
+    further("run_machine_speed", "speed of the crank after the run, negative backwards", "rad s-1", True),
+    further("run_angle", "angle that the crank turned", "rad", True),
+    further("run_stops", "number of stops of the crank", "1", True, exact=True),
+    further("run_closings", "how often the backlash closed", "1", True, exact=True),
 )
 
 

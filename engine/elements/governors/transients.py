@@ -83,15 +83,8 @@ class GovernorMode(NamedTuple):
     outer_hits: Given | np.ndarray
 
 
-def governed_system(governor: Element, machine: bool) -> tuple[System, Graph, GovernorMode]:
-    """Equations of motion of a governor and its engine, from `engine.laws.governors.motion`.
-
-    Parameters
-    ----------
-    governor : Governor
-    machine : bool
-        Whether the engine is a mechanism, whose curves are in memory.
-    """
+def _governed_system(governor: Element, machine: bool) -> tuple[System, Graph, GovernorMode]:
+    """Equations of motion of a governor and its engine, or `machine`, whose curves are in memory."""
     graph = Graph()
     states = Moving(*(graph.given(label, Stage.STATE) for label in Moving._fields))
     _, speed, velocity, position = states
@@ -221,7 +214,7 @@ class _Runs(WalkedRuns):
         speed, still = begin.speed / ratio, np.zeros(count)
         self.state = Moving(still.copy(), speed.copy(), still.copy(), width + (before - low))
         machine = cycle.size > 0
-        system, graph, held = governed_system(g.governor, machine)
+        system, graph, held = _governed_system(g.governor, machine)
         self.system = PrintedSystem(system, graph, graph.zero, graph.zero)
         self.farthest = FARTHEST_TURN * self.longer if machine else math.inf
         given = n | {
