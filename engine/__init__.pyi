@@ -57,7 +57,6 @@ from engine.elements.torsional_trains.natural_frequencies import natural_vibrati
 from engine.elements.torsional_trains.reduced_train import ReducedTrain, reduced_train
 from engine.elements.torsional_trains.torsional_train import TorsionalTrain
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
-from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.tables import TableError
 from engine.machine.balancing.counterweights import BalancedMachine, BalanceError, CounterweightPlace, balance
 from engine.machine.checks import full_names, outside_limits
@@ -376,7 +375,6 @@ __all__ = [
     "show_units",
     "show_units_of",
     "sized_regimes",
-    "slider_tilts",
     "sliders_of",
     "sliding_quantity",
     "sources_digest",

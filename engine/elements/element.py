@@ -1,6 +1,6 @@
 """Base class of the machine elements, and the register of their kinds.
 
-Each kind of element is one class in one file: its input model, its list of results and the law that computes them. The
+Each kind of element is one class in one file: its input model, and its results, named where they are computed. The
 file bears the name of the kind: a scene with `type = "screw"` loads `screw.py` only, so an unused element costs
 nothing. No other module lists the kinds.
 
@@ -48,7 +48,7 @@ class Rank(IntEnum):
 
 
 class ElementResult(NamedTuple):
-    """A result of a law: name, meaning, unit, the optional key that it requires, and whether it may be undefined.
+    """A result of a law: name, meaning, unit, and whether it may be undefined.
 
     A result that is `exact` (yes or no) has no error estimate.
     """
@@ -56,7 +56,6 @@ class ElementResult(NamedTuple):
     name: str
     long_name: str
     units: str
-    needs: str | None = None
     may_be_undefined: bool = False
     exact: bool = False
     rank: Rank = Rank.ANSWER
@@ -82,6 +81,9 @@ def by_name(results: Mapping[ElementResult, np.ndarray]) -> Columns:
     return {result.name: row for result, row in results.items()}
 
 
+NamedRows = Iterator[tuple[ElementResult, Measured | np.ndarray]]
+
+
 class Answers(NamedTuple):
     """Results of an element with their error estimates, by name, and the verdicts, for all variants."""
 
@@ -100,8 +102,6 @@ class Element(Part):
 
     Attributes
     ----------
-    RESULTS : tuple of ElementResult
-        Results of this kind; one is skipped if the key that it requires is absent.
     variants_at_once : int
         Number of variants evaluated in one call.
     infinite : Verdict
@@ -110,7 +110,6 @@ class Element(Part):
         Word for the contents of its diagrams, with which the names of their files end.
     """
 
-    RESULTS: ClassVar[tuple[ElementResult, ...]] = ()
     variants_at_once: ClassVar[int] = 2048
     infinite: ClassVar[Verdict] = Verdict.JAMS
     picture: ClassVar[str] = "results"
@@ -121,12 +120,8 @@ class Element(Part):
         if kind is not None and get_origin(kind.annotation) is Literal:
             _KINDS[get_args(kind.annotation)[0]] = cls
 
-    def results(self) -> tuple[ElementResult, ...]:
-        """Results available with the keys given."""
-        return tuple(r for r in self.RESULTS if r.needs is None or getattr(self, r.needs) is not None)
-
-    def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by name; NaN or infinite where undefined.
+    def named(self, n: Numbers) -> NamedRows:
+        """Results of a set of variants, with their descriptions; NaN or infinite where undefined.
 
         Parameters
         ----------
@@ -135,9 +130,15 @@ class Element(Part):
         """
         raise NotImplementedError
 
-    def in_order(self, rows: Iterable[np.ndarray]) -> Columns:
-        """Rows of results in the order of RESULTS, by name."""
-        return named_in_order(self.RESULTS, rows)
+    @cached_property
+    @np.errstate(all="ignore")
+    def results(self) -> tuple[ElementResult, ...]:
+        """Results available with the keys given, as named with the element's own numbers."""
+        return tuple(result for result, _ in self.named(self.own_numbers()))
+
+    def values(self, n: Numbers) -> dict[str, Measured | np.ndarray]:
+        """Results of a set of variants by name; parameters as for `named`."""
+        return by_name(dict(self.named(n)))
 
     def evaluate(self, n: Numbers) -> Answers:
         """Results with their error estimates, and verdicts; `nudged` gives the estimates unless overridden.
@@ -145,7 +146,7 @@ class Element(Part):
         Parameters
         ----------
         n : mapping of str to ndarray (variants,)
-            As for `values`.
+            As for `named`.
         """
         return Answers(*nudged(self.values, n))
 
@@ -180,7 +181,7 @@ class Element(Part):
         """
         key, number = next(self.numbers_within())
         groups: dict[str, list[str]] = {}
-        for result in self.results():
+        for result in self.results:
             if not result.exact:
                 groups.setdefault(result.units, []).append(result.name)
         span = np.linspace(0.5, 1.5, PLACES) * (number.value or 1.0)
@@ -214,31 +215,6 @@ class Element(Part):
     def machine_needed(self) -> tuple[str, str]:
         """Key (with a leading dot) and name of a part that needs a machine with a rotating crank; ("", "") if none."""
         return "", ""
-
-
-NamedRows = Iterator[tuple[ElementResult, Measured | np.ndarray]]
-
-
-class NamingElement(Element):
-    """An element that names each result where it is computed; its keys decide which ones it has."""
-
-    def named(self, n: Numbers) -> NamedRows:
-        """Results of a set of variants, with their descriptions; parameters as for `values`."""
-        raise NotImplementedError
-
-    def results(self) -> tuple[ElementResult, ...]:
-        """Results available with the keys given."""
-        return self.own_results
-
-    @cached_property
-    @np.errstate(all="ignore")
-    def own_results(self) -> tuple[ElementResult, ...]:
-        """The same, found once, with the element's own numbers."""
-        return tuple(result for result, _ in self.named(self.own_numbers()))
-
-    def values(self, n: Numbers) -> dict[str, Measured | np.ndarray]:
-        """Results of a set of variants by name."""
-        return by_name(dict(self.named(n)))
 
 
 _KINDS: dict[str, type[Element]] = {}

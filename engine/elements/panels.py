@@ -78,9 +78,9 @@ def path(words: str, points: np.ndarray | Sequence[complex], faint: bool = False
     return Curve(words, points.imag, faint, points.real)
 
 
-def circle(words: str, radius: float, centre: complex = 0.0, faint: bool = True) -> Curve:
-    """A circle in a plane."""
-    return path(words, centre + radius * np.exp(1j * np.linspace(0.0, math.tau, 361)), faint)
+def circle(words: str, radius: float, centre: complex = 0.0) -> Curve:
+    """A faint circle in a plane."""
+    return path(words, centre + radius * np.exp(1j * np.linspace(0.0, math.tau, 361)), True)
 
 
 def plan(curves: Sequence[Curve], title: str = "", unit: str = "m", words: tuple[str, str] = ("x", "y")) -> Panel:

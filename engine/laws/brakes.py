@@ -12,7 +12,6 @@ Khurmi and Gupta, chapter 19.
 import math
 
 from engine.compiling.decorators import scalar
-from engine.laws.friction.belts import gripped_share, slack_share
 
 
 @scalar
@@ -136,8 +135,8 @@ def band_brake(
     """
     if not slack_arm + tight_arm > 0.0:
         return math.nan
-    rubbing = gripped_share(friction, wrap) * _pressing(force) * lever_arm * radius
-    left = slack_arm * slack_share(friction, wrap) + tight_arm
+    rubbing = -math.expm1(-friction * wrap) * _pressing(force) * lever_arm * radius
+    left = slack_arm * math.exp(-friction * wrap) + tight_arm
     if left <= 0.0:
         return math.inf if rubbing > 0.0 else rubbing
     return rubbing / left
@@ -165,33 +164,6 @@ def band_and_block_grip(friction: float, block_angle: float, blocks: float) -> f
     if held >= 1.0:
         return math.inf
     return 2 * blocks * math.atanh(held)
-
-
-@scalar
-def axle_shares(
-    wheelbase: float, rear_distance: float, height: float, front: float, rear: float
-) -> tuple[float, float]:
-    """Fractions of a braked vehicle's weight, normal to the road, on its front and rear axle.
-
-    Moments about the centre of mass: (f_1 N_1 + f_2 N_2) h = N_1 (L - x) - N_2 x.
-
-    Parameters
-    ----------
-    wheelbase, rear_distance, height : float
-        L, distance x of the centre of mass from the rear axle, and its height h [m].
-    front, rear : float
-        f_1 and f_2 between tyres and road; 0 for an axle without brakes.
-
-    Returns
-    -------
-    front_share, rear_share : float
-        NaN where the rear axle would lift.
-    """
-    kept = wheelbase - rear_distance - front * height
-    if kept < 0.0:
-        return math.nan, math.nan
-    whole = wheelbase + (rear - front) * height
-    return (rear_distance + rear * height) / whole, kept / whole
 
 
 @scalar

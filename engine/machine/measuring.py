@@ -15,7 +15,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import laws
 from engine.compiling.kept_code import load_printed
 from engine.cycle import machine as cycle
 from engine.cycle.measured import Measured, maximum, where
@@ -586,15 +585,17 @@ class MeasuredCycles:
             delta = self.number(asked.fluctuation)
             energy = delta * speed_squared
             if asked.result == "flywheel_excess_work":
-                return laws.masses.flywheels.flywheel_by_excess_work(self._read(("range", Work(asked.moment))), energy)
+                # The excess work over δ ω²: the whole reduced inertia, taken as constant.
+                return self._read(("range", Work(asked.moment))) / energy
             if asked.result == "flywheel_merzalov":
-                found = self._read((steady.of, steady.middle))
-                return laws.masses.flywheels.flywheel_by_merzalov(found, energy, self.number(asked.first_kind))
+                # The energy of the constant part of I, which does a share of the work, changes by W − ½ ω² I.
+                return self._read((steady.of, steady.middle)) / energy - self.number(asked.first_kind)
             if asked.wheel is None or asked.result == "flywheel_wittenbauer":
                 first = Measured(self.outcome.firsts[self._m.functions.curves[asked.inertia]])
                 top = self._read((steady.of, steady.fast))
                 bottom = self._read((steady.of, steady.slow))
-                exact = laws.masses.flywheels.flywheel_by_wittenbauer(top, bottom, energy, first)
+                # Exact: the tangents to the diagram of energy over inertia at ω_max and ω_min.
+                exact = (top - bottom) / energy - first
             if asked.result == "flywheel_wittenbauer":
                 return exact
         wheel = self.number(asked.wheel) if asked.wheel is not None else maximum(exact, Measured(np.zeros(exact.shape)))

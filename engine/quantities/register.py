@@ -1,7 +1,8 @@
 """The available quantities of a machine: fields, curves over the positions; and summaries, one number per variant."""
 
 from collections.abc import Callable, Iterable, Iterator
-from typing import NamedTuple
+from functools import partial
+from typing import NamedTuple, TypeVar
 
 from engine.elements.element import Rank
 from engine.graph.nodes import Node
@@ -25,10 +26,12 @@ from engine.quantities.expressions import (
 from engine.quantities.quantity import STATISTICS, InputUnits, Quantity
 from engine.scene.load_formulas import NOTHING_REPEATS, time_dependent
 
+Known = TypeVar("Known")
 
-def known(curve: Node | Followed) -> Callable[[], Node | Followed]:
-    """The curve of a field that is a node already."""
-    return lambda: curve
+
+def known(found: Known) -> Callable[[], Known]:
+    """The curve of a field, or expression of a summary, that is there already."""
+    return lambda: found
 
 
 class Field(NamedTuple):
@@ -67,10 +70,10 @@ class Summary(NamedTuple):
     name, long_name, units : str
     expression : callable
         Makes the expression on request.
-    may_be_undefined : bool
-        Whether NaN is a valid result, not a failure.
     symbol : str
         Textbook symbol.
+    may_be_undefined : bool
+        Whether NaN is a valid result, not a failure.
     rank : Rank
     """
 
@@ -78,8 +81,8 @@ class Summary(NamedTuple):
     long_name: str
     units: str
     expression: Callable[[], Expression]
-    may_be_undefined: bool = False
     symbol: str = ""
+    may_be_undefined: bool = False
     rank: Rank = Rank.FURTHER
 
     @property
@@ -89,6 +92,12 @@ class Summary(NamedTuple):
 
 
 Declared = Iterator[Field | Summary]
+answer_summary, check_summary = (partial(Summary, rank=rank) for rank in (Rank.ANSWER, Rank.CHECK))
+
+
+def answer_if(asked: bool) -> Callable[..., Summary]:
+    """Makes summaries that are answers if asked for."""
+    return answer_summary if asked else Summary
 
 
 def mean(mechanics: Mechanics, curve: Node | Followed) -> Expression:

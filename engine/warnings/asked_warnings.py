@@ -14,22 +14,15 @@ from engine.warnings.rule import Rule
 from engine.words.verdicts import Verdict
 
 
-def computable_rules(scene: Scene, has: Callable[[str], bool]) -> dict[str, tuple[Rule, ...]]:
-    """Rules of a scene whose quantities exist, by the names of their kinds.
-
-    Parameters
-    ----------
-    scene : Scene
-    has : callable
-        Whether a summary exists.
-    """
+def _computable_rules(scene: Scene, has: Callable[[str], bool]) -> dict[str, tuple[Rule, ...]]:
+    """Rules of a scene whose quantities exist, by the names of their kinds."""
     found = {kind: tuple(r for r in rules if all(map(has, r.reads))) for kind, rules in rules_by_kind(scene).items()}
     return {kind: rules for kind, rules in found.items() if rules}
 
 
 def warning_summaries(scene: Scene, has: Callable[[str], bool]) -> list[Quantity]:
-    """Summaries for the warnings of a scene; parameters as for `computable_rules`."""
-    kinds = computable_rules(scene, has)
+    """Summaries for the warnings of a scene whose quantities exist, by `has`."""
+    kinds = _computable_rules(scene, has)
     words = {kind.name: kind.long_name for kind in KINDS}
     flags = [Quantity(f"{COUNT}.{kind}", f"1 where the warning applies: {words[kind]}", "1") for kind in kinds]
     return [Quantity(COUNT, "number of warnings", "1"), *flags] if flags else []
@@ -56,7 +49,7 @@ class AskedWarnings:
 
     def __init__(self, scene: Scene, asked: Iterable[str], has: Callable[[str], bool]) -> None:
         wished = [name for name in asked if is_warning(name)]
-        self._rules = computable_rules(scene, has) if wished else {}
+        self._rules = _computable_rules(scene, has) if wished else {}
         known = [COUNT, *(f"{COUNT}.{kind}" for kind in self._rules)] if self._rules else []
         self.names = [name for name in wished if name in known]
         self.reads = list(dict.fromkeys(s for name in self.names for rule in self._of(name) for s in rule.reads))

@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import Field
 
 from engine.cycle.regula_falsi import regula_falsi
-from engine.elements.element import ElementResult, NamedRows, NamingElement, Numbers
+from engine.elements.element import Element, ElementResult, NamedRows, Numbers
 from engine.elements.panels import TIME, Curve, Mark, Panel, PanelAxis, path, plan
 from engine.parts.skeleton import AngularSpeed, Length, Mass, Number, Speed
 
@@ -30,7 +30,7 @@ _SHOWN, _LEVERS = 721, 8
 _FAR, _TERMS, _NODES, _NEAR = 200.0, 20, 24, 4.0
 
 
-class RotatingGuide(NamingElement):
+class RotatingGuide(Element):
     """A body that slides outwards on a straight lever rotating in a horizontal plane with constant `speed`.
 
     At time 0 it is at `start_radius` from the axis, with `start_velocity` along the lever; it leaves the lever at
@@ -59,10 +59,10 @@ class RotatingGuide(NamingElement):
         high = np.log((there + np.abs(second)) / first) * (root + friction) + 1.0
         way = there - start
         turned = np.log(high)
-        turned = np.exp(regula_falsi(lambda y: np.log(slides_out(*own, np.exp(y))[0] / way), turned - _FAR, turned))
-        slid, rate = slides_out(*own, turned)
+        turned = np.exp(regula_falsi(lambda y: np.log(_slides_out(*own, np.exp(y))[0] / way), turned - _FAR, turned))
+        slid, rate = _slides_out(*own, turned)
         turned = turned - (slid - way) / rate
-        rate = w * slides_out(*own, turned)[1]
+        rate = w * _slides_out(*own, turned)[1]
         squares, time = w * _squares(*own, turned), turned / w
         yield ElementResult("time", "time to the end of the lever", "s"), time
         yield ElementResult("turned_angle", "angle by which the lever turns meanwhile", "rad"), turned
@@ -86,7 +86,7 @@ class RotatingGuide(NamingElement):
         end = self.own_values()["time"]
         time = np.linspace(0.0, end, _SHOWN)
         given = (np.full(time.shape, v) for v in (self.start_radius, self.start_velocity / self.speed, self.friction))
-        slid, rate = slides_out(*given, self.speed * time)
+        slid, rate = _slides_out(*given, self.speed * time)
         radius, rate = self.start_radius + slid, self.speed * rate
         reaction = 2.0 * self.mass * self.speed * rate
         rows = (PanelAxis("distance", "m", "r"), radius), (PanelAxis("reaction", "N", "R"), reaction)
@@ -100,26 +100,12 @@ class RotatingGuide(NamingElement):
         return plan(lines, "From above"), *over_time
 
 
-def slides_out(
+def _slides_out(
     radius: np.ndarray, reach: np.ndarray, friction: np.ndarray, turned: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Displacement along the lever and its derivative by the lever's angle.
+    """Displacement along the lever [m] and its derivative by the angle `turned`.
 
-    Parameters
-    ----------
-    radius : ndarray
-        Initial distance from the axis [m].
-    reach : ndarray
-        Initial derivative [m].
-    friction : ndarray
-        Coefficient of friction.
-    turned : ndarray
-        Angle of the lever [rad].
-
-    Returns
-    -------
-    displacement, derivative : ndarray
-        [m].
+    `radius` is the initial distance from the axis, `reach` the initial derivative.
     """
     root = np.hypot(1.0, friction)
     back = root + friction
@@ -148,7 +134,7 @@ def _exponentials(
 
 
 def _squares(radius: np.ndarray, reach: np.ndarray, friction: np.ndarray, turned: np.ndarray) -> np.ndarray:
-    """Integral of the squared derivative of `slides_out` over the lever's angle [m²]."""
+    """Integral of the squared derivative of `_slides_out` over the lever's angle [m²]."""
     first, second, root = _exponentials(radius, reach, friction)
     back = root + friction
     with np.errstate(all="ignore"):
@@ -157,6 +143,6 @@ def _squares(radius: np.ndarray, reach: np.ndarray, friction: np.ndarray, turned
         far = far - 0.5 * back * second**2 * np.expm1(-2.0 * back * turned) - 2.0 * first * second * both
     # For a small angle they cancel.
     places, weights = np.polynomial.legendre.leggauss(_NODES)
-    rates = (slides_out(radius, reach, friction, 0.5 * (1.0 + y) * turned)[1] for y in places)
+    rates = (_slides_out(radius, reach, friction, 0.5 * (1.0 + y) * turned)[1] for y in places)
     near = 0.5 * turned * sum(weight * rate**2 for weight, rate in zip(weights, rates, strict=True))
     return np.where(back * turned < _NEAR, near, far)

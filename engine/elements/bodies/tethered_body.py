@@ -21,7 +21,7 @@ from pydantic import Field
 from scipy.integrate import solve_ivp
 
 from engine.cycle.regula_falsi import regula_falsi
-from engine.elements.element import ElementResult, NamedRows, NamingElement, Numbers
+from engine.elements.element import Element, ElementResult, NamedRows, Numbers
 from engine.elements.panels import VELOCITY, Curve, Mark, Panel, PanelAxis, circle, path, plan
 from engine.parts.actions import Force, Stiffness
 from engine.parts.skeleton import Length, Mass, Speed
@@ -30,7 +30,7 @@ from engine.parts.skeleton import Length, Mass, Speed
 _SHOWN = 721
 
 
-class TetheredBody(NamingElement):
+class TetheredBody(Element):
     """A body on an elastic tie about a fixed point, set off by an impulse across it or spun up slowly.
 
     `length` is the unstretched length of the tie, `strength` the force at which it bursts, `speed` that of the body. A

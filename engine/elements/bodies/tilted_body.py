@@ -14,7 +14,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Answers, ElementResult, NamedRows, NamingElement, Numbers, nudged
+from engine.elements.element import Answers, Element, ElementResult, NamedRows, Numbers, nudged
 from engine.elements.panels import Panel, path, plan
 from engine.laws.rounding import EPS
 from engine.parts.skeleton import Angle, AngularSpeed, Faults, Inertia, Length, Mass, Positive
@@ -31,7 +31,7 @@ _GREATEST_INERTIA = 1e150
 _PLATE = 1e-6
 
 
-class TiltedBody(NamingElement):
+class TiltedBody(Element):
     """A body whose own axes are inclined to the fixed axes.
 
     It is rotated by `yaw` about z, then by `pitch` about its new y axis, then by `roll` about its x axis. It has

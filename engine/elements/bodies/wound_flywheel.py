@@ -23,7 +23,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import ElementResult, NamedRows, NamingElement, Numbers
+from engine.elements.element import Element, ElementResult, NamedRows, Numbers
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.elements.sampled_peak import sampled_peak
 from engine.laws.masses.link_inertia import ring_inertia
@@ -32,7 +32,7 @@ from engine.parts.skeleton import AngularSpeed, Number, Positive, Pressure, quan
 _PLACES, _SHOWN = 257, 721
 
 
-class WoundFlywheel(NamingElement):
+class WoundFlywheel(Element):
     """A flywheel of tape or wire, wound with the tension `winding_stress` on a ring of the same material.
 
     The ring extends from `bore` to `winding_diameter`, the winding from there to `diameter`. `strength` is that of the

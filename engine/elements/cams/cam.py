@@ -1,8 +1,12 @@
-"""Cams: shape of the profile, motion of the follower, forces, minimum base circle."""
+"""Cams: shape of the profile, motion of the follower, forces, minimum base circle.
+
+Source: K. L. Johnson, Contact Mechanics, chapter 4 (Hertz's pressure between cylinders).
+"""
 
 import math
 from collections.abc import Iterator
 from enum import IntEnum
+from functools import cached_property
 from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
@@ -15,7 +19,6 @@ from engine.elements.cams.over_turn import Measures, PeakPlaces, Sought, measure
 from engine.elements.cams.positions import PEAK_FACTOR, at_positions, cam_variants, limit_radius, with_roundings
 from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, Rank, nudged
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
-from engine.laws.cams.hertz_contact import pressure_of_lines
 from engine.laws.rounding import EPS
 from engine.parts.motion_programs import CamProgram, sections_of
 from engine.parts.skeleton import AngularSpeed, Faults, Positive
@@ -77,6 +80,7 @@ class CamElement(CamProgram, Element):
         if self.follower.contact == "flat" and self.limits is not None and self.limits.pressure_angle is not None:
             yield "limits.pressure_angle: a flat face has none; give limits.convex_radius alone"
 
+    @cached_property
     def results(self) -> tuple[ElementResult, ...]:
         """Results for shape and motion, for forces if the follower's mass is known, and for the limits."""
         return tuple(made.result for made in _results(self))
@@ -188,7 +192,9 @@ class CamElement(CamProgram, Element):
                 found["lift_off_speed"] = np.where(growth > 0.0, growth**-0.5, np.nan)
         if self.line_contact is not None:
             modulus = n["line_contact.elastic_modulus"] / (2.0 * (1.0 - n["line_contact.poisson"] ** 2))
-            found["contact_pressure"] = pressure_of_lines(found["contact_pressure"], modulus, n["line_contact.width"])
+            # Hertz's pressure of cylinders of one material, from the normal force times the sum of the curvatures.
+            width = math.pi * n["line_contact.width"]
+            found["contact_pressure"] = np.sqrt(found["contact_pressure"] * modulus / width)
         if self.limits is not None:
             if angles is None:
                 height = np.maximum(found["least_base_radius"], 0.0)
@@ -286,7 +292,7 @@ def _result(
     name: str, words: str, unit: str, when: tuple[Lasting, bool] = (Lasting.ALWAYS, True), of: tuple[Sought, ...] = ()
 ) -> Result:
     rank = Rank.FURTHER if name in _FURTHER or name.endswith("_at") else Rank.ANSWER
-    return Result(ElementResult(name, words, unit, None, True, rank=rank), *when, of)
+    return Result(ElementResult(name, words, unit, True, rank=rank), *when, of)
 
 
 def _with_angle(

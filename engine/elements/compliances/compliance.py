@@ -8,14 +8,15 @@ import numpy as np
 from pydantic import Field
 
 from engine.elements.compliances.elastic_parts import ElasticPart
-from engine.elements.compliances.reduction import damping_and_absorption, in_series, reduced_part
-from engine.elements.element import ElementResult, NamingElement, Numbers
+from engine.elements.compliances.reduction import in_series, reduced_part
+from engine.elements.compliances.stiffnesses import damping_of_absorption
+from engine.elements.element import Element, ElementResult, Numbers
 from engine.elements.panels import Curve, Panel, PanelAxis
 from engine.parts.skeleton import Moment, Name, quantity
 from engine.units.display import quantity_text
 
 
-class ComplianceElement(NamingElement):
+class ComplianceElement(Element):
     """Parts of a drive in series, reduced to one shaft, relative to which the parts' speed ratios are defined.
 
     A `moment` on that shaft gives the moment and twist of every part; the `frequency` of a vibration relates energy
@@ -33,7 +34,8 @@ class ComplianceElement(NamingElement):
         whole = in_series({name: reduced_part(part, n, f"parts.{name}") for name, part in self.parts.items()})
         damping, absorption = None, whole.absorption
         if self.frequency is not None:
-            damping, absorption = damping_and_absorption(whole, n["frequency"])
+            damping = whole.damping + damping_of_absorption(whole.absorption, whole.stiffness, n["frequency"])
+            absorption = damping * math.tau * n["frequency"] / whole.stiffness
         yield ElementResult("stiffness", "torsional stiffness of all parts, reduced", "N m rad-1"), whole.stiffness
         words = "torsional compliance of all parts, reduced"
         yield ElementResult("compliance", words, "rad N-1 m-1"), 1.0 / whole.stiffness

@@ -15,7 +15,6 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.elements.compliances.elastic_parts import ElasticPart, ParallelPart, SeriesPart, ShaftPart
-from engine.elements.compliances.stiffnesses import damping_of_absorption
 from engine.elements.element import Numbers
 
 
@@ -133,21 +132,3 @@ def _together(
             changed = {key: getattr(own, key) * shares[name] for key in ("energy", shared)}
             within[f"{name}.parts.{path}" if path else name] = own._replace(**changed)
     return ReducedPart(stiffness, damping, absorption, roundings, within)
-
-
-def damping_and_absorption(whole: ReducedPart, frequency: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """All dampers of a whole at one frequency, as a damping and as an energy absorption.
-
-    Parameters
-    ----------
-    whole : ReducedPart
-    frequency : ndarray (variants,)
-        Frequency of the vibration [rad/s].
-
-    Returns
-    -------
-    damping, absorption : ndarray (variants,)
-        [N·m·s/rad], [1].
-    """
-    damping = whole.damping + damping_of_absorption(whole.absorption, whole.stiffness, frequency)
-    return damping, damping * math.tau * frequency / whole.stiffness

@@ -28,25 +28,25 @@ RESULTS = (
     ElementResult("least_moment", "minimum shaft torque", "N m"),
     ElementResult("alternating_moment", "alternating torque of the shaft: half its range", "N m"),
     further("rigid_moment", "peak torque of a rigid shaft", "N m"),
-    ElementResult("dynamic_factor", "peak shaft torque over that of a rigid shaft", "1", None, True),
+    ElementResult("dynamic_factor", "peak shaft torque over that of a rigid shaft", "1", True),
     ElementResult("greatest_twist", "peak shaft twist (crank lag)", "rad"),
     ElementResult("position_error", "how far the crank is from turning rigidly: half the range of the twist", "rad"),
     ElementResult("motor_power", "mean power of the motors", "W"),
     further("damping_power", "mean power that the shaft's damping takes", "W"),
-    check_result("power_residual", "what is missing of the balance of power, as a share", "1", None, True),
+    check_result("power_residual", "what is missing of the balance of power, as a share", "1", True),
     check_result("multiplier", "largest magnitude of a multiplier: growth of disturbances per cycle", "1"),
     check_result("second_multiplier", "second largest magnitude of a multiplier", "1"),
     check_result("third_multiplier", "smallest magnitude of a multiplier", "1"),
     further("growth_rate", "rate at which disturbances grow", "s-1"),
 )
 RUN_RESULTS = (
-    ElementResult("run_greatest_moment", "peak shaft torque during the run", "N m", "run"),
-    ElementResult("run_greatest_at", "time of its peak", "s", "run"),
-    further("run_motor_speed", "speed at the motors' end after the run, at the crank", "rad s-1", "run"),
-    further("run_machine_speed", "speed of the crank after the run, negative backwards", "rad s-1", "run"),
-    further("run_angle", "angle that the crank turned", "rad", "run"),
-    further("run_stops", "number of stops of the crank", "1", "run", exact=True),
-    further("run_closings", "how often the backlash closed", "1", "run", exact=True),
+    ElementResult("run_greatest_moment", "peak shaft torque during the run", "N m", True),
+    ElementResult("run_greatest_at", "time of its peak", "s", True),
+    further("run_motor_speed", "speed at the motors' end after the run, at the crank", "rad s-1", True),
+    further("run_machine_speed", "speed of the crank after the run, negative backwards", "rad s-1", True),
+    further("run_angle", "angle that the crank turned", "rad", True),
+    further("run_stops", "number of stops of the crank", "1", True, exact=True),
+    further("run_closings", "how often the backlash closed", "1", True, exact=True),
 )
 
 
@@ -85,7 +85,7 @@ class MachineDrive(ElasticShaft, Element):
 
     one_of: ClassVar = (("driver", "motor_inertia"),)
     picture: ClassVar = "cycle"
-    RESULTS: ClassVar = (*RESULTS, *RUN_RESULTS)
+    results: ClassVar = (*RESULTS, *RUN_RESULTS)
 
     type: Literal["machine_drive"]
     driver: GearedRef | None = None
@@ -95,7 +95,7 @@ class MachineDrive(ElasticShaft, Element):
 
     def evaluate(self, n: Numbers) -> Answers:
         """The results set as numbers of the drive."""
-        parts = ({r.name: n[f"machine.{kind}.{r.name}"] for r in self.RESULTS} for kind in ("value", "error"))
+        parts = ({r.name: n[f"machine.{kind}.{r.name}"] for r in self.results} for kind in ("value", "error"))
         return Answers(*parts, n[VERDICT_KEY].astype(np.uint8))
 
     def machine_needed(self) -> tuple[str, str]:

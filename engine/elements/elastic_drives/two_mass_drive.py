@@ -68,7 +68,7 @@ class TwoMassDrive(ElasticShaft, Element):
     one_of: ClassVar = (("motor_moment", "motor"),)
     required_with: ClassVar = dict.fromkeys(("speed", "load_before"), ("begin", ("running",)))
     picture: ClassVar = "transient"
-    RESULTS: ClassVar = (
+    results: ClassVar = (
         ElementResult("stiffness", "torsional stiffness of the shaft", "N m rad-1"),
         ElementResult("damping", "torsional damping of the shaft", "N m s rad-1"),
         ElementResult("natural_frequency", "natural frequency of the drive in touch", "rad s-1"),
@@ -77,9 +77,9 @@ class TwoMassDrive(ElasticShaft, Element):
         ElementResult("greatest_moment_at", "time of the peak shaft torque", "s"),
         ElementResult("dynamic_factor", "peak torque over that of a rigid shaft", "1"),
         ElementResult("closings", "how often the backlash closes", "1", exact=True),
-        ElementResult("first_impact_at", "when the backlash closes first", "s", None, True),
-        ElementResult("first_impact_speed", "relative speed at which the backlash closes first", "rad s-1", None, True),
-        ElementResult("load_starts_at", "when the load starts to move", "s", None, True),
+        ElementResult("first_impact_at", "when the backlash closes first", "s", True),
+        ElementResult("first_impact_speed", "relative speed at which the backlash closes first", "rad s-1", True),
+        ElementResult("load_starts_at", "when the load starts to move", "s", True),
         ElementResult("motor_speed", "speed of the motor at the end", "rad s-1"),
         ElementResult("load_speed", "speed of the load at the end", "rad s-1"),
     )
@@ -101,7 +101,7 @@ class TwoMassDrive(ElasticShaft, Element):
         followed, rigid = self.follow(n, longer), self.of_shaft(n)["rigid_moment"]
         held = followed.held
         peak, impacts = (held.greatest, held.greatest_at, held.greatest / rigid), held[6:]
-        return named_in_order(self.RESULTS[4:], (*peak, *impacts, followed.speed, followed.load_speed)), followed
+        return named_in_order(self.results[4:], (*peak, *impacts, followed.speed, followed.load_speed)), followed
 
     def of_shaft(self, n: Numbers) -> Columns:
         """Results that don't depend on the motion, by name."""
@@ -111,7 +111,7 @@ class TwoMassDrive(ElasticShaft, Element):
         if self.begin == "at rest":
             # If the motor can't move the load, the load holds all of its torque.
             rigid = np.where(load >= motor, motor, rigid)
-        return named_in_order(self.RESULTS[:4], (*shaft, rigid))
+        return named_in_order(self.results[:4], (*shaft, rigid))
 
     def curve(self, n: Numbers) -> MotorCurve:
         """Characteristic of the motor."""

@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import Field
 
 from engine.cycle.measured import Measured
-from engine.elements.element import Answers, ElementResult, NamingElement, Numbers, Rank, further
+from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank, further
 from engine.elements.engines.engine_layout import (
     Engine,
     EngineLayout,
@@ -72,7 +72,7 @@ class EngineGas(Part):
     ambient: Pressure = 101_325.0
 
 
-class EngineElement(NamingElement):
+class EngineElement(Element):
     """An engine of equal cylinders, with all rods on the crankpins, or on the master rod of a radial engine.
 
     `bank_angle` is the angle between neighbouring banks of a V or W. `throws` are the angles of the throws, one for

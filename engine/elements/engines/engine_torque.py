@@ -20,7 +20,8 @@ import numpy as np
 from engine.elements.element import Element, Numbers
 from engine.elements.engines.engine_layout import Engine, MasterRod
 from engine.elements.engines.firing import FOUR_STROKE, firing_sequence, firing_sums
-from engine.elements.engines.harmonics import CrankMasses, crank_masses, crank_radius
+from engine.elements.engines.harmonics import crank_radius
+from engine.laws.masses.replacement_masses import inertia_error, static_two
 from engine.laws.rounding import EPS
 
 NODES = 48
@@ -49,19 +50,10 @@ class Torque(NamedTuple):
     sizes: np.ndarray
 
 
-def cylinder_torque(engine: Engine, gas: Numbers, speed: np.ndarray, orders: Sequence[float]) -> Torque:
-    """Torque of one cylinder by orders, over its four strokes.
+def _cylinder_torque(engine: Engine, gas: Numbers, speed: np.ndarray, orders: Sequence[float]) -> Torque:
+    """Torque of one cylinder by orders, multiples of ½, over its four strokes; all cylinders are alike.
 
-    Parameters
-    ----------
-    engine : Engine
-        All its cylinders are alike.
-    gas : mapping of str to ndarray (...)
-        Numbers of an `EngineGas` by their keys; its diagram is that of `engine.laws.indicator_diagrams`.
-    speed : ndarray (...)
-        Crank speed [rad/s].
-    orders : sequence of float
-        Positive multiples of ½.
+    `gas` has the numbers of an `EngineGas` by their keys; its diagram is that of `engine.laws.indicator_diagrams`.
     """
     mean, found, sizes = _by_quadrature(engine, gas, speed, orders, NODES)
     half_mean, half, _ = _by_quadrature(engine, gas, speed, orders, NODES // 2)
@@ -142,22 +134,25 @@ def made_engine(engine: Element, numbers: Numbers) -> Engine:
     n = numbers
     layout = engine.pattern().layout(**{key: n[key] for key in SIZES if key in n})
     offset = n.get("gudgeon_offset", np.zeros_like(n["stroke"]))
-    own = _masses(n, "", n.get("rod_inertia"))
-    reciprocating, rotating, master = own.reciprocating[..., None], own.rotating[..., None], None
+    at_piston, at_crankpin, correction = _masses(n, "", n.get("rod_inertia"))
+    reciprocating, rotating, master = at_piston[..., None], at_crankpin[..., None], None
     if engine.master_index is not None:
-        link = _masses(n, "link_")
+        at_piston, at_knuckle, _ = _masses(n, "link_")
         here = np.arange(engine.cylinders) == engine.master_index
-        reciprocating = np.where(here, reciprocating, link.reciprocating[..., None])
-        rotating = np.where(here, rotating, link.rotating[..., None])
-        knuckle = link.rotating - n["throw_mass"]
+        reciprocating = np.where(here, reciprocating, at_piston[..., None])
+        rotating = np.where(here, rotating, at_knuckle[..., None])
+        knuckle = at_knuckle - n["throw_mass"]
         master = MasterRod(engine.master_index, n["knuckle_radius"], n["link_rod"], knuckle)
     radius = crank_radius(n["stroke"], n["rod"], offset)
-    return Engine(layout, radius, n["rod"], reciprocating, rotating, offset, own.rod_correction, master)
+    return Engine(layout, radius, n["rod"], reciprocating, rotating, offset, correction, master)
 
 
-def _masses(n: Numbers, which: str, inertia: np.ndarray | None = None) -> CrankMasses:
+def _masses(n: Numbers, which: str, inertia: np.ndarray | None = None) -> tuple[np.ndarray, ...]:
+    """Masses of one cylinder at its piston pin and at its crankpin, and J_S − m a b of its rod, 0 without `inertia`."""
     rod, mass, centre = n[f"{which}rod"], n[f"{which}rod_mass"], n[f"{which}rod_centre"]
-    return crank_masses(n["piston_mass"], mass, rod, centre, inertia, n["throw_mass"])
+    shares = static_two(mass, (-centre, 0.0), (rod - centre, 0.0))
+    correction = np.zeros(()) if inertia is None else -inertia_error(shares, inertia)
+    return n["piston_mass"] + shares.masses[1], n["throw_mass"] + shares.masses[0], correction
 
 
 def engine_torque(
@@ -183,7 +178,7 @@ def engine_torque(
     """
     made = made_engine(engine, n)
     gas = {key.removeprefix("gas."): row for key, row in n.items() if key.startswith("gas.")}
-    one = cylinder_torque(made, gas, n["speed"], orders)
+    one = _cylinder_torque(made, gas, n["speed"], orders)
     angles, taken = firing_sequence(made.layout, engine.order_of_firing)
     with np.errstate(invalid="ignore"):
         top = np.arcsin(made.offset / (made.rod + made.radius))

@@ -19,62 +19,15 @@ J. P. Den Hartog, Mechanical Vibrations (multicylinder engines).
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-
-from engine.laws.masses.replacement_masses import inertia_error, static_two
 
 # −ln(eps), and the fewest and most positions: enough up to λ + |ε| = 1 − 3e-6; beyond, the result is NaN.
 _DIGITS = 37.0
 FEWEST, MOST = 32, 2**14
 # Array elements in memory at a time.
 _BLOCK = 2**18
-
-
-class CrankMasses(NamedTuple):
-    """Crank throw, rod and piston as two masses, at the crankpin and at the piston pin.
-
-    Attributes
-    ----------
-    reciprocating, rotating : ndarray (...)
-        Masses at the piston pin and at the crankpin [kg].
-    rod_correction : ndarray (...)
-        J_S − m a b of the rod: its moment of inertia minus that of the two masses [kg·m²].
-    """
-
-    reciprocating: np.ndarray
-    rotating: np.ndarray
-    rod_correction: np.ndarray
-
-
-def crank_masses(
-    piston: ArrayLike,
-    rod_mass: ArrayLike = 0.0,
-    rod: ArrayLike = 1.0,
-    rod_centre: ArrayLike = 0.0,
-    rod_inertia: ArrayLike | None = None,
-    throw: ArrayLike = 0.0,
-) -> CrankMasses:
-    """The conventional two masses of one cylinder.
-
-    Parameters
-    ----------
-    piston : array_like (...)
-        Mass of piston, rings and pin [kg].
-    rod_mass, rod, rod_centre : array_like (...)
-        Mass of the rod [kg], its length, and the distance of its centre of mass from the crankpin [m].
-    rod_inertia : array_like (...), optional
-        J_S of the rod [kg·m²]; default: that of the two masses, with correction 0.
-    throw : array_like (...)
-        Mass of the throw, reduced to the crankpin [kg].
-    """
-    piston, rod_mass, rod, arm, throw = (np.asarray(x, dtype=float) for x in (piston, rod_mass, rod, rod_centre, throw))
-    shares = static_two(rod_mass, (-arm, 0.0), (rod - arm, 0.0))
-    error = 0.0 if rod_inertia is None else -inertia_error(shares, np.asarray(rod_inertia, dtype=float))
-    at_crankpin, at_piston = shares.masses
-    return CrankMasses(piston + at_piston, throw + at_crankpin, np.asarray(error))
 
 
 @np.errstate(divide="ignore", invalid="ignore")

@@ -68,7 +68,3 @@ class Hodograph(NamedTuple):
         """
         turned = np.exp(1j * np.multiply.outer(np.asarray(self.orders, float), np.asarray(phi, float)))
         return self.forward @ turned + self.backward @ np.conj(turned)
-
-    def plus(self, other: "Hodograph") -> "Hodograph":
-        """The sum with another vector of the same orders."""
-        return Hodograph(self.orders, self.forward + other.forward, self.backward + other.backward)

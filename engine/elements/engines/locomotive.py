@@ -22,7 +22,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Answers, ElementResult, NamedRows, NamingElement, Numbers
+from engine.elements.element import Answers, Element, ElementResult, NamedRows, Numbers
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.elements.rotors.unbalance import Resultant, unbalance_in_two_planes
 from engine.parts.actions import Force
@@ -36,7 +36,7 @@ _SIDES = ("left", "right")
 _BALANCE_ANGLE = "angle of the balance weight in the {} wheel, from the first throw in the sense of rotation"
 
 
-class LocomotiveElement(NamingElement):
+class LocomotiveElement(Element):
     """Horizontal cylinders, `cylinder_spacing` apart, on one axle, with balance weights in the planes of its wheels.
 
     Each throw follows the previous one, from left to right, by `throw_angle`; `crank_angle` is the angle of the first

@@ -24,6 +24,9 @@ from engine.elements.engines.hodograph import Hodograph
 from engine.elements.engines.shaking import EngineShaking
 from engine.elements.rotors.unbalance import Resultant, unbalance_in_two_planes
 
+# Forces and couples below this multiple of the cylinders' total contribution need no shaft.
+_NOTHING = 1e-9
+
 
 class BalanceShaft(NamedTuple):
     """A shaft with unbalances, parallel to the crank, or the crank itself with its counterweights.
@@ -82,7 +85,7 @@ def crankshaft_counterweights(
     return BalanceShaft(1, 1, -mass * throws, engine.layout.positions)
 
 
-def balance_shafts(found: EngineShaking, planes: tuple[float, float], tolerance: float = 1e-9) -> list[BalanceShaft]:
+def balance_shafts(found: EngineShaking, planes: tuple[float, float]) -> list[BalanceShaft]:
     """Shafts that cancel forces and couples of all given orders.
 
     Parameters
@@ -91,8 +94,6 @@ def balance_shafts(found: EngineShaking, planes: tuple[float, float], tolerance:
         Shaking of an engine, or the remainder with counterweights and other shafts.
     planes : tuple of float
         Positions of the unbalances on each shaft [m]; two equal planes leave the couples as they are.
-    tolerance : float
-        Forces and couples below this multiple of the cylinders' total contribution need no shaft.
 
     Returns
     -------
@@ -104,8 +105,8 @@ def balance_shafts(found: EngineShaking, planes: tuple[float, float], tolerance:
     for i, order in enumerate(found.forces.orders):
         parts = zip((1, -1), found.forces.of(order), found.couples.of(order), strict=True)
         for sense, force, couple in parts:
-            pulls = np.abs(force) > tolerance * found.force_terms[..., i]
-            tilts = np.abs(couple) > tolerance * found.couple_terms[..., i]
+            pulls = np.abs(force) > _NOTHING * found.force_terms[..., i]
+            tilts = np.abs(couple) > _NOTHING * found.couple_terms[..., i]
             if np.any(pulls | (tilts & apart)):
                 shafts.append(_shaft(order, sense, force, couple, planes))
     return shafts
@@ -149,4 +150,5 @@ def remaining_shaking(found: EngineShaking, shafts: Iterable[BalanceShaft]) -> E
 def _with(vector: Hodograph, shaft: BalanceShaft, part: np.ndarray) -> Hodograph:
     added = part[..., None] * (np.array(vector.orders) == shaft.order)
     with_crank = shaft.sense > 0
-    return vector.plus(Hodograph(vector.orders, added * with_crank, added * (not with_crank)))
+    forward, backward = vector.forward + added * with_crank, vector.backward + added * (not with_crank)
+    return Hodograph(vector.orders, forward, backward)

@@ -1,14 +1,21 @@
-"""Belts on a pulley on the point of slipping."""
+"""Belts on a pulley on the point of slipping.
+
+There the tension of the tight strand is e^(f α) times that of the slack one, by Euler's, Eytelwein's or the capstan
+formula. A running belt with mass q per unit length presses less: q v² of the tension of each strand only provides the
+centripetal force.
+
+Sources: L. Euler, 1769; R. S. Khurmi and J. K. Gupta, Theory of Machines, chapter 11.
+"""
 
 import math
 from typing import Annotated, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Columns, ElementResult, Numbers
+from engine.elements.element import ElementResult, NamedRows, Numbers
 from engine.elements.friction.friction_element import FORCE, RATIO, FrictionElement, Load, Positive
-from engine.graph.over_arrays import over_arrays
-from engine.laws.friction.belts import belt
+from engine.laws.friction.inclines import in_groove
 from engine.parts.skeleton import Angle, Moment, Number, Speed, quantity
 
 
@@ -22,16 +29,6 @@ class BeltElement(FrictionElement):
     one_of: ClassVar = (("tension", "moment"),)
     needs: ClassVar = {"linear_density": ("speed",)}
     shown: ClassVar = ((FORCE, ("tight_tension", "slack_tension", "shaft_force")), (RATIO, ("tension_ratio",)))
-    RESULTS: ClassVar = (
-        ElementResult("tension_ratio", "tension of the tight strand over the slack one's, without centrifugal", "1"),
-        ElementResult("tight_tension", "tension of the tight strand", "N"),
-        ElementResult("slack_tension", "tension of the slack strand", "N"),
-        ElementResult("moment", "maximum torque without slip", "N m"),
-        ElementResult("shaft_force", "force of the belt on the shaft", "N"),
-        ElementResult("power", "maximum power without slip", "W", "speed"),
-        ElementResult("centrifugal_tension", "tension that keeps the belt on its circle", "N", "linear_density"),
-        ElementResult("speed_of_most_power", "speed of most power at this tension", "m s-1", "linear_density"),
-    )
 
     type: Literal["belt"]
     diameter: Positive
@@ -43,8 +40,27 @@ class BeltElement(FrictionElement):
     speed: Annotated[Speed, Field(ge=0)] | None = None
     linear_density: Annotated[quantity("linear_density"), Field(gt=0)] | None = None
 
-    def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by name."""
-        usual = {"groove_angle": math.pi, "tension": math.nan, "moment": math.nan, "linear_density": 0.0, "speed": 0.0}
-        others = (n.get(key, value) for key, value in usual.items())
-        return self.in_order(over_arrays(belt, n["diameter"], n["wrap"], n["friction"], *others))
+    def named(self, n: Numbers) -> NamedRows:
+        """Results of a set of variants."""
+        radius, wrap, q, speed = n["diameter"] / 2, n["wrap"], n.get("linear_density", 0.0), n.get("speed", 0.0)
+        mu = in_groove(n["friction"], n.get("groove_angle", math.pi))
+        grip, centrifugal = -np.expm1(-mu * wrap), q * speed**2
+        tight = n["tension"] if "tension" in n else n["moment"] / (radius * grip) + centrifugal
+        pressing = np.maximum(tight - centrifugal, 0.0)
+        slack, moment = pressing * np.exp(-mu * wrap), pressing * grip * radius
+        # The half angle avoids cancellation where the strands nearly balance.
+        on_shaft = np.sqrt((pressing - slack) ** 2 + 4 * pressing * slack * np.sin(wrap / 2) ** 2)
+        words = "tension of the tight strand over the slack one's, without centrifugal"
+        yield ElementResult("tension_ratio", words, "1"), np.exp(mu * wrap)
+        yield ElementResult("tight_tension", "tension of the tight strand", "N"), tight
+        yield ElementResult("slack_tension", "tension of the slack strand", "N"), tight - pressing * grip
+        yield ElementResult("moment", "maximum torque without slip", "N m"), moment
+        yield ElementResult("shaft_force", "force of the belt on the shaft", "N"), on_shaft
+        if "speed" in n:
+            yield ElementResult("power", "maximum power without slip", "W"), moment / radius * speed
+        if "linear_density" in n:
+            words = "tension that keeps the belt on its circle"
+            yield ElementResult("centrifugal_tension", words, "N"), centrifugal
+            # There the centrifugal tension is a third of the whole.
+            words = "speed of most power at this tension"
+            yield ElementResult("speed_of_most_power", words, "m s-1"), np.sqrt(tight / (3 * q))

@@ -6,27 +6,13 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.compiling.decorators import scalar
-from engine.elements.element import PLACES, Columns, Element, ElementResult, Numbers
+from engine.elements.element import PLACES, Element, ElementResult, NamedRows, Numbers
 from engine.elements.panels import VELOCITY, Curve, Mark, Panel, PanelAxis
-from engine.graph.over_arrays import over_arrays
-from engine.laws.brakes import axle_shares
 from engine.parts.bodies import STANDARD_GRAVITY
 from engine.parts.skeleton import Acceleration, Angle, Number, Positive, Speed, Time
 
 # Highest speed drawn, relative to the given one.
 _FASTEST = 1.5
-
-
-@scalar
-def car(
-    speed: float, front: float, rear: float, base: float, behind: float, height: float, slope: float, g: float
-) -> tuple[float, float, float, float]:
-    """Braking car without reaction time: its results in order; NaN if it does not come to rest."""
-    on_front, on_rear = axle_shares(base, behind, height, front, rear)
-    held = g * (math.cos(slope) * (front * on_front + rear * on_rear) + math.sin(slope))
-    slowing = held if held > 0.0 else math.nan
-    return slowing, speed * speed / (2 * slowing), speed / slowing, on_front
 
 
 class CarElement(Element):
@@ -38,12 +24,6 @@ class CarElement(Element):
 
     ascending: ClassVar = {("rear_distance", "wheelbase"): "the centre of mass lies between the axles"}
     picture: ClassVar = "braking"
-    RESULTS: ClassVar = (
-        ElementResult("deceleration", "peak deceleration of the braking car", "m s-2"),
-        ElementResult("stopping_distance", "way to rest, that of the reaction time with it", "m"),
-        ElementResult("stopping_time", "time to rest, the reaction time with it", "s"),
-        ElementResult("front_share", "share of the load on the road that the front wheels bear", "1"),
-    )
 
     type: Literal["car"]
     brakes: Literal["front", "rear", "all"] = "all"
@@ -56,13 +36,21 @@ class CarElement(Element):
     reaction_time: Annotated[Time, Field(ge=0)] = 0.0
     gravity: Annotated[Acceleration, Field(gt=0)] = STANDARD_GRAVITY
 
-    def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by name."""
+    def named(self, n: Numbers) -> NamedRows:
+        """Results of a set of variants; NaN for a car that does not come to rest, or tips over."""
         front, rear = (n["friction"] if self.brakes in (axle, "all") else 0.0 for axle in ("front", "rear"))
-        keys = ("wheelbase", "rear_distance", "height", "slope", "gravity")
-        slowing, way, time, share = over_arrays(car, n["speed"], front, rear, *(n[key] for key in keys))
-        delay = n["reaction_time"]
-        return self.in_order((slowing, n["speed"] * delay + way, delay + time, share))
+        base, behind, height, slope = (n[key] for key in ("wheelbase", "rear_distance", "height", "slope"))
+        # Moments about the points of contact, with friction and inertia at the height of the centre of mass.
+        kept, whole = base - behind - front * height, base + (rear - front) * height
+        share = np.where(kept < 0.0, np.nan, (behind + rear * height) / whole)
+        held = n["gravity"] * (np.cos(slope) * (front * share + rear * kept / whole) + np.sin(slope))
+        slowing = np.where(held > 0.0, held, np.nan)
+        delay, speed = n["reaction_time"], n["speed"]
+        yield ElementResult("deceleration", "peak deceleration of the braking car", "m s-2"), slowing
+        way = speed * delay + speed**2 / (2 * slowing)
+        yield ElementResult("stopping_distance", "way to rest, that of the reaction time with it", "m"), way
+        yield ElementResult("stopping_time", "time to rest, the reaction time with it", "s"), delay + speed / slowing
+        yield ElementResult("front_share", "share of the load on the road that the front wheels bear", "1"), share
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Stopping distance over the speed for each choice of brakes, and the speed over the distance as given."""

@@ -3,13 +3,14 @@
 import math
 from typing import Annotated, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Columns, ElementResult, Numbers
+from engine.elements.element import ElementResult, NamedRows, Numbers
 from engine.elements.friction.friction_element import EFFICIENCY, FORCE, Friction, FrictionElement, Load, Positive
-from engine.graph.over_arrays import over_arrays
 from engine.laws.friction.coefficients import BUSHES
-from engine.laws.friction.guides import guide
+from engine.laws.friction.guides import edge_forces
+from engine.laws.friction.inclines import in_groove
 from engine.parts.actions import Force
 from engine.parts.skeleton import Angle, Length
 
@@ -21,18 +22,6 @@ class GuideElement(FrictionElement):
     """
 
     shown: ClassVar = ((FORCE, ("drive_force", "front_edge_force", "rear_edge_force")), (EFFICIENCY, ("efficiency",)))
-    RESULTS: ClassVar = (
-        ElementResult(
-            "effective_friction", "coefficient of friction in terms of the force that presses the slider", "1"
-        ),
-        ElementResult("drive_force", "force that moves the slider", "N"),
-        ElementResult("friction_force", "friction of the slider", "N"),
-        ElementResult("front_edge_force", "force on the front edge of the slider", "N"),
-        ElementResult("rear_edge_force", "force on the rear edge of the slider, negative on the opposite face", "N"),
-        ElementResult("tilts", "whether the slider bears on opposite faces of the guide (1 or 0)", "1", exact=True),
-        ElementResult("jamming_overhang", "overhang at which the slider jams", "m", may_be_undefined=True),
-        ElementResult("efficiency", "work on the resistance over that of the force that moves the slider", "1"),
-    )
 
     required_with: ClassVar = {"vee_angle": ("form", ("vee",))}
 
@@ -45,8 +34,27 @@ class GuideElement(FrictionElement):
     resistance: Load
     overhang: Length = 0.0
 
-    def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by name."""
-        keys = ("load", "resistance", "overhang", "length", "friction")
-        factor = BUSHES.get(self.form, 1.0)
-        return self.in_order(over_arrays(guide, *(n[key] for key in keys), n.get("vee_angle", math.pi), factor))
+    def named(self, n: Numbers) -> NamedRows:
+        """Results of a set of variants."""
+        load, resistance, overhang, half = n["load"], n["resistance"], n["overhang"], n["length"] / 2
+        mu = BUSHES.get(self.form, 1.0) * in_groove(n["friction"], n.get("vee_angle", math.pi))
+        # Equilibrium along the guide: P = Q + f max(|N|, P |e|/a), with the edges a from the middle.
+        left = 1 - mu * np.abs(overhang) / half
+        drive = np.where(left <= 0.0, np.inf, np.maximum(resistance + mu * np.abs(load), resistance / left))
+        front, rear = edge_forces(load, drive * overhang, half)
+        words = "coefficient of friction in terms of the force that presses the slider"
+        yield ElementResult("effective_friction", words, "1"), mu
+        yield ElementResult("drive_force", "force that moves the slider", "N"), drive
+        yield ElementResult("friction_force", "friction of the slider", "N"), mu * (np.abs(front) + np.abs(rear))
+        yield ElementResult("front_edge_force", "force on the front edge of the slider", "N"), front
+        words = "force on the rear edge of the slider, negative on the opposite face"
+        yield ElementResult("rear_edge_force", words, "N"), rear
+        words = "whether the slider bears on opposite faces of the guide (1 or 0)"
+        yield (
+            ElementResult("tilts", words, "1", exact=True),
+            (np.abs(drive * overhang) > np.abs(load) * half).astype(float),
+        )
+        words = "overhang at which the slider jams"
+        yield ElementResult("jamming_overhang", words, "m", may_be_undefined=True), half / mu
+        words = "work on the resistance over that of the force that moves the slider"
+        yield ElementResult("efficiency", words, "1"), resistance / drive

@@ -1,14 +1,16 @@
-"""Loads on an inclined plane."""
+"""Loads on an inclined plane.
+
+Source: R. S. Khurmi and J. K. Gupta, Theory of Machines, chapter 10.
+"""
 
 import math
 from typing import Annotated, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Columns, ElementResult, Numbers
+from engine.elements.element import ElementResult, NamedRows, Numbers
 from engine.elements.friction.friction_element import EFFICIENCY, FORCE, Friction, FrictionElement, Load
-from engine.graph.over_arrays import over_arrays
-from engine.laws.friction.inclines import incline
 from engine.parts.skeleton import Angle
 
 
@@ -16,14 +18,6 @@ class InclineElement(FrictionElement):
     """A load on an inclined plane, pulled at `pull_angle` above the plane; `static_friction` holds it at rest."""
 
     shown: ClassVar = ((FORCE, ("up_force", "down_force")), (EFFICIENCY, ("efficiency",)))
-    RESULTS: ClassVar = (
-        ElementResult("friction_angle", "angle of friction", "rad"),
-        ElementResult("up_force", "force that moves the load up", "N"),
-        ElementResult("start_force", "force that sets the load going upwards", "N"),
-        ElementResult("down_force", "force that moves the load down, negative where it has to be held", "N"),
-        ElementResult("efficiency", "efficiency of moving the load up", "1", may_be_undefined=True),
-        ElementResult("self_locking", "whether the load stays by itself (1 or 0)", "1", exact=True),
-    )
 
     type: Literal["incline"]
     load: Load
@@ -32,7 +26,25 @@ class InclineElement(FrictionElement):
     static_friction: Friction | None = None
     pull_angle: Annotated[Angle, Field(gt=-math.pi / 2, lt=math.pi / 2)] = 0.0
 
-    def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by name."""
-        static = n.get("static_friction", n["friction"])
-        return self.in_order(over_arrays(incline, n["load"], n["angle"], n["friction"], static, n["pull_angle"]))
+    def named(self, n: Numbers) -> NamedRows:
+        """Results of a set of variants."""
+        load, angle, friction, pull = n["load"], n["angle"], n["friction"], n["pull_angle"]
+        static = n.get("static_friction", friction)
+
+        def moving(mu: np.ndarray, way: float) -> np.ndarray:
+            """Force that moves the load up (1), Q sin(α + φ)/cos(β − φ), or down (−1), Q sin(φ − α)/cos(β + φ)."""
+            needed, left = load * (mu * np.cos(angle) + way * np.sin(angle)), np.cos(pull) + way * mu * np.sin(pull)
+            force = np.where(left > 0.0, needed / left, np.where(needed > 0.0, np.inf, np.nan))
+            # Pulled too steeply, it leaves the plane.
+            return np.where(np.cos(angle + pull) > 0.0, force, np.nan)
+
+        up, locks = moving(friction, 1.0), np.tan(angle) <= static
+        yield ElementResult("friction_angle", "angle of friction", "rad"), np.arctan(friction)
+        yield ElementResult("up_force", "force that moves the load up", "N"), up
+        yield ElementResult("start_force", "force that sets the load going upwards", "N"), moving(static, 1.0)
+        words = "force that moves the load down, negative where it has to be held"
+        yield ElementResult("down_force", words, "N"), moving(friction, -1.0)
+        efficiency = load * np.sin(angle) / (up * np.cos(pull))
+        yield ElementResult("efficiency", "efficiency of moving the load up", "1", may_be_undefined=True), efficiency
+        words = "whether the load stays by itself (1 or 0)"
+        yield ElementResult("self_locking", words, "1", exact=True), locks.astype(float)

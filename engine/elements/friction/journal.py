@@ -1,15 +1,22 @@
-"""Journals in their bearings."""
+"""Journals in their bearings.
+
+While the journal turns, the resultant R of pressure and friction passes its middle at the distance ρ, the radius of the
+friction circle, and resists with M = R ρ. For contact on a single line, ρ = r sin φ, tan φ = f. A bush around half of
+the journal multiplies it by 4/π (pressure with the cosine of the angle from its middle, as after even wear) or π/2
+(even pressure).
+
+Sources: I. I. Artobolevsky, Theory of Mechanisms and Machines (friction circle, worn-in and new journals). The value
+1.47 sometimes printed for the new journal is a misprint of π/2 = 1.57.
+"""
 
 from typing import ClassVar, Literal
 
 import numpy as np
 
-from engine.elements.element import PLACES, Columns, Element, ElementResult, Numbers
+from engine.elements.element import PLACES, Element, ElementResult, NamedRows, Numbers
 from engine.elements.friction.friction_element import BEYOND, DRY, Friction, Load, Positive
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, circle, path, plan
-from engine.graph.over_arrays import over_arrays
 from engine.laws.friction.coefficients import BUSHES
-from engine.laws.friction.journals import journal
 from engine.parts.skeleton import AngularSpeed
 
 
@@ -17,11 +24,6 @@ class JournalElement(Element):
     """A journal in its bearing, with line contact, or in a new or worn-in bush that embraces half of it."""
 
     picture: ClassVar = "friction"
-    RESULTS: ClassVar = (
-        ElementResult("friction_circle", "radius of the friction circle", "m"),
-        ElementResult("friction_moment", "moment of friction in the journal", "N m"),
-        ElementResult("friction_power", "power lost in the journal", "W", "speed"),
-    )
 
     type: Literal["journal"]
     load: Load
@@ -30,10 +32,14 @@ class JournalElement(Element):
     contact: Literal["line", "new", "worn in"] = "line"
     speed: AngularSpeed | None = None
 
-    def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by name."""
-        factor, speed = BUSHES[self.contact], n.get("speed", 0.0)
-        return self.in_order(over_arrays(journal, n["load"], n["diameter"], n["friction"], factor, speed))
+    def named(self, n: Numbers) -> NamedRows:
+        """Results of a set of variants."""
+        circle = BUSHES[self.contact] * n["diameter"] / 2 * n["friction"] / np.sqrt(1 + n["friction"] ** 2)
+        moment = n["load"] * circle
+        yield ElementResult("friction_circle", "radius of the friction circle", "m"), circle
+        yield ElementResult("friction_moment", "moment of friction in the journal", "N m"), moment
+        if "speed" in n:
+            yield ElementResult("friction_power", "power lost in the journal", "W"), moment * np.abs(n["speed"])
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """The journal with its friction circle and forces, and the friction torque over the coefficient, by contact."""

@@ -1,16 +1,20 @@
-"""Rollers on a plane or on each other."""
+"""Rollers on a plane or on each other.
 
-import math
+Under a load N the pressure on a roller acts ahead of its middle by k, the arm of rolling friction: M = k N. It rolls
+where that needs less force than sliding, otherwise it slides.
+
+Sources: I. I. Artobolevsky, Theory of Mechanisms and Machines (rolling friction); R. S. Khurmi and J. K. Gupta,
+Theory of Machines, chapter 10.
+"""
+
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import PLACES, Columns, Element, ElementResult, Numbers
+from engine.elements.element import PLACES, Element, ElementResult, NamedRows, Numbers
 from engine.elements.friction.friction_element import BEYOND, Friction, Load, Positive
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, circle, path, plan
-from engine.graph.over_arrays import over_arrays
-from engine.laws.friction.rolling import roller
 from engine.parts.skeleton import Length
 
 
@@ -21,17 +25,6 @@ class RollerElement(Element):
     """
 
     picture: ClassVar = "friction"
-    RESULTS: ClassVar = (
-        ElementResult("rolling_moment", "moment of rolling friction", "N m"),
-        ElementResult("rolling_friction", "rolling friction as a coefficient", "1"),
-        ElementResult("pull_force", "force that moves the roller", "N"),
-        ElementResult("rolls", "whether the pulled roller rolls (1) or slides (0)", "1", exact=True),
-        ElementResult("traction_moment", "maximum torque transmitted by sliding friction", "N m"),
-        ElementResult("reduced_radius", "radius of the roller on a plane that fits as closely", "m", "mate_diameter"),
-        ElementResult(
-            "drive_moment", "moment that overcomes the rolling friction of both rollers", "N m", "mate_diameter"
-        ),
-    )
 
     type: Literal["roller"]
     load: Load
@@ -41,11 +34,23 @@ class RollerElement(Element):
     pull_height: Positive | None = None
     mate_diameter: Positive | None = None
 
-    def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by name."""
-        height, mate = n.get("pull_height", n["diameter"] / 2), n.get("mate_diameter", math.inf)
-        keys = ("load", "diameter", "rolling_arm", "friction")
-        return self.in_order(over_arrays(roller, *(n[key] for key in keys), height, mate))
+    def named(self, n: Numbers) -> NamedRows:
+        """Results of a set of variants."""
+        load, radius, arm, friction = n["load"], n["diameter"] / 2, n["rolling_arm"], n["friction"]
+        rolling, resisting = arm * load, arm / n.get("pull_height", radius)
+        yield ElementResult("rolling_moment", "moment of rolling friction", "N m"), rolling
+        yield ElementResult("rolling_friction", "rolling friction as a coefficient", "1"), resisting
+        yield ElementResult("pull_force", "force that moves the roller", "N"), load * np.minimum(resisting, friction)
+        words = "whether the pulled roller rolls (1) or slides (0)"
+        yield ElementResult("rolls", words, "1", exact=True), (resisting < friction).astype(float)
+        words = "maximum torque transmitted by sliding friction"
+        yield ElementResult("traction_moment", words, "N m"), friction * load * radius
+        if "mate_diameter" in n:
+            both = 1 + radius / (n["mate_diameter"] / 2)
+            words = "radius of the roller on a plane that fits as closely"
+            yield ElementResult("reduced_radius", words, "m"), radius / both
+            words = "moment that overcomes the rolling friction of both rollers"
+            yield ElementResult("drive_moment", words, "N m"), rolling * both
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """The roller with its forces, and the force that moves it over the arm of rolling friction."""

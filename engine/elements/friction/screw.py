@@ -1,14 +1,22 @@
-"""Screws that raise and lower a load, with their thrust collar."""
+"""Screws that raise and lower a load, with their thrust collar.
+
+A thread of mean radius r is an incline of slope tan β = lead/(2 π r) wound on a cylinder. Flanks inclined by γ to the
+plane normal to the axis, half of the thread angle, act like a groove: the friction of the square thread becomes
+f/cos γ. Lowering reverses the rotation: a negative torque means that the load drives the screw and must be held.
+
+Sources: I. I. Artobolevsky, Theory of Mechanisms and Machines (friction in the screw pair); R. G. Budynas and
+J. K. Nisbett, Shigley's Mechanical Engineering Design, chapter 8.
+"""
 
 import math
 from typing import Annotated, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Columns, ElementResult, Numbers
+from engine.elements.element import ElementResult, NamedRows, Numbers
 from engine.elements.friction.friction_element import EFFICIENCY, TORQUE, Friction, FrictionElement, Load, Positive
-from engine.graph.over_arrays import over_arrays
-from engine.laws.friction.screws import screw
+from engine.laws.friction.inclines import push_down, push_up
 from engine.parts.skeleton import Angle, Faults, Length
 
 THREAD_ANGLES = {"square": 0.0, "trapezoidal": math.radians(30.0), "metric": math.radians(60.0)}
@@ -23,17 +31,6 @@ class ScrewElement(FrictionElement):
     shown: ClassVar = (
         (TORQUE, ("raise_moment", "lower_moment")),
         (EFFICIENCY, ("raise_efficiency", "lower_efficiency")),
-    )
-    RESULTS: ClassVar = (
-        ElementResult("lead_angle", "lead angle of the thread", "rad"),
-        ElementResult("friction_angle", "angle of friction of the thread, with the inclination of its flanks", "rad"),
-        ElementResult("raise_moment", "moment that raises the load", "N m"),
-        ElementResult("lower_moment", "moment that lowers the load, negative where the load drives", "N m"),
-        ElementResult("collar_moment", "moment of friction at the thrust collar", "N m"),
-        ElementResult("raise_efficiency", "efficiency of raising the load", "1"),
-        ElementResult("lower_efficiency", "share of the sinking load's work that the screw passes on", "1"),
-        ElementResult("self_locking", "whether the load stays by itself (1 or 0)", "1", exact=True),
-        ElementResult("locking_friction", "minimum coefficient of friction with which the load stays by itself", "1"),
     )
 
     type: Literal["screw"]
@@ -51,8 +48,26 @@ class ScrewElement(FrictionElement):
         if (self.thread is None) == (self.thread_angle is None):
             yield "give thread ('square', 'trapezoidal' or 'metric') or thread_angle, one of the two"
 
-    def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by name."""
-        angle = n["thread_angle"] if self.thread is None else THREAD_ANGLES[self.thread]
-        lead, collar = n["pitch"] * self.starts, (n["collar_diameter"], n["collar_friction"])
-        return self.in_order(over_arrays(screw, n["load"], n["mean_diameter"], lead, angle, n["friction"], *collar))
+    def named(self, n: Numbers) -> NamedRows:
+        """Results of a set of variants."""
+        load, radius, collar = n["load"], n["mean_diameter"] / 2, n["collar_friction"] * n["collar_diameter"] / 2
+        slope = n["pitch"] * self.starts / (2 * math.pi * radius)
+        half = (n["thread_angle"] if self.thread is None else THREAD_ANGLES[self.thread]) / 2
+        reduced, held = n["friction"] / np.cos(half), collar * load
+        up, down = (load * radius * push(slope, reduced) + held for push in (push_up, push_down))
+        work, enough = load * radius * slope, collar / radius
+        locking = np.where(slope > enough, np.cos(half) * push_down(enough, slope), 0.0)
+        yield ElementResult("lead_angle", "lead angle of the thread", "rad"), np.arctan(slope)
+        words = "angle of friction of the thread, with the inclination of its flanks"
+        yield ElementResult("friction_angle", words, "rad"), np.arctan(reduced)
+        yield ElementResult("raise_moment", "moment that raises the load", "N m"), up
+        words = "moment that lowers the load, negative where the load drives"
+        yield ElementResult("lower_moment", words, "N m"), down
+        yield ElementResult("collar_moment", "moment of friction at the thrust collar", "N m"), held
+        yield ElementResult("raise_efficiency", "efficiency of raising the load", "1"), work / up
+        words = "share of the sinking load's work that the screw passes on"
+        yield ElementResult("lower_efficiency", words, "1"), np.where(down < 0.0, -down / work, 0.0)
+        words = "whether the load stays by itself (1 or 0)"
+        yield ElementResult("self_locking", words, "1", exact=True), np.where(down < 0.0, 0.0, 1.0)
+        words = "minimum coefficient of friction with which the load stays by itself"
+        yield ElementResult("locking_friction", words, "1"), locking

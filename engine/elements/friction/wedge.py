@@ -1,14 +1,17 @@
-"""Wedges driven in under a load, and withdrawn."""
+"""Wedges driven in under a load, and withdrawn.
+
+Source: R. S. Khurmi and J. K. Gupta, Theory of Machines, chapter 10.
+"""
 
 import math
 from typing import Annotated, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Columns, ElementResult, Numbers
+from engine.elements.element import ElementResult, NamedRows, Numbers
 from engine.elements.friction.friction_element import EFFICIENCY, FORCE, Friction, FrictionElement, Load
-from engine.graph.over_arrays import over_arrays
-from engine.laws.friction.inclines import wedge
+from engine.laws.friction.inclines import push_down, push_up
 from engine.parts.skeleton import Angle
 
 
@@ -19,12 +22,6 @@ class WedgeElement(FrictionElement):
     """
 
     shown: ClassVar = ((FORCE, ("drive_force", "withdraw_force")), (EFFICIENCY, ("efficiency",)))
-    RESULTS: ClassVar = (
-        ElementResult("drive_force", "force that drives the wedge in", "N"),
-        ElementResult("withdraw_force", "force that withdraws the wedge, negative where the load presses it out", "N"),
-        ElementResult("efficiency", "efficiency of driving the wedge in", "1"),
-        ElementResult("self_locking", "whether the wedge stays by itself (1 or 0)", "1", exact=True),
-    )
 
     type: Literal["wedge"]
     load: Load
@@ -33,7 +30,18 @@ class WedgeElement(FrictionElement):
     base_friction: Friction | None = None
     guide_friction: Friction = 0.0
 
-    def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by name."""
-        faces = n["friction"], n.get("base_friction", n["friction"]), n["guide_friction"]
-        return self.in_order(over_arrays(wedge, n["load"], n["angle"], *faces))
+    def named(self, n: Numbers) -> NamedRows:
+        """Results of a set of variants."""
+        load, slope, friction, guide = n["load"], np.tan(n["angle"]), n["friction"], n["guide_friction"]
+        base = n.get("base_friction", friction)
+        inwards, outwards = push_up(slope, friction), push_down(slope, friction)
+        # The thrust across the load's guide causes friction there, which the wedge lifts too.
+        left = 1 - guide * inwards
+        drive = np.where(left > 0.0, load * (inwards + base) / left, np.inf)
+        withdraw = load * (outwards + base) / (1 + guide * np.abs(outwards))
+        yield ElementResult("drive_force", "force that drives the wedge in", "N"), drive
+        words = "force that withdraws the wedge, negative where the load presses it out"
+        yield ElementResult("withdraw_force", words, "N"), withdraw
+        yield ElementResult("efficiency", "efficiency of driving the wedge in", "1"), load * slope / drive
+        words = "whether the wedge stays by itself (1 or 0)"
+        yield ElementResult("self_locking", words, "1", exact=True), np.where(withdraw < 0.0, 0.0, 1.0)

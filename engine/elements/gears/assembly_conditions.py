@@ -75,7 +75,7 @@ def assembly_conditions(v: TrainVariants) -> AssemblyConditions:
     for planet, gap in _clearances(v):
         require(gap > 0, Verdict.PLANETS_TOUCH)
         words = f"gap between the tips of neighbouring {planet} planets, over the diameter of the tips"
-        clearance = ElementResult(f"{planet}.neighbour_clearance", words, "1", None, True)
+        clearance = ElementResult(f"{planet}.neighbour_clearance", words, "1", True)
         results.append((clearance, Measured(gap, 16.0 * EPS * (1.0 + np.abs(gap)))))
     return AssemblyConditions(verdicts, results)
 

@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Answers, ElementResult, NamedRows, NamingElement, Numbers, nudged
+from engine.elements.element import Answers, Element, ElementResult, NamedRows, Numbers, nudged
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, path, plan
 from engine.parts.skeleton import AngularSpeed, Length, Moment, Number, quantity
 from engine.words.verdicts import Verdict
@@ -15,7 +15,7 @@ from engine.words.verdicts import Verdict
 _LINKS = 3
 
 
-class ChainDrive(NamingElement):
+class ChainDrive(Element):
     """A chain of a given `pitch` over two sprockets; `moment` is the load torque on the driven one.
 
     A desired centre `distance` gives the number of links, and the centre distance with an even number; the chain's

@@ -6,8 +6,9 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Answers, ElementResult, NamedRows, NamingElement, Numbers
+from engine.elements.element import Answers, ElementResult, NamedRows, Numbers
 from engine.elements.friction.friction_element import EFFICIENCY, FORCE, FrictionElement
+from engine.laws.friction.inclines import in_groove
 from engine.parts.actions import Force
 from engine.parts.skeleton import Angle, AngularSpeed, Length, Moment, Number
 from engine.words.verdicts import Verdict
@@ -16,7 +17,7 @@ from engine.words.verdicts import Verdict
 _TOLD = ("tangential_force", "needed_press_force", "traction_share")
 
 
-class FrictionDrive(FrictionElement, NamingElement):
+class FrictionDrive(FrictionElement):
     """Two wheels pressed together, the second a ring if `internal`; a `groove_angle` lies between V-shaped faces.
 
     `moment` is the load torque on the driven wheel. `creep` is the relative loss of rim speed. `safety` is the ratio of
@@ -39,8 +40,7 @@ class FrictionDrive(FrictionElement, NamingElement):
 
     def named(self, n: Numbers) -> NamedRows:
         """Results of a set of variants, whether or not the wheels slide."""
-        # In a groove the faces press with 1/sin of half its angle.
-        mu = n["friction"] / np.sin(0.5 * n["groove_angle"]) if "groove_angle" in n else n["friction"]
+        mu = in_groove(n["friction"], n.get("groove_angle", math.pi))
         ratio = (1.0 if self.internal else -1.0) * n["driven_diameter"] / (n["driving_diameter"] * (1.0 - n["creep"]))
         pull = 2.0 * n["moment"] / n["driven_diameter"]
         driving = 0.5 * pull * n["driving_diameter"]

@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from engine.cycle.measured import Measured
-from engine.elements.element import Answers, ElementResult, NamingElement, Numbers
+from engine.elements.element import Answers, Element, ElementResult, Numbers
 from engine.elements.gears.gear_structure import GearStructure, gear_structure
 from engine.elements.gears.train_results import named_results, train_answers
 from engine.parts.skeleton import (
@@ -102,7 +102,7 @@ class GearMesh(Part):
             yield f"between: a wheel doesn't mesh with itself; name two, not {self.between[0]!r} twice"
 
 
-class GearTrain(NamingElement):
+class GearTrain(Element):
     """Wheels on shafts, in mesh: a fixed train, a planetary train or a differential, of any number of stages."""
 
     picture: ClassVar = "velocities"

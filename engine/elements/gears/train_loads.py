@@ -73,7 +73,7 @@ def load_results(v: TrainVariants, states: Equilibria) -> Iterator[tuple[Element
     yield further("input_power", "input power", "W"), into
     yield ElementResult("loss", "power lost in all meshes", "W"), power.sum()
     words = "output power over input power"
-    yield ElementResult("efficiency", words, "1", None, True), _efficiency(power)
+    yield ElementResult("efficiency", words, "1", True), _efficiency(power)
     words, back = "efficiency turning backwards under the same moments", states.backwards
     backwards = _efficiency(-back.moments * speeds[:-1])
     yield further("backward_efficiency", words, "1", may_be_undefined=True), backwards

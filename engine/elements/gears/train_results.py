@@ -56,7 +56,7 @@ def _of_motion(v: TrainVariants) -> NamedResults:
                 ratio = by_name[driver] / by_name[name]
                 # For a shaft at rest the ratio is infinite; its sign is meaningless.
                 ratio = Measured(np.where(np.isinf(ratio.value), np.inf, ratio.value), ratio.error)
-                yield ElementResult(f"{name}.ratio", f"speed of {driver} over that of {name}", "1", None, True), ratio
+                yield ElementResult(f"{name}.ratio", f"speed of {driver} over that of {name}", "1", True), ratio
     for path in structure.central_paths:
         (carrier, a, b, _), words = path, f"speed of {path.begin} over that of {path.end}, seen from {path.carrier}"
         yield ElementResult(f"{carrier}.basic_ratio_of_{a}_to_{b}", words, "1"), basic_ratio(path, v.n)

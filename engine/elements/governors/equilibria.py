@@ -14,7 +14,6 @@ from engine.elements.governors.governor_nodes import DATUM, States, equilibrium_
 from engine.elements.sampled_peak import sampled_peak
 from engine.graph.nodes import Graph, Stage
 from engine.graph.over_arrays import NodesOverArrays, over_arrays
-from engine.laws.governors.equilibrium import non_uniformity, under_friction
 from engine.laws.governors.stability import stability_with_engine
 from engine.laws.rounding import EPS
 from engine.words.verdicts import Verdict
@@ -31,14 +30,14 @@ OF_ENGINE = (
     ElementResult("working_lift", "lift of the sleeve at the engine's load, after its change", "m"),
     ElementResult("working_speed", "steady speed of the engine, after the change of load", "rad s-1"),
     ElementResult("steady_speed_change", "steady change of the engine's speed by the change of load", "rad s-1"),
-    further("vyshnegradsky_x", "Vyshnegradsky's X", "1", None, True),
-    further("vyshnegradsky_y", "Vyshnegradsky's Y", "1", None, True),
+    further("vyshnegradsky_x", "Vyshnegradsky's X", "1", True),
+    further("vyshnegradsky_y", "Vyshnegradsky's Y", "1", True),
     ElementResult("stable", "engine and governor are stable (1) or hunt (0)", "1", exact=True),
-    ElementResult("gain_margin", "gain of the throttle at which they hunt, over that given", "1", None, True),
-    further("critical_damping", "damping at the sleeve below which they hunt", "N s m-1", None, True),
-    further("critical_inertia", "inertia of the engine below which they hunt", "kg m2", None, True),
-    further("decay_rate", "rate at which the slowest part of a disturbance decays", "s-1", None, True),
-    ElementResult("hunting_frequency", "angular frequency of the oscillation", "rad s-1", None, True),
+    ElementResult("gain_margin", "gain of the throttle at which they hunt, over that given", "1", True),
+    further("critical_damping", "damping at the sleeve below which they hunt", "N s m-1", True),
+    further("critical_inertia", "inertia of the engine below which they hunt", "kg m2", True),
+    further("decay_rate", "rate at which the slowest part of a disturbance decays", "s-1", True),
+    ElementResult("hunting_frequency", "angular frequency of the oscillation", "rad s-1", True),
     further("oscillates", "a disturbance decays or grows in oscillations (1 or 0)", "1", exact=True),
 )
 
@@ -299,9 +298,14 @@ def near_equilibrium(g: GovernorVariants, marks: Marks) -> dict[ElementResult, n
     at_low, at_high, first, last, shaky, weak = found.each()
     half = g.at(g.moved(middle, "lift", 0.5 * (first.lift + last.lift)))
     mean, effort = 0.5 * (first.speed + last.speed), n["speed_change"] * half.sleeve
-    ends = first.speed, first.sleeve, last.speed, last.sleeve
-    falls, rises, insensitivity = over_arrays(under_friction, n["friction"], *ends, weak.sleeve)
-    uneven, isochronous = non_uniformity(first.speed, last.speed, mean), np.tile(marks.isochronous, copies)
+    # Friction F holds the sleeve between ω √(1 − F/E) and ω √(1 + F/E).
+    falls, rises = (
+        end.speed * np.sqrt(1.0 + side * n["friction"] / end.sleeve) for end, side in ((first, -1.0), (last, 1.0))
+    )
+    held = n["friction"] / weak.sleeve
+    # √(1 + F/E) − √(1 − F/E) without its cancellation.
+    insensitivity = 2.0 * held / (np.sqrt(1.0 + held) + np.sqrt(1.0 - held))
+    uneven, isochronous = (last.speed - first.speed) / mean, np.tile(marks.isochronous, copies)
     power = 2.0 * effort * effort / half.stiffness
     results = {
         further("inner_speed", "speed of the spindle in equilibrium at the inner stop", "rad s-1"): at_low.speed,
@@ -323,7 +327,7 @@ def near_equilibrium(g: GovernorVariants, marks: Marks) -> dict[ElementResult, n
         further("greatest_speed_with_friction", "speed at which the sleeve rises to its highest", "rad s-1"): rises,
         further("sleeve_force", _SLEEVE_FORCE, "N"): half.sleeve,
         ElementResult("effort", _EFFORT, "N"): effort,
-        ElementResult("power", "effort times the lift that the given change of speed makes", "J", None, True): power,
+        ElementResult("power", "effort times the lift that the given change of speed makes", "J", True): power,
     }
     if g.governor.engine is None:
         return results

@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import ROUNDING, Answers, ElementResult, NamingElement, Numbers, by_name, further, nudged
+from engine.elements.element import ROUNDING, Answers, Element, ElementResult, Numbers, by_name, further, nudged
 from engine.elements.governors.equilibria import (
     GovernorVariants,
     governor_marks,
@@ -19,11 +19,10 @@ from engine.elements.governors.equilibria import (
     search_errors,
 )
 from engine.elements.governors.governed_engine import FullAndShutThrottle, GovernedEngine
-from engine.elements.governors.governor_nodes import Holding, Linkage, States, held_by_weights, numbers
+from engine.elements.governors.governor_nodes import Linkage, States, along_axis, numbers
 from engine.elements.governors.transients import TOLERANCE, follow_changes
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.graph.nodes import Graph, Node
-from engine.laws.governors.linkages import balls_on_upper_arms
 from engine.laws.tables import Table
 from engine.parts.actions import Force
 from engine.parts.bodies import STANDARD_GRAVITY
@@ -37,7 +36,7 @@ _TRANSIENT = (
     ElementResult("highest_speed", "highest speed of the engine after the change of load", "rad s-1"),
     ElementResult("lowest_speed", "lowest speed of the engine after the change of load", "rad s-1"),
     ElementResult("overshoot", "maximum departure beyond the new steady speed, relative", "1"),
-    ElementResult("settling_time", "time after which the speed stays in its band", "s", None, True),
+    ElementResult("settling_time", "time after which the speed stays in its band", "s", True),
     ElementResult("hunting", "amplitude of the speed at the end, over the new steady speed", "1"),
     further("inner_stop_hits", "how often the sleeve runs on its inner stop", **_FLAG),
     further("outer_stop_hits", "how often the sleeve runs on its outer stop", **_FLAG),
@@ -54,7 +53,7 @@ _FLAT = 1e-12
 _POSITIONS, BEYOND = 401, 0.25
 
 
-class Governor(NamingElement):
+class Governor(Element):
     """Common to all governors: two balls, a sleeve with friction, damping and a spring, stops, optionally an engine.
 
     `sleeve_mass` includes the central load. The spring on the sleeve has the force `preload` at the inner stop.
@@ -98,8 +97,8 @@ class Governor(NamingElement):
         """Linkage of balls and sleeve at a position."""
         raise NotImplementedError
 
-    def held(self, graph: Graph, x: Node, link: Linkage, lift: Node) -> Holding:
-        """Potential that holds the balls at a position."""
+    def held(self, link: Linkage, rates: Linkage, lift: Node) -> tuple[Node, Node]:
+        """V' of the potential that holds the balls, and the sum of the magnitudes of its terms."""
         raise NotImplementedError
 
     def position_of(self, g: GovernorVariants, radius: np.ndarray) -> np.ndarray:
@@ -107,7 +106,7 @@ class Governor(NamingElement):
         return radius
 
     @cached_property
-    def own_results(self) -> tuple[ElementResult, ...]:
+    def results(self) -> tuple[ElementResult, ...]:
         """Results of the governor; with an engine, its stability; with a simulated change of load, the response."""
         g, marks, _ = governor_marks(governor_variants(self, self.own_numbers()))
         return (*near_equilibrium(g, marks), *(_TRANSIENT if self.is_followed else ()))
@@ -153,9 +152,14 @@ class LoadedGovernor(Governor):
     preload: Force = 0.0
     gravity: Annotated[Acceleration, Field(ge=0)] = STANDARD_GRAVITY
 
-    def held(self, graph: Graph, x: Node, link: Linkage, lift: Node) -> Holding:
-        """Potential of the weights and the spring."""
-        return held_by_weights(graph, link, lift)
+    def held(self, link: Linkage, rates: Linkage, lift: Node) -> tuple[Node, Node]:
+        """Work of the weights of balls and sleeve, and of the spring on the sleeve."""
+        keys = ("ball_mass", "sleeve_mass", "gravity", "preload", "stiffness")
+        mass, sleeve_mass, gravity, preload, stiffness = numbers(lift.graph, *keys)
+        ball, weight = mass * gravity, sleeve_mass * gravity
+        slope = 2.0 * ball * rates.balls + (weight + preload + stiffness * lift) * rates.sleeve
+        whole = weight + abs(preload) + stiffness * (abs(link.sleeve) + abs(link.sleeve - lift))
+        return slope, 2.0 * ball * abs(rates.balls) + whole * abs(rates.sleeve)
 
 
 class ArmGovernor(LoadedGovernor):
@@ -176,8 +180,11 @@ class ArmGovernor(LoadedGovernor):
         return "upper_arm"
 
     def linkage(self, graph: Graph, x: Node) -> Linkage:
-        """Linkage of the arms, with the balls on the upper ones."""
-        return Linkage(*graph.apply(balls_on_upper_arms, x, *numbers(graph, *ARMS, self.ball_arm_key)))
+        """Linkage of the arms at a radius of their joints, with the balls on the upper ones."""
+        upper, lower, pivot, lower_pivot, ball_arm = numbers(graph, *ARMS, self.ball_arm_key)
+        along, share = along_axis(x, pivot, upper), ball_arm / upper
+        radius = pivot + share * (x - pivot)
+        return Linkage(radius, -share * along, -along - along_axis(x, lower_pivot, lower))
 
     def position_of(self, g: GovernorVariants, radius: np.ndarray) -> np.ndarray:
         """Radii of the joints."""

@@ -1,6 +1,14 @@
 """A governor at one position, as nodes of a graph: everything that statics and motion need, for every type.
 
+A type of governor states the radius r of its balls and the heights of balls and sleeve, h and z, at a position x; their
+derivatives by x, written with primes, follow along the graph. With two balls of mass m on a spindle with speed ω, the
+centrifugal forces do the work 2 m ω² r dr against the potential V of weights and spring: ω² 2 m r r' = V'. The
+controlling force is that of one ball, F_c = m ω² r; its equivalent at the sleeve is E = V'/z'.
+
 The numbers of a governor and its engine are named by their keys, such as "ball_mass" or "engine.load".
+
+Sources: R. S. Khurmi and J. K. Gupta, Theory of Machines, chapter 18; T. Bevan, The Theory of Machines, chapter 10
+(controlling force, stability, effort); I. I. Artobolevsky, Theory of Mechanisms and Machines, chapter on governors.
 """
 
 from collections.abc import Sequence
@@ -8,35 +16,45 @@ from typing import NamedTuple
 
 from engine.elements.element import Element
 from engine.elements.governors.governed_engine import TableThrottle
+from engine.graph.derivatives import Slopes, derivative
 from engine.graph.nodes import Graph, Node, Number
-from engine.laws.governors import equilibrium
 from engine.laws.rounding import EPS
 from engine.laws.senses import past
 from engine.laws.tables import Table, in_memory, on_piece, table_segment
 
 # Key of a factor 1 of the sleeve's height at the inner stop: its rounding is that of lifts.
 DATUM = "datum"
+# The pieces of a table do not depend on the position.
+_OF_PIECES: Slopes = {table_segment: {2: lambda found, *_: found.graph.zero}}
+
+
+def rate_by(node: Node, x: Node) -> Node:
+    """Derivative of a node by a position or a lift."""
+    return derivative(node, {x: x.graph.one}, _OF_PIECES)
 
 
 class Linkage(NamedTuple):
-    """Motion of balls and sleeve: r, r', r''; h', h'' of the balls' height; z, z', z'' of the sleeve's."""
+    """Radius of the balls, heights of the balls and of the sleeve above fixed levels; or their derivatives."""
 
     radius: Node
-    radius_rate: Node
-    radius_rate_rate: Node
-    rise: Node
-    rise_rate: Node
-    height: Node
-    lift_rate: Node
-    lift_rate_rate: Node
+    balls: Node
+    sleeve: Node
+
+    def rates(self, x: Node) -> "Linkage":
+        """Derivatives by the position: r', h', z'."""
+        return Linkage(*(rate_by(part, x) for part in self))
 
 
-class Holding(NamedTuple):
-    """Potential that holds the balls: V', V'', and the sum of the magnitudes of the terms of V'."""
+def along_axis(x: Node, pivot: Node, length: Node) -> Node:
+    """Extent along the axis of an arm whose end has a radius, √(l² − across²); NaN if the arm is too short."""
+    across = x - pivot
+    return x.graph.function("sqrt", length * length - across * across)
 
-    slope: Node
-    curvature: Node
-    size: Node
+
+def moving_inertia(ball_mass: Node, sleeve_mass: Node, rates: Linkage) -> Node:
+    """Inertia A of the governor's motion, with kinetic energy ½ A ẋ²: 2 m (r'² + h'²) + M z'² [kg]."""
+    balls = rates.radius * rates.radius + rates.balls * rates.balls
+    return 2.0 * ball_mass * balls + sleeve_mass * rates.sleeve * rates.sleeve
 
 
 def numbers(graph: Graph, *keys: str) -> tuple[Number, ...]:
@@ -44,21 +62,9 @@ def numbers(graph: Graph, *keys: str) -> tuple[Number, ...]:
     return tuple(map(graph.number, keys))
 
 
-def held_by_weights(graph: Graph, link: Linkage, lift: Node) -> Holding:
-    """Potential of the weights of balls and sleeve and of a spring on the sleeve."""
-    keys = ("ball_mass", "sleeve_mass", "gravity", "preload", "stiffness")
-    mass, sleeve_mass, gravity, preload, stiffness = numbers(graph, *keys)
-    ball, weight = mass * gravity, sleeve_mass * gravity
-    loads = ball, weight + preload + stiffness * lift, stiffness
-    rates = link.rise, link.rise_rate, link.lift_rate, link.lift_rate_rate
-    slope, curvature = graph.apply(equilibrium.holding, *loads, *rates)
-    whole = weight + abs(preload) + stiffness * (abs(link.height) + abs(link.height - lift))
-    return Holding(slope, curvature, 2.0 * ball * abs(link.rise) + whole * abs(link.lift_rate))
-
-
-def by_table(graph: Graph, table: Table, u: Node) -> tuple[Node, Node]:
-    """Value and slope of a table."""
-    return on_piece(u, *graph.apply(table_segment, graph.memory, graph.store(in_memory(table)), u))
+def by_table(table: Table, u: Node) -> Node:
+    """Value of a table."""
+    return on_piece(u, *u.graph.apply(table_segment, u.graph.memory, u.graph.store(in_memory(table)), u))[0]
 
 
 class States(NamedTuple):
@@ -121,8 +127,8 @@ def throttled(governor: Element, graph: Graph, lift: Node, whole: Node, opens: N
     if governor.engine is None:
         return graph.zero, graph.zero
     if isinstance(governor.engine.throttle, TableThrottle):
-        moment, rise = by_table(graph, governor.engine.throttle.table, lift)
-        return moment, -rise
+        moment = by_table(governor.engine.throttle.table, lift)
+        return moment, -rate_by(moment, lift)
     full, closed = numbers(graph, "engine.throttle.full", "engine.throttle.closed")
     if governor.has_valve:
         if opens is None:
@@ -148,27 +154,28 @@ def equilibrium_nodes(
         +1 or −1: whether an on-off valve is open; by default as the lift says.
     """
     link, datum = governor.linkage(graph, x), graph.number(DATUM)
-    inner, outer = (governor.linkage(graph, stop).height for stop in stops)
-    lift = link.height - datum * inner
-    slope, curvature, size = governor.held(graph, x, link, lift)
-    (mass, sleeve_mass), radius = numbers(graph, "ball_mass", "sleeve_mass"), link.radius
-    force = graph.apply(equilibrium.controlling_force, slope, link.radius_rate)
-    sleeve = graph.apply(equilibrium.sleeve_equivalent, slope, link.lift_rate)
-    margin = graph.apply(equilibrium.stability_margin, *link[:3], slope, curvature)
+    rates, radius = link.rates(x), link.radius
+    inner, outer = (governor.linkage(graph, stop).sleeve for stop in stops)
+    lift = link.sleeve - datum * inner
+    slope, size = governor.held(link, rates, lift)
+    mass, sleeve_mass = numbers(graph, "ball_mass", "sleeve_mass")
+    force, sleeve = slope / (2.0 * rates.radius), slope / rates.sleeve
+    # The relative slope of ω² over the radius, (dω²/dr)/(ω²/r), which is that of F_c over a ray's minus 1.
+    margin = radius * (rate_by(slope, x) / slope - rate_by(rates.radius, x) / rates.radius) / rates.radius - 1.0
     driving, gain = throttled(governor, graph, lift, outer - datum * inner, opens)
-    inertia = graph.apply(equilibrium.moving_inertia, mass, sleeve_mass, link.radius_rate, link.rise, link.lift_rate)
     return States(
         radius=radius,
         lift=lift,
         force=force,
-        speed=graph.apply(equilibrium.equilibrium_speed, force, mass, radius),
+        speed=graph.function("sqrt", force / (mass * radius)),
         sleeve=sleeve,
         margin=margin,
-        lift_rate=link.lift_rate,
-        mass=inertia / (link.lift_rate * link.lift_rate),
-        stiffness=graph.apply(equilibrium.sleeve_stiffness, sleeve, margin, radius, link.radius_rate, link.lift_rate),
+        lift_rate=rates.sleeve,
+        mass=moving_inertia(mass, sleeve_mass, rates) / (rates.sleeve * rates.sleeve),
+        # It is (V'' − ½ ω² J'')/z'² with J = 2 m r² + J_a.
+        stiffness=sleeve * margin * rates.radius / (radius * rates.sleeve),
         balls=2.0 * mass * radius * radius,
-        radius_rate=link.radius_rate,
+        radius_rate=rates.radius,
         rounding=32.0 * EPS * (1.0 + abs(margin + 1.0)) * (1.0 + size / abs(slope)),
         driving=driving,
         gain=gain,

@@ -5,9 +5,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from engine.elements.governors.governor import LoadedGovernor
-from engine.elements.governors.governor_nodes import Linkage, numbers
+from engine.elements.governors.governor_nodes import Linkage, along_axis, numbers
 from engine.graph.nodes import Graph, Node
-from engine.laws.governors.linkages import balls_on_bell_cranks
 from engine.parts.skeleton import Length, quantity
 
 
@@ -25,6 +24,6 @@ class HartnellGovernor(LoadedGovernor):
     stiffness: Annotated[quantity("stiffness"), Field(gt=0)]
 
     def linkage(self, graph: Graph, x: Node) -> Linkage:
-        """Linkage of the bell cranks."""
-        keys = ("ball_arm", "sleeve_arm", "pivot_radius")
-        return Linkage(*graph.apply(balls_on_bell_cranks, x, *numbers(graph, *keys)))
+        """Right-angled bell cranks, whose rollers bear on a flat collar: the lift is proportional to the radius."""
+        ball_arm, sleeve_arm, pivot = numbers(graph, "ball_arm", "sleeve_arm", "pivot_radius")
+        return Linkage(x, along_axis(x, pivot, ball_arm), (x - pivot) * (sleeve_arm / ball_arm))

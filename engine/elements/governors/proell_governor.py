@@ -8,9 +8,8 @@ from pydantic import Field
 from engine.cycle.regula_falsi import regula_falsi
 from engine.elements.governors.equilibria import GovernorVariants
 from engine.elements.governors.governor import ARMS, ArmGovernor
-from engine.elements.governors.governor_nodes import Linkage, numbers
+from engine.elements.governors.governor_nodes import Linkage, along_axis, numbers
 from engine.graph.nodes import Graph, Node
-from engine.laws.governors.linkages import balls_on_lower_arms
 from engine.parts.skeleton import Length
 
 # Samples for bracketing the position at a radius.
@@ -28,8 +27,14 @@ class ProellGovernor(ArmGovernor):
     parallel_radius: Length
 
     def linkage(self, graph: Graph, x: Node) -> Linkage:
-        """Linkage of the arms, with the balls on the lower ones."""
-        return Linkage(*graph.apply(balls_on_lower_arms, x, *numbers(graph, *ARMS, "extension", "parallel_radius")))
+        """Linkage of the arms, with the balls on extensions of the lower ones."""
+        lower, pivot, extension, parallel = numbers(graph, "lower_arm", "lower_pivot", "extension", "parallel_radius")
+        arms, along = super().linkage(graph, x), along_axis(x, pivot, lower)
+        # The extension leans outwards by the lower arm's angle minus that angle at the position of parallel extensions.
+        sine, share = (parallel - pivot) / lower, extension / lower
+        cosine = graph.function("sqrt", 1.0 - sine * sine)
+        radius = x + share * ((x - pivot) * cosine - along * sine)
+        return Linkage(radius, arms.balls + share * ((x - pivot) * sine + along * cosine), arms.sleeve)
 
     def position_of(self, g: GovernorVariants, radius: np.ndarray) -> np.ndarray:
         """Radii of the joints; of two solutions the first at which the sleeve rises."""

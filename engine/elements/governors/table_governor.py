@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import Field
 
 from engine.elements.governors.governor import Governor
-from engine.elements.governors.governor_nodes import Holding, Linkage, by_table
+from engine.elements.governors.governor_nodes import Linkage, by_table
 from engine.graph.nodes import Graph, Node
 from engine.laws.tables import Table, make_table
 from engine.parts.skeleton import Faults, Length, Number, quantity
@@ -55,12 +55,9 @@ class TableGovernor(Governor):
 
     def linkage(self, graph: Graph, x: Node) -> Linkage:
         """The sleeve moves in proportion to the radius."""
-        ratio, zero = graph.number("lift_ratio"), graph.zero
-        height = (x - graph.number("least_radius")) * ratio
-        return Linkage(x, graph.one, zero, zero, zero, height, ratio, zero)
+        return Linkage(x, graph.zero, (x - graph.number("least_radius")) * graph.number("lift_ratio"))
 
-    def held(self, graph: Graph, x: Node, link: Linkage, lift: Node) -> Holding:
-        """Potential from the table."""
-        u, rate = (x, graph.one) if self.over_radius is not None else (lift, link.lift_rate)
-        force, slope = by_table(graph, self.controlling_table, u)
-        return Holding(2.0 * force, 2.0 * rate * slope, abs(2.0 * force))
+    def held(self, link: Linkage, rates: Linkage, lift: Node) -> tuple[Node, Node]:
+        """Twice the force of the table."""
+        slope = 2.0 * by_table(self.controlling_table, lift if self.over_radius is None else link.radius)
+        return slope, abs(slope)

@@ -13,10 +13,9 @@ import numpy as np
 
 from engine.elements.element import Element
 from engine.elements.governors.equilibria import GovernorVariants, Marks
-from engine.elements.governors.governor_nodes import equilibrium_nodes, numbers
+from engine.elements.governors.governor_nodes import equilibrium_nodes, moving_inertia, numbers, rate_by
 from engine.graph.nodes import Given, Graph, Number, Stage
 from engine.laws.governors import motion
-from engine.laws.governors.equilibrium import moving_inertia
 from engine.laws.senses import past
 from engine.stepping.recorded import made_steps
 from engine.stepping.records import put, some
@@ -84,15 +83,8 @@ class GovernorMode(NamedTuple):
     outer_hits: Given | np.ndarray
 
 
-def governed_system(governor: Element, machine: bool) -> tuple[System, Graph, GovernorMode]:
-    """Equations of motion of a governor and its engine, from `engine.laws.governors.motion`.
-
-    Parameters
-    ----------
-    governor : Governor
-    machine : bool
-        Whether the engine is a mechanism, whose curves are in memory.
-    """
+def _governed_system(governor: Element, machine: bool) -> tuple[System, Graph, GovernorMode]:
+    """Equations of motion of a governor and its engine, or `machine`, whose curves are in memory."""
     graph = Graph()
     states = Moving(*(graph.given(label, Stage.STATE) for label in Moving._fields))
     _, speed, velocity, position = states
@@ -102,22 +94,20 @@ def governed_system(governor: Element, machine: bool) -> tuple[System, Graph, Go
     ball, sleeve, ratio, damping, friction, regulation = numbers(graph, *keys)
     steady, band, swift, width, *stops = numbers(graph, "steady", "band", "swift", "width", "inner", "outer")
     x = stops[0] - width + position
-    there, link = equilibrium_nodes(governor, graph, x, stops, held.opens), governor.linkage(graph, x)
+    there, rates = equilibrium_nodes(governor, graph, x, stops, held.opens), governor.linkage(graph, x).rates(x)
     change, change_slope, share, other = graph.zero, graph.zero, graph.one, graph.zero
     if machine:
         at = numbers(graph, "curves", "positions", "cycle")
         change, change_slope, share, other = graph.apply(motion.curves_of_cycle, graph.memory, *at, graph.q)
     load, mean = numbers(graph, "engine.new_load", "mean speed")
     moment = there.driving * share - regulation * (speed - mean) - load + other - 0.5 * change_slope * speed * speed
-    square, whirl_rate = ratio * ratio, 4.0 * ball * link.radius * link.radius_rate
+    square, whirl_rate = ratio * ratio, 4.0 * ball * there.radius * rates.radius
     inertia = graph.number("engine.inertia") + change + square * there.balls
-    rise = graph.apply(motion.engine_acceleration, moment, inertia, square * whirl_rate, velocity, speed)
-    held_up = there.sleeve + damping * link.lift_rate * velocity + friction * held.sense
-    pull = 0.5 * square * speed * speed * whirl_rate - link.lift_rate * held_up
-    own = graph.apply(moving_inertia, ball, sleeve, link.radius_rate, link.rise, link.lift_rate)
-    rates = (link.radius_rate, link.radius_rate_rate, link.rise, link.rise_rate, link.lift_rate, link.lift_rate_rate)
-    own_rate = graph.apply(motion.moving_inertia_rate, ball, sleeve, *rates)
-    acceleration = graph.apply(motion.governor_acceleration, pull, own, own_rate, velocity)
+    rise = (moment - square * whirl_rate * velocity * speed) / inertia
+    held_up = there.sleeve + damping * rates.sleeve * velocity + friction * held.sense
+    pull = 0.5 * square * speed * speed * whirl_rate - rates.sleeve * held_up
+    own = moving_inertia(ball, sleeve, rates)
+    acceleration = (pull - 0.5 * rate_by(own, x) * velocity * velocity) / own
     place = position / width - 1.0
     inner, outer = (graph.apply(motion.room_ahead, *way) for way in ((-held.sense, place), (held.sense, 1.0 - place)))
     ahead = held.sense * velocity + BEHIND * swift
@@ -224,7 +214,7 @@ class _Runs(WalkedRuns):
         speed, still = begin.speed / ratio, np.zeros(count)
         self.state = Moving(still.copy(), speed.copy(), still.copy(), width + (before - low))
         machine = cycle.size > 0
-        system, graph, held = governed_system(g.governor, machine)
+        system, graph, held = _governed_system(g.governor, machine)
         self.system = PrintedSystem(system, graph, graph.zero, graph.zero)
         self.farthest = FARTHEST_TURN * self.longer if machine else math.inf
         given = n | {

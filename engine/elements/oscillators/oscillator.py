@@ -1,13 +1,14 @@
 """One mass on a spring: constants, free motion, forced vibration, and passage through resonance."""
 
 import math
+from functools import cached_property
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
 from engine.elements.compliances.stiffnesses import cantilever_stiffness
-from engine.elements.element import ROUNDING, Answers, Element, ElementResult, NamedRows, NamingElement, Numbers, nudged
+from engine.elements.element import ROUNDING, Answers, Element, ElementResult, NamedRows, Numbers, nudged
 from engine.elements.oscillators import one_mass, over_time
 from engine.elements.oscillators.excitations import (
     CantileverSpring,
@@ -39,7 +40,7 @@ _FORMULA_BLOCK = 32
 _THROUGH = "run_through_amplitude", "run_through_speed", "run_through_time", "run_through_share"
 
 
-class OscillatorElement(NamingElement):
+class OscillatorElement(Element):
     """A mass on a spring, given by its `stiffness` or as a cantilever, with a damper.
 
     The damper is given by its `damping`, its `damping_ratio`, the logarithmic `decrement`, or `energy_absorption`, the
@@ -76,12 +77,13 @@ class OscillatorElement(NamingElement):
         by_formula = isinstance(self.excitation, OverTime) and self.excitation.formula is not None
         return _FORMULA_BLOCK if by_formula else Element.variants_at_once
 
+    @cached_property
     def results(self) -> tuple[ElementResult, ...]:
         """Results for the keys given; those over time are listed without computing the motion."""
         if isinstance(self.excitation, OverTime):
             still = self.model_copy(update={"excitation": None, "start": None})
-            return *still.results(), *over_time.OVER_TIME_RESULTS
-        return super().results()
+            return *still.results, *over_time.OVER_TIME_RESULTS
+        return super().results
 
     def named(self, n: Numbers) -> NamedRows:
         """Results for the start, excitation and passage given; infinite at an undamped resonance."""
@@ -91,8 +93,8 @@ class OscillatorElement(NamingElement):
         yield ElementResult("natural_frequency", "natural frequency without damping", "rad s-1"), frequency
         yield ElementResult("damping", "damping", "N s m-1"), damping
         yield ElementResult("damping_ratio", "damping over critical damping", "1"), ratio
-        yield ElementResult("damped_frequency", "frequency of the free motion", "rad s-1", None, True), damped
-        yield ElementResult("decrement", "logarithmic decrement", "1", None, True), one_mass.decrement_of_ratio(ratio)
+        yield ElementResult("damped_frequency", "frequency of the free motion", "rad s-1", True), damped
+        yield ElementResult("decrement", "logarithmic decrement", "1", True), one_mass.decrement_of_ratio(ratio)
         words = "energy absorption in a cycle at the natural frequency"
         yield ElementResult("energy_absorption", words, "1"), 2.0 * math.tau * ratio
         if isinstance(self.excitation, OverTime):
@@ -271,9 +273,9 @@ def _forced(element: OscillatorElement, n: Numbers, constants: _Constants) -> Na
     yield ElementResult("transmitted_force", "amplitude of the force of spring and damper", "N"), transmitted
     yield ElementResult("dissipated_power", "mean power dissipated by the damper", "W"), power
     words = "exciting frequency of the peak amplitude"
-    yield ElementResult("resonance_speed", words, "rad s-1", None, True), best * frequency
+    yield ElementResult("resonance_speed", words, "rad s-1", True), best * frequency
     words = "peak amplitude at any exciting frequency"
-    yield ElementResult("resonance_amplitude", words, "m", None, True), unit * greatest
+    yield ElementResult("resonance_amplitude", words, "m", True), unit * greatest
 
 
 def _run_through(n: Numbers, frequency: np.ndarray, ratio: np.ndarray) -> NamedRows:
@@ -289,4 +291,4 @@ def _run_through(n: Numbers, frequency: np.ndarray, ratio: np.ndarray) -> NamedR
         ("peak amplitude during the passage, over that of steady resonance", "1", share),
     )
     for name, (words, units, row) in zip(_THROUGH, results, strict=True):
-        yield ElementResult(name, words, units, None, True), row
+        yield ElementResult(name, words, units, True), row

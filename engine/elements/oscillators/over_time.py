@@ -15,7 +15,7 @@ OVER_TIME_RESULTS = (
     ElementResult("greatest_displacement_at", "time of the peak displacement", "s"),
     ElementResult("spring_force", "peak spring force", "N"),
     ElementResult("spring_force_at", "time of the peak spring force", "s"),
-    ElementResult("dynamic_factor", "peak displacement over that of a mass that follows at rest", "1", None, True),
+    ElementResult("dynamic_factor", "peak displacement over that of a mass that follows at rest", "1", True),
     ElementResult("end_displacement", "displacement at the end", "m"),
     ElementResult("end_velocity", "velocity at the end", "m s-1"),
 )

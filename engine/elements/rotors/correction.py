@@ -62,22 +62,3 @@ def corrected_unbalance(rotor: Resultant, corrections: ArrayLike, planes: ArrayL
     """
     added = resultant_unbalance(corrections, planes, rotor.plane)
     return Resultant(rotor.unbalance + added.unbalance, rotor.moment + added.moment, rotor.plane)
-
-
-def misplaced_share(mass_error: ArrayLike, angle_error: ArrayLike) -> np.ndarray:
-    """Relative error of a correction with given errors of mass and angle: |(1 + mu) exp(i delta) - 1|.
-
-    This is the maximum for errors of either sign up to mu and delta.
-
-    Parameters
-    ----------
-    mass_error, angle_error : array_like (...)
-        mu >= 0, relative error of the mass or the radius; delta, 0 … pi [rad].
-
-    Returns
-    -------
-    ndarray (...)
-        √(mu² + 4 (1 + mu) sin²(delta/2)), about √(mu² + delta²).
-    """
-    mu = np.asarray(mass_error, dtype=float)
-    return np.sqrt(mu**2 + 4.0 * (1.0 + mu) * np.sin(np.asarray(angle_error, dtype=float) / 2.0) ** 2)

@@ -66,29 +66,6 @@ def tolerance_shares(centre: ArrayLike, first: ArrayLike, second: ArrayLike) -> 
         return tuple(np.where(span > 0.0, np.clip(share, LEAST_SHARE, greatest), math.nan) for share in shares)
 
 
-def grade_needed(
-    residuals: tuple[ArrayLike, ArrayLike], shares: tuple[ArrayLike, ArrayLike], mass: ArrayLike, omega: ArrayLike
-) -> np.ndarray:
-    """Minimum e_per·omega whose tolerances in both planes admit the residual unbalances.
-
-    Parameters
-    ----------
-    residuals : tuple of array_like of complex (...)
-        Residual unbalances in the two tolerance planes [kg·m].
-    shares : tuple of array_like (...)
-        As from `tolerance_shares`.
-    mass, omega : array_like (...)
-        [kg], [rad/s].
-
-    Returns
-    -------
-    ndarray (...)
-        [m/s]; for one plane with a share of 1 this is |U| omega/m.
-    """
-    worst = np.maximum(*(np.abs(u) / share for u, share in zip(residuals, shares, strict=True)))
-    return worst * np.abs(omega) / mass
-
-
 def grade_reached(needed: ArrayLike) -> np.ndarray:
     """The finest grade that admits a given e_per·omega.
 

@@ -40,7 +40,7 @@ class Split(NamedTuple):
     next_amount: np.ndarray
 
 
-def split_on_neighbours(correction: ArrayLike, holes: int, first: ArrayLike = 0.0) -> Split:
+def split_on_neighbours(correction: ArrayLike, holes: int) -> Split:
     """Split a correction exactly between the two adjacent holes: C sin(b)/sin(a + b) and C sin(a)/sin(a + b).
 
     Parameters
@@ -48,9 +48,7 @@ def split_on_neighbours(correction: ArrayLike, holes: int, first: ArrayLike = 0.
     correction : array_like of complex (...)
         [kg·m].
     holes : int
-        Number n of equally spaced holes.
-    first : array_like (...)
-        Angle of the first hole [rad].
+        Number n of equally spaced holes, the first at angle 0.
 
     Raises
     ------
@@ -60,7 +58,6 @@ def split_on_neighbours(correction: ArrayLike, holes: int, first: ArrayLike = 0.
     if holes < 3:
         raise PatternError(f"holes = {holes}: splitting a correction takes at least 3 equally spaced holes")
     step = math.tau / holes
-    correction = np.asarray(correction) * np.exp(-1j * np.asarray(first, dtype=float))
     beyond = np.angle(correction) % math.tau
     finite = np.isfinite(beyond)
     hole = np.floor(np.where(finite, beyond, 0.0) / step).astype(int) % holes

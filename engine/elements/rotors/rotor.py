@@ -13,11 +13,10 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Answers, Columns, ElementResult, NamedRows, NamingElement, Numbers, further, nudged
+from engine.elements.element import Answers, Columns, Element, ElementResult, NamedRows, Numbers, further, nudged
 from engine.elements.panels import Curve, Panel, PanelAxis
-from engine.elements.rotors.bearings import peak_forces, rotating_forces, static_forces
-from engine.elements.rotors.correction import correct, corrected_unbalance, misplaced_share
-from engine.elements.rotors.grades import grade_needed, grade_reached, permissible_unbalance, tolerance_shares
+from engine.elements.rotors.correction import correct, corrected_unbalance
+from engine.elements.rotors.grades import grade_reached, permissible_unbalance, tolerance_shares
 from engine.elements.rotors.hole_pattern import PatternError, best_holes
 from engine.elements.rotors.knife_edges import knife_edge_results
 from engine.elements.rotors.rotor_parts import CorrectionPlane, Unbalance
@@ -31,6 +30,7 @@ from engine.elements.rotors.unbalance import (
     unbalance_in_two_planes,
     vector_polygon,
 )
+from engine.parts.bodies import STANDARD_GRAVITY
 from engine.parts.skeleton import AngularSpeed, Faults, Length, Mass, Name, Speed
 
 # A number this close to an integer counts as one: error estimates nudge the numbers.
@@ -47,7 +47,7 @@ _SINGLE_PLANE = "position at which a single correction leaves the least couple"
 _PERMISSIBLE = "permissible residual unbalance in the plane of the"
 
 
-class RotorElement(NamingElement):
+class RotorElement(Element):
     """A rigid rotor in two bearings, with masses off its axis and correction planes.
 
     `centre` is the position of the centre of mass along the axis, as are the positions of bearings and planes. `grade`
@@ -89,13 +89,15 @@ class RotorElement(NamingElement):
 
     def named(self, n: Numbers) -> NamedRows:
         """Results of the rotor and of its planes."""
-        unbalances, places = rotor_unbalances(self, n)
+        unbalances, places = _unbalances(self, n)
         before = resultant_unbalance(unbalances, places, n["centre"])
-        made, planes, added = rotor_corrections(self, n, before)
+        made, planes, added = _corrections(self, n, before)
         after = corrected_unbalance(before, made, planes)
         bearings = n["first_bearing"], n["second_bearing"]
-        forces = [rotating_forces(state, *bearings, n["speed"]) for state in (before, after)]
-        peaks = [peak_forces(force, static_forces(n["mass"], n["centre"], *bearings)) for force in forces]
+        forces = [np.square(n["speed"]) * unbalance_in_two_planes(state, *bearings) for state in (before, after)]
+        # The weight on each bearing of a horizontal rotor; the rotating force points along it once a turn.
+        weight, arms = n["mass"] * STANDARD_GRAVITY, np.array([bearings[1] - n["centre"], n["centre"] - bearings[0]])
+        peaks = [np.abs(force) + np.abs(weight * arms / (bearings[1] - bearings[0])) for force in forces]
         permissible = permissible_unbalance(n["grade"], n["mass"], n["speed"])
         allowed_couple = permissible * np.abs(bearings[1] - bearings[0])
         shares = np.array(tolerance_shares(n["centre"], *bearings))
@@ -108,7 +110,7 @@ class RotorElement(NamingElement):
         yield ElementResult("permissible_unbalance", "permissible residual unbalance", "kg m"), permissible
         for side, share in zip(_SIDES, shares, strict=True):
             yield further(f"{side}_permissible", f"{_PERMISSIBLE} {side} bearing", "kg m"), share * permissible
-        yield from _qualities(n, (before, after), made, planes, permissible, shares, correction_errors(self, n))
+        yield from _qualities(n, (before, after), made, planes, permissible, shares, _correction_errors(self, n))
         for name, force, weight, states in (
             ("force", "rotating force", "", forces),
             ("peak", "force", " with the weight", peaks),
@@ -125,9 +127,9 @@ class RotorElement(NamingElement):
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Polygons of unbalances and of moments about the first plane; unbalance at the bearings before and after."""
         n = self.own_numbers()
-        unbalances, where = rotor_unbalances(self, n)
+        unbalances, where = _unbalances(self, n)
         before = resultant_unbalance(unbalances, where, n["centre"])
-        made, planes, _ = rotor_corrections(self, n, before)
+        made, planes, _ = _corrections(self, n, before)
         bearings = n["first_bearing"], n["second_bearing"]
         states = before, corrected_unbalance(before, made, planes)
         left = [np.abs(np.squeeze(unbalance_in_two_planes(state, *bearings))) for state in states]
@@ -154,10 +156,14 @@ def _hole_results(name: str, places: np.ndarray, pieces: np.ndarray) -> NamedRow
         yield ElementResult(f"{name}.pieces_{k}", f"pieces in hole {k} used in plane {name}", "1", exact=True), own
 
 
-def correction_errors(rotor: RotorElement, n: Numbers) -> np.ndarray:
-    """Relative error of each plane's correction (planes, variants)."""
+def _correction_errors(rotor: RotorElement, n: Numbers) -> np.ndarray:
+    """Relative error of each plane's correction (planes, variants): |(1 + μ) exp(i δ) − 1|, about √(μ² + δ²).
+
+    This is the maximum for errors of either sign up to μ of the mass or the radius, and δ of the angle.
+    """
     at = [f"planes.{name}" for name in rotor.planes]
-    return np.stack([misplaced_share(n[f"{p}.mass_error"], n[f"{p}.angle_error"]) for p in at])
+    mass, angle = (np.stack([n[f"{p}.{key}"] for p in at]) for key in ("mass_error", "angle_error"))
+    return np.sqrt(mass**2 + 4.0 * (1.0 + mass) * np.sin(angle / 2.0) ** 2)
 
 
 def _qualities(
@@ -178,41 +184,28 @@ def _qualities(
         felt = np.abs(levers * made.T)
         room = ((shares * permissible - after) / felt.sum(axis=1)).min(axis=0)
     residuals = before, after, after + (felt * off).sum(axis=1)
-    needed = [grade_needed(tuple(row), tuple(shares), n["mass"], n["speed"]) for row in residuals]
+    # The least e ω whose tolerances in both planes admit the residual unbalances.
+    needed = [(row / shares).max(axis=0) * np.abs(n["speed"]) / n["mass"] for row in residuals]
     for (state, words), quality in zip(_STATES.items(), needed, strict=True):
         yield further(f"quality_{state}", f"balance quality e ω {words}", "m s-1"), quality
     for (state, words), quality in zip(_STATES.items(), needed, strict=True):
-        grade = ElementResult(f"grade_{state}", f"finest grade G held {words}", "m s-1", None, True, True)
+        grade = ElementResult(f"grade_{state}", f"finest grade G held {words}", "m s-1", True, True)
         yield grade, grade_reached(quality) / 1000
     words = "error of every correction that the grade allows, as a share of it"
-    yield further("error_allowance", words, "1", None, True), room
+    yield further("error_allowance", words, "1", True), room
 
 
-def rotor_unbalances(rotor: RotorElement, n: Numbers) -> tuple[np.ndarray, np.ndarray]:
+def _unbalances(rotor: RotorElement, n: Numbers) -> tuple[np.ndarray, np.ndarray]:
     """Unbalances of a rotor, complex [kg·m], and their positions [m], each (variants, unbalances)."""
     at = [f"unbalances.{name}" for name in rotor.unbalances]
     parts = [unbalance(n[f"{u}.mass"], n[f"{u}.radius"], n[f"{u}.angle"]) for u in at]
     return np.stack(parts, axis=-1), np.stack([n[f"{u}.position"] for u in at], axis=-1)
 
 
-def rotor_corrections(rotor: RotorElement, n: Numbers, before: Resultant) -> tuple[np.ndarray, np.ndarray, list]:
-    """Corrections of a rotor.
+def _corrections(rotor: RotorElement, n: Numbers, before: Resultant) -> tuple[np.ndarray, np.ndarray, list]:
+    """Unbalances added, in whole pieces if the plane has holes [kg·m], their positions [m], and results of each plane.
 
-    Parameters
-    ----------
-    rotor : RotorElement
-    n : mapping of str to ndarray (variants,)
-    before : Resultant
-        Unbalance before the correction.
-
-    Returns
-    -------
-    made : ndarray of complex (variants, planes)
-        Unbalances added, in whole pieces if the plane has holes [kg·m].
-    positions : ndarray (variants, planes)
-        Their positions [m].
-    added : list of (ElementResult, ndarray (variants,))
-        Masses, angles and numbers of pieces.
+    Both arrays are (variants, planes).
     """
     at = [f"planes.{name}" for name in rotor.planes]
     positions, radii = (np.stack([n[f"{p}.{key}"] for p in at], axis=-1) for key in ("position", "radius"))

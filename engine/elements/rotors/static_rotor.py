@@ -12,7 +12,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import ElementResult, NamedRows, NamingElement, Numbers
+from engine.elements.element import Element, ElementResult, NamedRows, Numbers
 from engine.elements.panels import Panel
 from engine.elements.rotors.knife_edges import knife_edge_results
 from engine.elements.rotors.rotor_parts import OffAxis
@@ -21,7 +21,7 @@ from engine.laws.rounding import EPS
 from engine.parts.skeleton import AngularSpeed, Length, Mass, Name
 
 
-class StaticRotor(NamingElement):
+class StaticRotor(Element):
     """A flat rotor, such as a wheel or a disc: all masses off its axis are assumed to be in one plane.
 
     One mass at `correction_radius` balances them. On knife edges, with the rotor's `mass` and the arm of rolling
@@ -50,9 +50,9 @@ class StaticRotor(NamingElement):
         direction = np.where(size > 0.0, np.angle(total), math.nan)
         turned = np.where(direction > 0.0, direction - math.pi, direction + math.pi)
         yield ElementResult("unbalance", "resultant unbalance", "kg m"), size
-        yield ElementResult("unbalance_angle", "angle of the resultant unbalance", "rad", None, True), direction
+        yield ElementResult("unbalance_angle", "angle of the resultant unbalance", "rad", True), direction
         yield ElementResult("correction_mass", "mass that balances the rotor", "kg"), size / n["correction_radius"]
-        yield ElementResult("correction_angle", "angle of the mass that balances the rotor", "rad", None, True), turned
+        yield ElementResult("correction_angle", "angle of the mass that balances the rotor", "rad", True), turned
         if "mass" in n:
             yield ElementResult("eccentricity", "distance of the centre of mass from the axis", "m"), size / n["mass"]
         if "speed" in n:

@@ -16,14 +16,8 @@ _REVOLUTIONS, _WAVES = 12, 24
 _WHOLE = 1e-9
 
 
-def waves_together(orders: Sequence[float]) -> np.ndarray | None:
-    """Waves of each order in the shortest common period; None if there is none, or only a long one.
-
-    Parameters
-    ----------
-    orders : sequence of float
-        Multiples of the rotational frequency, positive.
-    """
+def _waves_together(orders: Sequence[float]) -> np.ndarray | None:
+    """Waves of each order in the shortest common period; None if there is none, or only a long one."""
     all_orders = np.array(orders)
     turns = np.arange(1, _REVOLUTIONS + 1)
     for period in (*turns, *np.arange(1, _WAVES + 1) / all_orders.min()):
@@ -37,7 +31,7 @@ def _groups(orders: Sequence[float]) -> list[list[int]]:
     """Indices of the orders, those with a common period together, ascending."""
     groups: list[list[int]] = []
     for i in np.argsort(orders):
-        joined = (group for group in groups if waves_together([orders[k] for k in (*group, i)]) is not None)
+        joined = (group for group in groups if _waves_together([orders[k] for k in (*group, i)]) is not None)
         group = next(joined, None)
         if group is None:
             groups.append([i])
@@ -72,7 +66,7 @@ def _extremes_together(orders: Sequence[float], amplitudes: np.ndarray) -> np.nd
     if len(orders) == 1:
         total = np.abs(amplitudes[0])
         return np.array([-total, total])
-    h, sums = waves_together(orders), amplitudes.reshape(len(orders), -1)
+    h, sums = _waves_together(orders), amplitudes.reshape(len(orders), -1)
     return np.array([-_peaks(h, -sums), _peaks(h, sums)]).reshape(2, *amplitudes.shape[1:])
 
 

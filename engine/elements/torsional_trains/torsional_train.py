@@ -11,7 +11,7 @@ from pydantic import Field
 
 from engine.cycle.measured import Measured, maximum, measured, where
 from engine.elements.compliances.elastic_parts import ElasticPart
-from engine.elements.element import Answers, ElementResult, NamedRows, NamingElement, Numbers, check_result, further
+from engine.elements.element import Answers, Element, ElementResult, NamedRows, Numbers, check_result, further
 from engine.elements.engines.engine import OF_SHAKING, EngineElement
 from engine.elements.panels import SPEED, Curve, Mark, Panel, PanelAxis
 from engine.elements.torsional_trains.excitation import TrainExcitation, excitation_orders, train_excitation
@@ -83,7 +83,7 @@ class HarmonicMoment(Part):
     phase: Angle = 0.0
 
 
-class TorsionalTrain(NamingElement):
+class TorsionalTrain(Element):
     """Masses connected by shafts and gears, in a chain or branched.
 
     The first `modes` positive natural frequencies and their modes are computed, and the vibration under `excitations`,
@@ -222,7 +222,7 @@ class TorsionalTrain(NamingElement):
             yield from _vibration(self, reduced, excitation)
 
     @cached_property
-    def own_results(self) -> tuple[ElementResult, ...]:
+    def results(self) -> tuple[ElementResult, ...]:
         """Results available with the keys given, named for any numbers of the machine."""
         with np.errstate(all="ignore"):
             return tuple(result for result, _ in self.named(defaultdict(lambda: np.ones(1), self.own_numbers())))
@@ -259,7 +259,7 @@ def _shape(train: TorsionalTrain, reduced: ReducedTrain, natural: NaturalVibrati
     shape = amplitudes / amplitudes[greatest]
     for i, mass in enumerate(layout.masses):
         words = f"amplitude of {mass} in mode {k + 1}, over the maximum of all"
-        yield further(f"mode_{k + 1}.{mass}", words, "1", None, True), shape[i]
+        yield further(f"mode_{k + 1}.{mass}", words, "1", True), shape[i]
 
 
 def _margins(frequencies: Sequence[Measured], excitation: TrainExcitation) -> NamedRows:

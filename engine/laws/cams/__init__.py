@@ -1,1 +1,1 @@
-"""Cams: motion of the follower, geometry of the profile, contact pressure."""
+"""Cams: motion of the follower, geometry of the profile."""

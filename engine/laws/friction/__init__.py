@@ -1,4 +1,4 @@
-"""Friction in the pairs of a machine: slides, journals, screws, wedges, rollers and belts, as scalar functions."""
+"""Friction in the pairs of a machine: coefficients, inclined faces, feedback on reactions, losses between teeth."""
 
 from engine import on_use
 

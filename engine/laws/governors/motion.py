@@ -2,7 +2,7 @@
 
 The kinetic energy is ½ A(x) ẋ² + ½ (I + i² J(x)) ω², where J = 2 m r² is the inertia of the balls about the spindle,
 which turns i times as fast as the engine with speed ω. Primes are derivatives by x; see
-`engine.laws.governors.linkages`:
+`engine.elements.governors.governor_nodes`:
 
     A ẍ + ½ A' ẋ² = ½ i² ω² J' − V' − z' (b z' ẋ + F sgn ẋ),   (I + i² J) ω̇ + i² J' ẋ ω = M_d − M_c
 """
@@ -13,59 +13,6 @@ import numpy as np
 
 from engine.compiling.decorators import scalar
 from engine.compiling.instructions import chosen
-from engine.laws.governors.equilibrium import speed_with_friction
-
-
-@scalar
-def moving_inertia_rate(
-    ball_mass: float,
-    sleeve_mass: float,
-    radius_rate: float,
-    radius_rate_rate: float,
-    ball_rise: float,
-    ball_rise_rate: float,
-    lift_rate: float,
-    lift_rate_rate: float,
-) -> float:
-    """A', derivative of `moving_inertia`: 4 m (r' r'' + h' h'') + 2 M z' z'' [kg/m].
-
-    Parameters
-    ----------
-    ball_mass, sleeve_mass : float
-        m, M [kg].
-    radius_rate, radius_rate_rate, ball_rise, ball_rise_rate, lift_rate, lift_rate_rate : float
-        r', r'', h', h'', z', z''.
-
-    Returns
-    -------
-    float
-    """
-    balls = radius_rate * radius_rate_rate + ball_rise * ball_rise_rate
-    return 4.0 * ball_mass * balls + 2.0 * sleeve_mass * lift_rate * lift_rate_rate
-
-
-@scalar
-def governor_acceleration(driving: float, inertia: float, inertia_rate: float, velocity: float) -> float:
-    """ẍ of a governor: (Q − ½ A' ẋ²)/A, with Q the sum of the generalised forces on x [m/s²]."""
-    return (driving - 0.5 * inertia_rate * velocity * velocity) / inertia
-
-
-@scalar
-def engine_acceleration(moment: float, inertia: float, whirl_rate: float, velocity: float, speed: float) -> float:
-    """ω̇ of an engine: (M_d − M_c − i² J' ẋ ω)/(I + i² J) [rad/s²].
-
-    Parameters
-    ----------
-    moment, inertia, whirl_rate : float
-        M_d − M_c [N·m], I + i² J [kg·m²], i² J' [kg·m].
-    velocity, speed : float
-        ẋ [m/s], ω [rad/s].
-
-    Returns
-    -------
-    float
-    """
-    return (moment - whirl_rate * velocity * speed) / inertia
 
 
 @scalar
@@ -79,7 +26,7 @@ def releasing_speeds(place: float, speed: float, held: float) -> tuple[float, fl
     speed, held : float
         ω of the engine in equilibrium without friction [rad/s]; F/E.
     """
-    rises, falls = speed_with_friction(speed, held, 1.0), speed_with_friction(speed, -min(held, 1.0), 1.0)
+    rises, falls = speed * math.sqrt(1.0 + held), speed * math.sqrt(1.0 - min(held, 1.0))
     return chosen(place < 1.0, rises, math.inf), chosen(place > 0.0, falls, -math.inf)
 
 

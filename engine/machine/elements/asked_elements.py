@@ -17,7 +17,7 @@ def element_summaries(scene: Scene) -> list[Quantity]:
     return [
         Quantity(f"{name}.{result.name}", f"{name}: {result.long_name}", result.units, rank=result.rank)
         for name, element in scene.elements.items()
-        for result in element.results()
+        for result in element.results
     ]
 
 
@@ -74,7 +74,7 @@ class AskedElements:
             status[keep[judged]] = found.verdicts[judged]
         for name, found in answers.items():
             element = self.elements[name]
-            must = np.array([found.values[r.name] for r in element.results() if not r.may_be_undefined])
+            must = np.array([found.values[r.name] for r in element.results if not r.may_be_undefined])
             well = status[keep] == Verdict.OK
             status[keep[well & np.isinf(must).any(axis=0)]] = element.infinite
             status[keep[well & np.isnan(must).any(axis=0)]] = Verdict.NOT_FINITE
@@ -103,7 +103,7 @@ def _evaluated(element: Element, n: Columns, variants: int) -> Answers:
         verdicts = np.broadcast_to(found.verdicts, (count,)).astype(float)
         return np.array([[*part, verdicts] for part in rows])
 
-    results = element.results()
+    results = element.results
     (*values, verdicts), (*errors, _) = np.concatenate(on_all_threads(of, pieces), axis=-1)
     names = [r.name for r in results]
     by_name = (dict(zip(names, rows, strict=True)) for rows in (values, errors))

@@ -1,5 +1,7 @@
 """Cams in a mechanism: follower displacement, pressure angle, profile, contact forces."""
 
+from functools import partial
+
 from engine.laws.elementary import angle_of
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.quantity import Quantity
@@ -30,14 +32,8 @@ def declare(mechanics: Mechanics) -> Declared:
         yield Field(f"{name}.displacement", words, unit, known(motion.displacement), "s")
         if not flat:
             words = f"pressure angle of cam {name}, positive as on a rise"
-            yield Field(
-                f"{name}.pressure_angle",
-                words,
-                "rad",
-                lambda c=motion: m.graph.apply(angle_of, c.along, c.across),
-                "α",
-                ("peak",),
-            )
+            angle = partial(m.graph.apply, angle_of, motion.along, motion.across)
+            yield Field(f"{name}.pressure_angle", words, "rad", angle, "α", ("peak",))
         words = f"transmission index of cam {name}: for a roller or knife edge, the cosine of the pressure angle"
         yield Field(f"{name}.transmission", words, "1", known(m.kinematics.sines[name]))
         for axis, node in zip("xy", m.kinematics.coordinates(motion.contact), strict=True):

@@ -4,7 +4,6 @@ Sources: J. B. Heywood, Internal Combustion Engine Fundamentals, section 2.3 (in
 any textbook of reciprocating compressors (volumetric efficiency of the polytropic diagram with clearance).
 """
 
-from engine.elements.element import Rank
 from engine.graph.nodes import Node
 from engine.laws.senses import exceeds
 from engine.mechanism.actions.cylinders import Diagram, piston_area
@@ -12,7 +11,7 @@ from engine.mechanism.mechanics import Mechanics
 from engine.parts.cylinders import EngineCylinder, FourStroke, Pump
 from engine.quantities.expressions import Expression, Integral, StrokeEnd, VariantNumber, length_of_range
 from engine.quantities.quantity import called
-from engine.quantities.register import Declared, Field, Summary
+from engine.quantities.register import Declared, Field, Summary, answer_if, answer_summary
 
 
 def declare(mechanics: Mechanics) -> Declared:
@@ -42,7 +41,7 @@ def _of_cylinder(m: Mechanics, name: str) -> Declared:
         return VariantNumber(area) * (high - low)
 
     words = f"swept volume of {called('cylinder', name)}"
-    yield Summary(f"{name}.swept_volume", words, "m3", swept, symbol="V_s", rank=Rank.ANSWER)
+    yield answer_summary(f"{name}.swept_volume", words, "m3", swept, "V_s")
     if not m.has_cycle:
         return
     engine = isinstance(cylinder, EngineCylinder)
@@ -57,26 +56,14 @@ def _of_cylinder(m: Mechanics, name: str) -> Declared:
 
     whose = "of the gas" if engine else f"on the {'liquid' if isinstance(cylinder, Pump) else 'gas'}"
     words = f"indicated work {whose} in {called('cylinder', name)}"
-    yield Summary(f"{name}.indicated_work", f"{words} per cycle of the machine", "J", work, symbol="W_i")
-    yield Summary(
-        f"{name}.indicated_power",
-        f"indicated power {whose} in {called('cylinder', name)}",
-        "W",
-        lambda: per_second(work()),
-        symbol="P_i",
-        rank=Rank.ANSWER,
-    )
+    yield Summary(f"{name}.indicated_work", f"{words} per cycle of the machine", "J", work, "W_i")
+    words = f"indicated power {whose} in {called('cylinder', name)}"
+    yield answer_summary(f"{name}.indicated_power", words, "W", lambda: per_second(work()), "P_i")
     # Cycles of the gas in a cycle of the machine.
     times = m.scene.input.revolutions / (2.0 if isinstance(cylinder, FourStroke) else 1.0)
     if not isinstance(cylinder, Pump):
-        yield Summary(
-            f"{name}.mean_effective_pressure",
-            f"indicated mean effective pressure of {called('cylinder', name)}",
-            "Pa",
-            lambda: work() / (swept() * times),
-            symbol="p_mi",
-            rank=Rank.ANSWER if engine else Rank.FURTHER,
-        )
+        words, summary = f"indicated mean effective pressure of {called('cylinder', name)}", answer_if(engine)
+        yield summary(f"{name}.mean_effective_pressure", words, "Pa", lambda: work() / (swept() * times), "p_mi")
     if engine:
         return
 
@@ -86,20 +73,8 @@ def _of_cylinder(m: Mechanics, name: str) -> Declared:
     def displaced() -> Expression:
         return Integral(graph.held(graph.apply(exceeds, diagram().rate, 0.0)) * (area * diagram().rate))
 
-    yield Summary(
-        f"{name}.delivery",
-        f"volume that {called('cylinder', name)} delivers per time, at suction",
-        "m3 s-1",
-        lambda: per_second(drawn()),
-        symbol="Q",
-        rank=Rank.ANSWER,
-    )
+    words = f"volume that {called('cylinder', name)} delivers per time, at suction"
+    yield answer_summary(f"{name}.delivery", words, "m3 s-1", lambda: per_second(drawn()), "Q")
     if not isinstance(cylinder, Pump):
-        yield Summary(
-            f"{name}.volumetric_efficiency",
-            f"volumetric efficiency of {called('cylinder', name)}: volume drawn in over volume displaced",
-            "1",
-            lambda: drawn() / displaced(),
-            symbol="η_v",
-            rank=Rank.ANSWER,
-        )
+        words = f"volumetric efficiency of {called('cylinder', name)}: volume drawn in over volume displaced"
+        yield answer_summary(f"{name}.volumetric_efficiency", words, "1", lambda: drawn() / displaced(), "η_v")

@@ -9,7 +9,6 @@ from functools import partial
 import numpy as np
 
 from engine import mechanism
-from engine.elements.element import Rank
 from engine.graph.nodes import Node
 from engine.mechanism.input_motion import multiple_angle
 from engine.mechanism.mechanics import Mechanics
@@ -27,8 +26,8 @@ from engine.quantities.expressions import (
     share,
     unresolved_peak,
 )
-from engine.quantities.quantity import called, drive_words, ordinal
-from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
+from engine.quantities.quantity import InputUnits, called, drive_words, ordinal
+from engine.quantities.register import Declared, Field, Summary, answer_if, answer_summary, check_summary, mean
 from engine.scene.pairs import has_friction
 from engine.scene.scene import Numbers
 
@@ -49,20 +48,10 @@ def declare(mechanics: Mechanics) -> Declared:
     at, _, load = u.symbols
     without = ", without friction in pairs" if has_friction(scene) else ""
     yield Field("reduced_inertia", "reduced moment of inertia", u.inertia, lambda: m.reduced.inertia, "I")
-    yield Field(
-        "reduced_inertia_phi",
-        "derivative of the reduced moment of inertia with respect to the input",
-        f"{u.inertia} {u.per_q}",
-        lambda: m.reduced.slope,
-        f"dI/d{at}",
-    )
-    yield Field(
-        "reduced_moment",
-        f"reduced moment of all loads except the drive{without}",
-        u.moment,
-        lambda: m.moment_of(),
-        load,
-    )
+    words, units = "derivative of the reduced moment of inertia with respect to the input", f"{u.inertia} {u.per_q}"
+    yield Field("reduced_inertia_phi", words, units, lambda: m.reduced.slope, f"dI/d{at}")
+    words = f"reduced moment of all loads except the drive{without}"
+    yield Field("reduced_moment", words, u.moment, m.moment_of, load)
     asked = ("peak",) if is_loaded(m) else ()
     words = f"{drive_words(m.scene)}{without}"
     yield Field("input_moment", words, u.moment, lambda: m.input_moment, f"{load}_in", asked)
@@ -70,30 +59,19 @@ def declare(mechanics: Mechanics) -> Declared:
         terms = [(t.coefficient, t.basis) for t in m.loads.terms if t.action == action]
         words = f"reduced moment of {action}"
         yield Field(f"{action}.moment", words, u.moment, partial(graph.combination, terms), f"{load}_{action}")
-    yield Summary(
-        "first_kind_inertia",
-        "constant part of the reduced moment of inertia",
-        u.inertia,
-        lambda: VariantNumber(m.reduced.first_kind),
-        symbol="I_0",
-    )
+    words = "constant part of the reduced moment of inertia"
+    yield Summary("first_kind_inertia", words, u.inertia, lambda: VariantNumber(m.reduced.first_kind), "I_0")
     if m.loads.motors:
         for name in m.loads.motors:
             if getattr(scene.moments[name], "rated_speed", None) is None:
                 continue
             rated = graph.derived(f"rated torque of {name}", partial(_rated_torque, name))
             words = f"rated torque of {called('motor', name)}, at its own shaft"
-            yield Summary(
-                f"{name}.rated_moment", words, "N m", lambda rated=rated: VariantNumber(rated), rank=Rank.ANSWER
-            )
+            yield answer_summary(f"{name}.rated_moment", words, "N m", partial(VariantNumber, rated))
         moment_of = mechanism.actions.motors.motor_moment
         number = graph.derived("motor moment", lambda n: moment_of(scene, m.loads.motors, n))
-        yield Summary(
-            "motor_moment",
-            "torque of the motors at the input speed, reduced to the input",
-            "N m",
-            lambda: VariantNumber(number),
-        )
+        words = "torque of the motors at the input speed, reduced to the input"
+        yield Summary("motor_moment", words, "N m", lambda: VariantNumber(number))
     if m.has_cycle:
         yield from _orders(m, u.moment)
         yield from _drive(m)
@@ -136,39 +114,23 @@ def _drive(m: Mechanics) -> Declared:
     def resisting() -> Expression:
         return -mean(m, m.moment_of())
 
-    yield Summary(
-        "mean_useful_moment",
-        "mean torque of the useful resistances over the cycle, reduced to the input",
-        "N m",
-        lambda: -mean(m, m.moment_of(_USEFUL)),
-    )
-    rank = Rank.ANSWER if is_loaded(m) else Rank.FURTHER
-    yield Summary("required_drive_moment", "mean drive torque", "N m", resisting, symbol="M_d", rank=rank)
-    yield Summary(
-        "required_power",
-        "mean drive power",
-        "W",
-        lambda: resisting() * VariantNumber(m.speed),
-        symbol="P",
-        rank=rank,
-    )
+    def unbalanced() -> Expression:
+        return share(Unbalanced(m.reduced.inertia, m.reduced.slope), peak(m.reduced.inertia))
 
-    yield Summary(
-        "power_balance_residual",
-        "maximum difference between kinetic energy at constant speed and the work of the inertia forces, relative to "
-        "the peak energy",
-        "1",
-        lambda: share(Unbalanced(m.reduced.inertia, m.reduced.slope), peak(m.reduced.inertia)),
-        rank=Rank.CHECK,
-    )
+    def net_work() -> Expression:
+        return share(abs(mean(m, m.conservative_moment)), unresolved_peak(m.conservative_moment))
+
+    words = "mean torque of the useful resistances over the cycle, reduced to the input"
+    yield Summary("mean_useful_moment", words, "N m", lambda: -mean(m, m.moment_of(_USEFUL)))
+    summary = answer_if(is_loaded(m))
+    yield summary("required_drive_moment", "mean drive torque", "N m", resisting, "M_d")
+    yield summary("required_power", "mean drive power", "W", lambda: resisting() * VariantNumber(m.speed), "P")
+    energies = "kinetic energy at constant speed and the work of the inertia forces"
+    words = f"maximum difference between {energies}, relative to the peak energy"
+    yield check_summary("power_balance_residual", words, "1", unbalanced)
     if m.conservative_moment is not m.graph.zero:
-        yield Summary(
-            "conservative_work_residual",
-            "net work of gravity and springs over the cycle, relative to their peak moment times the angle",
-            "1",
-            lambda: share(abs(mean(m, m.conservative_moment)), unresolved_peak(m.conservative_moment)),
-            rank=Rank.CHECK,
-        )
+        words = "net work of gravity and springs over the cycle, relative to their peak moment times the angle"
+        yield check_summary("conservative_work_residual", words, "1", net_work)
 
 
 def _flywheel(m: Mechanics) -> Declared:
@@ -177,54 +139,34 @@ def _flywheel(m: Mechanics) -> Declared:
     asked = flywheel is not None and flywheel.speed_fluctuation is not None
     given = flywheel is not None and flywheel.inertia is not None
 
-    def steady(result: str) -> SteadyCycle:
-        return steady_cycle(m, result)
-
+    steady = partial(steady_cycle, m)
     words = "work of all moments with a constant drive torque: change of kinetic energy"
     yield Field("work", words, "J", lambda: Work(m.moment_of()), "W")
-    rank = Rank.ANSWER if is_loaded(m) else Rank.FURTHER
-    yield Summary("excess_work", "excess work", "J", lambda: steady("excess_work"), symbol="A_exc", rank=rank)
+    yield answer_if(is_loaded(m))("excess_work", "excess work", "J", partial(steady, "excess_work"), "A_exc")
     if asked:
         for name, words in (
             ("flywheel_excess_work", "flywheel inertia by the excess work"),
             ("flywheel_merzalov", "flywheel inertia by Merzalov's method"),
             ("flywheel_wittenbauer", "flywheel inertia by Wittenbauer's method, exact"),
         ):
-            yield Summary(name, words, "kg m2", lambda name=name: steady(name), symbol="I_F")
+            yield Summary(name, words, "kg m2", partial(steady, name), "I_F")
         for name, method in (("excess_work", "excess work"), ("merzalov", "Merzalov")):
-            yield Summary(
-                f"{name}_difference",
-                f"flywheel by {method}, relative difference from the exact result",
-                "1",
-                lambda name=name: steady(f"flywheel_{name}") / steady("flywheel_wittenbauer") - 1.0,
-                rank=Rank.CHECK,
-            )
+            words = f"flywheel by {method}, relative difference from the exact result"
+            yield check_summary(f"{name}_difference", words, "1", partial(_from_exact, m, f"flywheel_{name}"))
     if asked or given:
-        yield Summary(
-            "flywheel_used",
-            "flywheel inertia on the input link: as given, or by Wittenbauer's method",
-            "kg m2",
-            lambda: steady("flywheel_used"),
-            rank=Rank.ANSWER,
-        )
-        yield Summary(
-            "speed_fluctuation",
-            f"coefficient of speed fluctuation with the flywheel, {OF_FLUCTUATION}",
-            "1",
-            lambda: steady("speed_fluctuation"),
-            symbol="δ",
-            rank=Rank.ANSWER,
-        )
+        words = "flywheel inertia on the input link: as given, or by Wittenbauer's method"
+        yield answer_summary("flywheel_used", words, "kg m2", partial(steady, "flywheel_used"))
+        words = f"coefficient of speed fluctuation with the flywheel, {OF_FLUCTUATION}"
+        yield answer_summary("speed_fluctuation", words, "1", partial(steady, "speed_fluctuation"), "δ")
         words = "angular speed of the input link with the flywheel, by magnitude"
         yield Field("speed", words, "rad s-1", lambda: Speed(steady("")), "ω")
         for name, word in (("speed_min", "minimum"), ("speed_max", "maximum")):
-            yield Summary(
-                name,
-                f"{word} angular speed of the input link with the flywheel, by magnitude",
-                "rad s-1",
-                lambda name=name: steady(name),
-                symbol=name.replace("speed", "ω"),
-            )
+            symbol = name.replace("speed", "ω")
+            yield Summary(name, f"{word} {words}", "rad s-1", partial(steady, name), symbol)
+
+
+def _from_exact(m: Mechanics, method: str) -> Expression:
+    return steady_cycle(m, method) / steady_cycle(m, "flywheel_wittenbauer") - 1.0
 
 
 def steady_cycle(m: Mechanics, result: str) -> SteadyCycle:

@@ -1,6 +1,7 @@
 """Friction in pairs and meshes: forces, losses, efficiency, and the margin against jamming."""
 
-from engine.elements.element import Rank
+from functools import partial
+
 from engine.mechanism.actions.paths import input_sense
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import (
@@ -13,8 +14,8 @@ from engine.quantities.expressions import (
     minimum,
     unresolved_peak,
 )
-from engine.quantities.quantity import drive_words
-from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
+from engine.quantities.quantity import InputUnits, drive_words
+from engine.quantities.register import Declared, Field, Summary, answer_if, answer_summary, check_summary, mean
 from engine.scene.pairs import contact_pairs, has_friction, lossy_meshes, mesh_driver, pairs
 
 
@@ -30,6 +31,15 @@ def declare(mechanics: Mechanics) -> Declared:
     def variable(name: str, words: str, units: str, *answers: str) -> Field:
         return Field(name, words, units, lambda: m.reactions.variables[name], answers=answers)
 
+    def work(of: str, name: str) -> Expression:
+        return abs(Integral(getattr(m.reactions, of)[name]))
+
+    def residual() -> Expression:
+        return maximum(Exactly(0.0), *(unresolved_peak(s.residual) for s in m.reactions.settlings.values()))
+
+    def margin() -> Expression:
+        return minimum(Exactly(1.0), *(least(s.margin) for s in m.reactions.settlings.values()))
+
     for friction in scene.friction.values():
         pair = known[friction.pair]
         where = f"in {pair.place}, pair {pair.name}"
@@ -40,57 +50,27 @@ def declare(mechanics: Mechanics) -> Declared:
             words = f"friction on {pair.link} along {along or 'its own direction'} {where}"
             yield variable(f"{pair.name}.friction_force", words, "N")
         yield variable(f"{pair.name}.friction_power", f"power lost to friction {where}", "W")
-        yield Summary(
-            f"{pair.name}.friction_work",
-            f"work lost to friction in {pair.place}, {span}",
-            "J",
-            lambda name=pair.name: abs(Integral(m.reactions.lost[name])),
-        )
+        words = f"work lost to friction in {pair.place}, {span}"
+        yield Summary(f"{pair.name}.friction_work", words, "J", partial(work, "lost", pair.name))
     for name in lossy_meshes(scene):
         where = f"in the mesh of {name} with {mesh_driver(scene, name)}"
         yield variable(f"{name}.mesh_loss", f"power lost {where}", "W")
-        yield Summary(
-            f"{name}.mesh_work",
-            f"work lost {where}, {span}",
-            "J",
-            lambda name=name: abs(Integral(m.reactions.lost_in_teeth[name])),
-        )
+        yield Summary(f"{name}.mesh_work", f"work lost {where}, {span}", "J", partial(work, "lost_in_teeth", name))
     yield variable("friction_moment", "reduced moment of all friction in pairs and meshes", unit)
     words = f"{drive_words(m.scene)}, with friction in pairs"
     yield variable("input_moment_with_friction", words, unit, "peak")
-    yield Summary(
-        "friction_loss",
-        f"work lost to friction in all pairs {span}",
-        "J",
-        lambda: abs(Integral(m.reactions.variables["friction_moment"])),
-        rank=Rank.ANSWER,
-    )
-    yield Summary(
-        "friction_residual",
-        "maximum relative change of a normal force in the last iteration",
-        "1",
-        lambda: maximum(Exactly(0.0), *(unresolved_peak(s.residual) for s in m.reactions.settlings.values())),
-        rank=Rank.CHECK,
-    )
-    yield Summary(
-        "jamming_margin",
-        "minimum determinant of the friction equations: 1 without friction, 0 at jamming",
-        "1",
-        lambda: minimum(Exactly(1.0), *(least(s.margin) for s in m.reactions.settlings.values())),
-        rank=Rank.ANSWER,
-    )
+    words = f"work lost to friction in all pairs {span}"
+    yield answer_summary("friction_loss", words, "J", partial(work, "variables", "friction_moment"))
+    words = "maximum relative change of a normal force in the last iteration"
+    yield check_summary("friction_residual", words, "1", residual)
+    words = "minimum determinant of the friction equations: 1 without friction, 0 at jamming"
+    yield answer_summary("jamming_margin", words, "1", margin)
     if m.has_cycle:
         # Without a useful or driving load nothing comes out by definition.
         works = any(term.role in ("useful", "driving") for term in m.loads.terms)
         of = "useful work and work delivered at the input over driving work and work supplied there, over the cycle"
-        yield Summary(
-            "mechanical_efficiency",
-            f"mechanical efficiency: {of}",
-            "1",
-            lambda: _efficiency(m),
-            may_be_undefined=True,
-            rank=Rank.ANSWER if works else Rank.FURTHER,
-        )
+        words = f"mechanical efficiency: {of}"
+        yield answer_if(works)("mechanical_efficiency", words, "1", lambda: _efficiency(m), may_be_undefined=True)
 
 
 def _efficiency(m: Mechanics) -> Expression:

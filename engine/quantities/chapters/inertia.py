@@ -28,27 +28,14 @@ def declare(mechanics: Mechanics) -> Declared:
 
 
 def _forces(m: Mechanics, name: str) -> Declared:
-    at = "at constant speed"
+    at, forces = "at constant speed", f"inertia forces of {called('body', name)}"
     for i, axis in enumerate("xy"):
-        yield Field(
-            f"{name}.inertia_force_{axis}",
-            f"{axis} component of the inertia force of {called('body', name)} {at}",
-            "N",
-            lambda i=i: m.inertia_forces(name).force[i],
-        )
-    yield Field(
-        f"{name}.inertia_moment",
-        f"moment of the inertia forces of {called('body', name)} about its centre {at}",
-        "N m",
-        lambda: m.inertia_forces(name).moment,
-    )
-    yield Field(
-        f"{name}.inertia_offset",
-        f"distance of the resultant of the inertia forces of {called('body', name)} from its mass centre "
-        "(positive: passes to its right)",
-        "m",
-        lambda: m.inertia_forces(name).offset,
-    )
+        words = f"{axis} component of the inertia force of {called('body', name)} {at}"
+        yield Field(f"{name}.inertia_force_{axis}", words, "N", lambda i=i: m.inertia_forces(name).force[i])
+    words = f"moment of the {forces} about its centre {at}"
+    yield Field(f"{name}.inertia_moment", words, "N m", lambda: m.inertia_forces(name).moment)
+    words = f"distance of the resultant of the {forces} from its mass centre (positive: passes to its right)"
+    yield Field(f"{name}.inertia_offset", words, "m", lambda: m.inertia_forces(name).offset)
 
 
 def _swung(m: Mechanics, name: str) -> Expression:
@@ -94,12 +81,8 @@ def _shaking(m: Mechanics) -> Declared:
         words = f"{axis} component of the {force}"
         yield Field(f"shaking_force_{axis}", words, "N", lambda i=i: m.shaking.force[i], f"F_{axis}")
     yield Field("shaking_force", force, "N", lambda: m.shaking.force.length, "F")
-    yield Field(
-        "shaking_moment",
-        f"shaking moment about {about} at constant speed, including shafts and gears, excluding loads",
-        "N m",
-        lambda: m.shaking.moment,
-    )
+    words = f"shaking moment about {about} at constant speed, including shafts and gears, excluding loads"
+    yield Field("shaking_moment", words, "N m", lambda: m.shaking.moment)
     for n in ORDERS if m.has_cycle else ():
         words = f"{ordinal(n)}-order shaking force, major semi-axis of its ellipse"
         yield Summary(f"shaking_force.order_{n}", words, "N", lambda n=n: order_of_force(m, n))

@@ -1,6 +1,7 @@
 """Positions, velocities and accelerations of points, links and sliders."""
 
 from collections.abc import Callable
+from functools import partial
 
 from engine import mechanism
 from engine.graph.nodes import Node
@@ -117,14 +118,7 @@ def _coordinate(
     velocity, acceleration = (
         _RATES_IN_WORDS[kind].format(rate=rate, owner=owner) for rate in ("velocity", "acceleration")
     )
-    yield Field(
-        f"{owner}.{first}", velocity, f"{unit} s-1", lambda: graph.combination([(speed, nodes[1])]), of_first, answers
-    )
-    yield Field(
-        f"{owner}.{second}",
-        f"{acceleration} at constant speed",
-        f"{unit} s-2",
-        lambda: graph.combination([(squared, nodes[2])]),
-        of_second,
-        answers,
-    )
+    timed = partial(graph.combination, [(speed, nodes[1])])
+    yield Field(f"{owner}.{first}", velocity, f"{unit} s-1", timed, of_first, answers)
+    timed = partial(graph.combination, [(squared, nodes[2])])
+    yield Field(f"{owner}.{second}", f"{acceleration} at constant speed", f"{unit} s-2", timed, of_second, answers)

@@ -10,13 +10,14 @@ guide. The magnification is unbounded at dead centres and change points of the g
 Source: any course of the theory of mechanisms, chapter on the accuracy of mechanisms.
 """
 
+from functools import partial
+
 import numpy as np
 
 from engine.cycle.measured import Measured
-from engine.elements.element import Rank
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import Expression, Formula, LeastMagnitude, maximum, unresolved_peak
-from engine.quantities.register import Declared, Summary
+from engine.quantities.register import Declared, Summary, answer_summary, check_summary
 
 MAGNIFICATION, RESIDUAL = "error_magnification", "loop_closure_residual"
 
@@ -26,31 +27,20 @@ def declare(mechanics: Mechanics) -> Declared:
     m, groups = mechanics, tuple(mechanics.scene.groups)
     words = "displacement of the joint or block per unit error of a length or offset, worst position"
     for group in groups:
-        yield Summary(
-            f"{group}.transmission_angle",
-            f"minimum transmission angle of group {group} over the cycle",
-            "rad",
-            lambda group=group: Formula(_angle_of, (least_sine(m, group),)),
-            symbol="γ",
-            rank=Rank.ANSWER,
-        )
+        least, of_least = f"minimum transmission angle of group {group} over the cycle", partial(_least_angle, m, group)
+        yield answer_summary(f"{group}.transmission_angle", least, "rad", of_least, "γ")
         magnification = f"error magnification of group {group}: {words}"
         yield Summary(f"{group}.{MAGNIFICATION}", magnification, "1", lambda group=group: 1.0 / least_sine(m, group))
     if groups and not m.scene.links:
-        yield Summary(
-            MAGNIFICATION,
-            f"error magnification of the worst group: {words}",
-            "1",
-            lambda: maximum(*(1.0 / least_sine(m, g) for g in groups)),
-        )
+        words = f"error magnification of the worst group: {words}"
+        yield Summary(MAGNIFICATION, words, "1", lambda: maximum(*(1.0 / least_sine(m, g) for g in groups)))
     if groups or m.scene.links:
-        yield Summary(
-            RESIDUAL,
-            "loop-closure residual, relative to the links' lengths",
-            "1",
-            lambda: maximum(*(unresolved_peak(c) for c in m.kinematics.closures.values())),
-            rank=Rank.CHECK,
-        )
+        words, closures = "loop-closure residual, relative to the links' lengths", m.kinematics.closures
+        yield check_summary(RESIDUAL, words, "1", lambda: maximum(*(unresolved_peak(c) for c in closures.values())))
+
+
+def _least_angle(m: Mechanics, group: str) -> Expression:
+    return Formula(_angle_of, (least_sine(m, group),))
 
 
 def least_sine(m: Mechanics, group: str) -> Expression:

@@ -6,7 +6,6 @@ from itertools import combinations
 import numpy as np
 
 from engine.cycle.measured import Measured, atan2
-from engine.elements.element import Rank
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.actions import Brake
 from engine.parts.motors import Motor
@@ -24,7 +23,7 @@ from engine.quantities.expressions import (
     unresolved_peak,
 )
 from engine.quantities.quantity import Quantity, drive_words
-from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
+from engine.quantities.register import Declared, Field, InputUnits, Summary, check_summary, mean
 from engine.scene.pairs import Pair, driving_field, has_friction, own_drives, pairs
 from engine.scene.scene import Scene
 
@@ -144,22 +143,12 @@ def tooth_force_fields(scene: Scene) -> list[Quantity]:
 
 
 def _checks(m: Mechanics) -> Declared:
-    yield Summary(
-        "input_moment_disagreement",
-        "maximum difference between the drive torques by equilibrium, virtual power and kinetic energy, relative to "
-        "their peak",
-        "1",
-        lambda: _disagreement(m),
-        rank=Rank.CHECK,
-    )
-    yield Summary(
-        "equilibrium_residual",
-        "maximum force or moment out of balance on the whole machine, inertia included, relative to the peak sum of "
-        "the reactions' magnitudes",
-        "1",
-        lambda: _residual(m),
-        rank=Rank.CHECK,
-    )
+    torques = "the drive torques by equilibrium, virtual power and kinetic energy"
+    words = f"maximum difference between {torques}, relative to their peak"
+    yield check_summary("input_moment_disagreement", words, "1", lambda: _disagreement(m))
+    whole, reactions = "the whole machine, inertia included", "the peak sum of the reactions' magnitudes"
+    words = f"maximum force or moment out of balance on {whole}, relative to {reactions}"
+    yield check_summary("equilibrium_residual", words, "1", lambda: _residual(m))
 
 
 def _disagreement(m: Mechanics) -> Expression:
@@ -195,13 +184,8 @@ def _load_direction(m: Mechanics, pair: Pair, link: str) -> Declared:
         x, y, whole = means()
         return 1.0 - hypot(x, y) / whole
 
-    yield Summary(
-        f"{pair.name}.load_direction_of_{link}",
-        f"direction of the mean {load}",
-        "rad",
-        direction,
-        may_be_undefined=True,
-    )
+    name, words = f"{pair.name}.load_direction_of_{link}", f"direction of the mean {load}"
+    yield Summary(name, words, "rad", direction, may_be_undefined=True)
     words = f"spread of the {load}: 0 in one direction, 1 all around (1 less mean vector over mean magnitude)"
     yield Summary(f"{pair.name}.load_spread_of_{link}", words, "1", spread, may_be_undefined=True)
 

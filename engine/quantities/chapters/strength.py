@@ -5,14 +5,13 @@ from functools import partial
 import numpy as np
 
 from engine.cycle.measured import Measured
-from engine.elements.element import Rank
 from engine.graph.nodes import Node
 from engine.laws.buckling import MATERIALS, critical_stress, flat, solid
 from engine.mechanism.mechanics import Mechanics
 from engine.mechanism.vectors import Vector
 from engine.parts.requirements import Strut
 from engine.quantities.expressions import Expression, Formula, VariantNumber, greatest, maximum
-from engine.quantities.register import Declared, Field, Summary
+from engine.quantities.register import Declared, Field, Summary, answer_summary
 from engine.scene.pairs import Pair, rods_of
 from engine.scene.scene import Numbers
 
@@ -43,22 +42,17 @@ def _of_strut(m: Mechanics, name: str, strut: Strut) -> Declared:
         found = maximum(*(greatest(thrust) for thrust in _thrusts(m, strut.link)))
         return maximum(found, found * 0.0)
 
+    def safety() -> Expression:
+        return Formula(_safety, (VariantNumber(critical), compression()))
+
     words = f"slenderness of strut {name}"
-    yield Summary(f"{name}.slenderness", words, "1", lambda: VariantNumber(slenderness), symbol="λ")
+    yield Summary(f"{name}.slenderness", words, "1", lambda: VariantNumber(slenderness), "λ")
     words = f"peak compressive force in strut {name}"
-    yield Summary(f"{name}.compression", words, "N", compression, symbol="F")
+    yield Summary(f"{name}.compression", words, "N", compression, "F")
     words = f"critical force of strut {name}, by Euler or Tetmajer"
-    yield Summary(f"{name}.critical_force", words, "N", lambda: VariantNumber(critical), symbol="F_K")
+    yield Summary(f"{name}.critical_force", words, "N", lambda: VariantNumber(critical), "F_K")
     words = f"buckling safety of strut {name}: critical force over peak compressive force"
-    yield Summary(
-        f"{name}.buckling_safety",
-        words,
-        "1",
-        lambda: Formula(_safety, (VariantNumber(critical), compression())),
-        True,
-        "S_K",
-        Rank.ANSWER,
-    )
+    yield answer_summary(f"{name}.buckling_safety", words, "1", safety, "S_K", True)
 
 
 def _thrusts(m: Mechanics, link: str) -> tuple[Node, Node]:

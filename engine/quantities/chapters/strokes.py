@@ -8,7 +8,6 @@ import numpy as np
 
 from engine import mechanism
 from engine.cycle.measured import Measured
-from engine.elements.element import Rank
 from engine.graph.nodes import Node, reached
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.skeleton import FRAME
@@ -21,7 +20,7 @@ from engine.quantities.expressions import (
     Integral,
     StrokeEnd,
 )
-from engine.quantities.register import Declared, InputUnits, Summary
+from engine.quantities.register import Declared, InputUnits, Summary, answer_if
 from engine.scene import structure
 from engine.scene.pairs import held_by_frame
 
@@ -76,25 +75,22 @@ def _ends(
 ) -> Declared:
     of = f"{'slider' if kind == 'stroke' else 'link'} {name}"
     q = InputUnits.of(mechanics.scene).q
-    swings = kind == "swing"
+    swings, summary = kind == "swing", answer_if(name in held_by_frame(mechanics.scene))
     symbol = "ψ" if swings else "H"
-    rank = Rank.ANSWER if name in held_by_frame(mechanics.scene) else Rank.FURTHER
-    yield Summary(f"{name}.{kind}", f"{kind} of {of}", unit, lambda: end("high") - end("low"), swings, symbol, rank)
+    yield summary(f"{name}.{kind}", f"{kind} of {of}", unit, lambda: end("high") - end("low"), symbol, swings)
     for side in ("low", "high"):
         words = f"{name} {'angle' if swings else 'position'} at the {side} end of its {kind}"
-        yield Summary(f"{name}.{kind}_{side}", words, unit, lambda side=side: end(side), swings)
+        yield Summary(f"{name}.{kind}_{side}", words, unit, partial(end, side), may_be_undefined=swings)
         words = f"input position at the {side} end of the {kind} of {name}"
-        yield Summary(f"{name}.{kind}_{side}_at", words, q, lambda side=side: end(f"{side}_at"), swings)
+        yield Summary(f"{name}.{kind}_{side}_at", words, q, partial(end, f"{side}_at"), may_be_undefined=swings)
     if mechanics.has_cycle and _repeats_each_turn(mechanics, motion):
-        yield Summary(
-            f"{name}.{kind}_time_ratio",
-            f"quick-return ratio of the {kind} of {name}",
-            "1",
-            lambda: Formula(quick_return_ratio, (end("low_at"), end("high_at"))),
-            True,
-            "K",
-            rank,
-        )
+        words = f"quick-return ratio of the {kind} of {name}"
+        ratio = partial(_time_ratio, end)
+        yield summary(f"{name}.{kind}_time_ratio", words, "1", ratio, "K", True)
+
+
+def _time_ratio(end: Callable[[str], Expression]) -> Expression:
+    return Formula(quick_return_ratio, (end("low_at"), end("high_at")))
 
 
 def quick_return_ratio(low_at: Measured, high_at: Measured) -> Measured:

@@ -4,7 +4,6 @@ import numpy as np
 
 from engine.cycle import measured as numbers
 from engine.cycle.measured import Measured
-from engine.elements.element import Rank
 from engine.graph.nodes import Node
 from engine.laws.elementary import angle_of, direction_of
 from engine.laws.tables import entry
@@ -13,7 +12,7 @@ from engine.mechanism.mechanics import Mechanics
 from engine.mechanism.vectors import Vector
 from engine.parts.requirements import WantedAngle, WantedPath, WantedSlide
 from engine.quantities.expressions import Expression, Extreme, Formula, Integral, maximum, peak, sqrt
-from engine.quantities.register import Declared, Field, Summary
+from engine.quantities.register import Declared, Field, Summary, answer_summary, known
 
 
 def declare(mechanics: Mechanics) -> Declared:
@@ -27,13 +26,10 @@ def declare(mechanics: Mechanics) -> Declared:
             what, units = f"deviation of {wanted.of} from {name}", "rad" if isinstance(wanted, WantedAngle) else "m"
             inside = rows_over_angle(mechanics.kinematics, _from_to(wanted), [1.0, 1.0], "linear", "zero")
             curve = inside * _deviation(mechanics, name, wanted)
-            yield Field(f"{name}.deviation", f"{what}, 0 outside its rows", units, lambda curve=curve: curve, "Δ")
+            yield Field(f"{name}.deviation", f"{what}, 0 outside its rows", units, known(curve), "Δ")
             rms, most = sqrt(Integral(curve * curve) / Integral(inside)), peak(curve)
-        words = f"{what}, rms"
-        yield Summary(f"{name}.deviation_rms", words, units, lambda rms=rms: rms, symbol="Δrms")
-        yield Summary(
-            f"{name}.deviation_max", f"{what}, maximum", units, lambda most=most: most, symbol="Δmax", rank=Rank.ANSWER
-        )
+        yield Summary(f"{name}.deviation_rms", f"{what}, rms", units, known(rms), "Δrms")
+        yield answer_summary(f"{name}.deviation_max", f"{what}, maximum", units, known(most), "Δmax")
 
 
 def _squared_distances(mechanics: Mechanics, wanted: WantedPath) -> tuple[Expression, ...]:

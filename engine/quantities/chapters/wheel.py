@@ -8,11 +8,10 @@ import numpy as np
 
 from engine import elements
 from engine.cycle.measured import Measured
-from engine.elements.element import Rank
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.chapters.dynamics import steady_cycle
 from engine.quantities.expressions import Expression, Formula, VariantNumber
-from engine.quantities.register import Declared, Summary
+from engine.quantities.register import Declared, answer_if
 from engine.scene.scene import scene_numbers
 
 _SIZES = {
@@ -51,8 +50,8 @@ def declare(mechanics: Mechanics) -> Declared:
         return Formula(_sizes_of(flywheel.wheel, paths), operands)
 
     for key, (words, unit) in (_SIZES if flywheel.wheel.strength is None else _SIZES | _BURSTING).items():
-        rank = Rank.ANSWER if key in _ANSWERS else Rank.FURTHER
-        yield Summary(f"wheel_{key}", words, unit, lambda key=key: Formula(_size(key), (sizes(),)), rank=rank)
+        summary = answer_if(key in _ANSWERS)
+        yield summary(f"wheel_{key}", words, unit, lambda key=key: Formula(_size(key), (sizes(),)))
 
 
 def _size(key: str) -> Callable[[Measured], Measured]:

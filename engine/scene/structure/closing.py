@@ -22,14 +22,8 @@ def is_whole(turns: float | np.ndarray) -> bool | np.ndarray:
     return np.abs(turns - np.round(turns)) <= _ROUNDING * np.maximum(1.0, np.abs(turns))
 
 
-def closing_revolutions(turns: Iterable[float]) -> int | None:
-    """Fewest turns of the crank that close a cycle; None if they exceed the maximum.
-
-    Parameters
-    ----------
-    turns : iterable of float
-        Turns of the parts per turn of the crank.
-    """
+def _closing_revolutions(turns: Iterable[float]) -> int | None:
+    """Fewest turns of the crank that close a cycle of parts with these turns; None if they exceed the maximum."""
     found = 1
     for ratio in turns:
         whole = Fraction(ratio).limit_denominator(MOST_REVOLUTIONS) if math.isfinite(ratio) else None
@@ -50,7 +44,7 @@ def how_to_close(turns: Iterable[float], revolutions: int) -> str:
         Present length of the cycle, which other parts may require.
     """
     turns = list(turns)
-    needed = closing_revolutions([*turns, 1.0 / revolutions]) or closing_revolutions(turns)
+    needed = _closing_revolutions([*turns, 1.0 / revolutions]) or _closing_revolutions(turns)
     if needed is not None:
         return f"set input.revolutions = {needed}"
     return (

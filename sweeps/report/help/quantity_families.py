@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from engine import Quantity, Scene, definitions_of_names, element_kinds, made_ready
+from engine import Quantity, Scene, definitions_of_names, made_ready
 from sweeps.study.bundled import bundled_studies
 from sweeps.study.study_reader import read_study
 from sweeps.text.scene_text import read_scene, scene_from
@@ -44,10 +44,6 @@ def quantity_families() -> dict[str, list[Family]]:
             for quantity in known.values():
                 owner, family = _family(quantity, kinds, scene, curve)
                 found.setdefault(owner, {}).setdefault(family.name, family)
-    for kind, model in element_kinds().items():
-        for result in model.RESULTS:
-            family = Family(f"NAME.{result.name}", result.units, result.long_name, False)
-            found.setdefault(f"Element {kind}", {}).setdefault(family.name, family)
     elements = sorted(owner for owner in found if owner.startswith("Element "))
     owners = [owner for owner in found if owner not in elements]
     return {owner: list(found[owner].values()) for owner in (*owners, *elements)}

@@ -103,10 +103,10 @@ def test_khurmi_21_2__balance_masses_of_a_shaft_in_two_planes():
 
 
 @few
-@given(st.complex_numbers(min_magnitude=1e-6, max_magnitude=1e3), st.integers(3, 40), angles)
-def test_split__on_neighbouring_holes_makes_the_correction_with_nothing_taken_away(correction, holes, first):
-    split = split_on_neighbours(correction, holes, first)
-    at = [first + math.tau * k / holes for k in (split.hole, split.next_hole)]
+@given(st.complex_numbers(min_magnitude=1e-6, max_magnitude=1e3), st.integers(3, 40))
+def test_split__on_neighbouring_holes_makes_the_correction_with_nothing_taken_away(correction, holes):
+    split = split_on_neighbours(correction, holes)
+    at = [math.tau * k / holes for k in (split.hole, split.next_hole)]
     made = split.amount * np.exp(1j * at[0]) + split.next_amount * np.exp(1j * at[1])
     # The sines of a step of tau/40 stretch roundings of the angle by its reciprocal.
     assert abs(made - correction) <= 60 * EPS * abs(correction) / math.sin(math.tau / holes)

@@ -2,7 +2,7 @@
 
 from functools import cache
 from pathlib import Path
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 import pytest
@@ -69,10 +69,10 @@ def test_samples__are_of_all_kinds():
 def test_every_kind__evaluates_is_drawn_and_has_help(kind, tmp_path):
     scene = Scene(elements={"it": samples()[kind]})
     names = [name for name in ElementsAlone(scene).available_summaries if not is_warning(name)]
-    assert names == [f"it.{result.name}" for result in samples()[kind].results()]
+    assert names == [f"it.{result.name}" for result in samples()[kind].results]
     outcome = ElementsAlone(scene, names).evaluate({})
     assert outcome.status[0] == Verdict.OK
-    for result in samples()[kind].results():
+    for result in samples()[kind].results:
         value, error = (part[f"it.{result.name}"][0] for part in (outcome.summaries, outcome.errors))
         assert np.isfinite(value) or result.may_be_undefined
         assert not error < 0.0
@@ -95,7 +95,7 @@ def test_every_kind__survives_garbage(kind):
         varied[path] = np.select([some.random(count) < 0.8, some.random(count) < 0.8], [number.value, spread], wild)
     outcome = ElementsAlone(scene, names, varied=varied).evaluate(varied)
     well = outcome.status == Verdict.OK
-    for result in samples()[kind].results():
+    for result in samples()[kind].results:
         value = outcome.summaries[f"it.{result.name}"]
         assert not np.isinf(value).any(), result.name
         assert result.may_be_undefined or np.isfinite(value[well]).all(), result.name
@@ -110,20 +110,16 @@ def hoist(monkeypatch):
     class Hoist(Element):
         """A rope over sheaves that lifts a load; `losing` is the share that is lost at each of them."""
 
-        RESULTS: ClassVar = (
-            ElementResult("pull", "force that lifts the load", "N"),
-            ElementResult("efficiency", "share of the work that lifts", "1"),
-        )
-
         type: Literal["hoist"]
         load: Annotated[PlainNumber, Field(gt=0)]
         losing: Annotated[PlainNumber, Field(ge=0, lt=1)] = 0.0
         sheaves: int = 4
 
-        def values(self, n):
+        def named(self, n):
             """Pull and efficiency."""
             share = sum((1.0 - n["losing"]) ** k for k in range(1, self.sheaves + 1))
-            return {"pull": n["load"] / share, "efficiency": share / self.sheaves}
+            yield ElementResult("pull", "force that lifts the load", "N"), n["load"] / share
+            yield ElementResult("efficiency", "share of the work that lifts", "1"), share / self.sheaves
 
     yield Hoist
     key_help._keys.cache_clear()

@@ -18,9 +18,9 @@ places, angles = st.floats(-2.0, 2.0), st.floats(-7.0, 7.0)
 def figures(element):
     """Results, their error estimates, and what one rounding of every number moves them by, added up."""
     it = Scene.model_validate({"elements": {"it": element}}).elements["it"]
-    names = [r.name for r in it.results() if not r.exact]
+    names = [r.name for r in it.results if not r.exact]
     outcome = ElementsAlone(Scene(elements={"it": it}), [f"it.{n}" for n in names]).evaluate({})
-    decided = [r.name for r in it.results() if r.exact]
+    decided = [r.name for r in it.results if r.exact]
     turning = np.array([name.endswith(".angle") for name in names])
 
     def found(numbers, wanted):

@@ -141,7 +141,7 @@ def test_commands__on_elements_alone_work_or_say_why_not(tmp_path, monkeypatch):
         assert code == 2
         assert "only machine elements" in out
     code, out = run("check", "jack.toml", "--source")
-    assert "def values" in out
+    assert "def named" in out
 
 
 def test_plot_of_a_sweep_of_elements__has_the_best_one_over_its_friction(result):

@@ -10,7 +10,7 @@ the moment on its slider, or at both edges if that lies outside the slider; fric
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from engine import FRAME, LinkForce, guide_edge_forces, slider_tilts
+from engine import FRAME, LinkForce, guide_edge_forces
 from sweeps.pictures.plans.lettering import numbered, subscript, symbol
 from sweeps.pictures.plans.pose import Pose
 
@@ -107,7 +107,7 @@ def _pressing(pose: Pose, acting: LinkForce, moment: float) -> Iterator[DrawnLoa
         yield DrawnLoad(text, force, at, 0.0, name)
         if moment != 0:
             yield DrawnLoad(_text(pose, acting._replace(at=None)), 0j, 0j, moment, name)
-    elif not slider_tilts(normal, moment, length / 2):
+    elif abs(moment) <= abs(normal) * length / 2:
         yield DrawnLoad(text, force, at + moment / normal * u, 0.0, name)
     else:
         edges = guide_edge_forces(normal, moment, length / 2)

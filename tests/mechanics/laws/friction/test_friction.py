@@ -5,15 +5,14 @@ import math
 import mpmath
 import numpy as np
 import pytest
+from element_samples import GUIDE, JOURNAL, element, one
 from friction_ranges import frictions, loads, quick, sizes
 from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mpf
 from numpy.testing import assert_allclose
 
-from engine.laws.friction.coefficients import NEW, SLIDING, STATIC_AND_KINETIC, WORN_IN, stribeck
-from engine.laws.friction.guides import edge_forces, overhung_drive, slider_friction, tilts, vee_friction
-from engine.laws.friction.journals import friction_circle, journal_moment
+from engine.laws.friction.coefficients import SLIDING, STATIC_AND_KINETIC, stribeck
 
 EPS = np.finfo(float).eps
 
@@ -42,63 +41,42 @@ def test_stribeck__is_its_formula(static, kinetic, speed, exponent):
 
 
 @quick
-@given(st.floats(0.01, math.pi / 2), sizes, frictions)
-def test_vee_guide__is_friction_on_two_faces_that_carry_the_load(half_angle, load, friction):
-    face = load / (2 * math.sin(half_angle))
-    assert_allclose(vee_friction(friction, half_angle) * load, 2 * friction * face, rtol=4 * EPS)
-
-
-@quick
-@given(loads, loads, sizes, frictions)
-def test_slider_under_force_and_moment__is_in_equilibrium_on_its_edges(normal, moment, half_length, friction):
-    front, rear = edge_forces(normal, moment, half_length)
-    size = abs(front) + abs(rear)
-    # Two roundings of the greater edge.
-    assert_allclose(front + rear, normal, rtol=0, atol=4 * EPS * size)
-    assert_allclose((front - rear) * half_length, moment, rtol=0, atol=4 * EPS * size * half_length)
-    expected = friction * max(abs(normal), abs(moment) / half_length)
-    assert_allclose(slider_friction(normal, moment, half_length, friction), expected, rtol=6 * EPS)
-    assert tilts(normal, moment, half_length) == (abs(moment) > abs(normal) * half_length)
-    if abs(abs(moment) - abs(normal) * half_length) > 1e-12 * abs(moment):
-        assert tilts(normal, moment, half_length) == (np.sign(front) * np.sign(rear) < 0)
-
-
-@quick
-@given(st.floats(-2.0, 2.0), st.floats(0.0, 0.999))
-def test_one_sided_slider__rubs_alike_under_pressure_spread_along_it(mean, lean):
-    # Pressure that rises linearly over the length of 2, nowhere negative, has the force and the moment.
-    def summed(weight):
-        return mpmath.quad(lambda x: weight(x) * 10.0**mean * (1 + lean * x), [-1, 1])
-
-    normal, moment = float(summed(lambda x: 1)), float(summed(lambda x: x))
-    rubbing = 0.3 * float(summed(lambda x: 1))
-    assert_allclose(slider_friction(normal, moment, 1.0, 0.3), rubbing, rtol=8 * EPS)
-
-
-@quick
-@given(sizes, sizes, st.floats(0.0, 20.0), frictions)
-def test_overhung_drive__satisfies_its_equilibrium(resistance, normal, overhang, friction):
-    drive = overhung_drive(resistance, normal, overhang, 1.0, friction)
-    if friction * overhang >= 1:
+@given(sizes, loads, st.floats(-20.0, 20.0), frictions)
+def test_slider__is_in_equilibrium_on_its_edges(resistance, load, overhang, friction):
+    numbers = {"resistance": resistance, "load": load, "overhang": overhang, "friction": friction, "length": 2.0}
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = element(GUIDE).values({key: np.array([value]) for key, value in numbers.items()})
+    drive, rubbing, front, rear, tilts = (
+        float(found[name][0])
+        for name in ("drive_force", "friction_force", "front_edge_force", "rear_edge_force", "tilts")
+    )
+    left = 1 - friction * abs(overhang)
+    if left <= 0.0:
         assert drive == math.inf
         return
-    rubbing = slider_friction(normal, drive * overhang, 1.0, friction)
+    size = abs(front) + abs(rear)
+    assert_allclose(front + rear, load, rtol=0, atol=4 * EPS * size)
+    assert_allclose(front - rear, drive * overhang, rtol=0, atol=4 * EPS * size)
     # 1 - f e/a loses digits near jamming, by 1/(1 - f e/a).
-    assert_allclose(drive, resistance + rubbing, rtol=8 * EPS / (1 - friction * overhang))
+    assert_allclose(drive, resistance + rubbing, rtol=8 * EPS / left)
+    assert_allclose(rubbing, friction * size, rtol=4 * EPS)
+    if abs(abs(drive * overhang) - abs(load)) > 1e-12 * abs(load):
+        assert tilts == (np.sign(front) * np.sign(rear) < 0)
 
 
 # Journals
 
 
-@pytest.mark.parametrize(("factor", "pressure"), [(WORN_IN, mpmath.cos), (NEW, lambda angle: mpf(1))])
+@pytest.mark.parametrize(("contact", "pressure"), [("worn in", mpmath.cos), ("new", lambda angle: mpf(1))])
 @quick
 @given(sizes, frictions)
-def test_journal__is_the_integral_of_pressure_and_friction_over_the_bush(factor, pressure, radius, friction):
+def test_journal__is_the_integral_of_pressure_and_friction_over_the_bush(contact, pressure, radius, friction):
     # Pressure acts towards the middle and friction f p along the surface, both resolved along the bush's middle.
     ends, f, r = [-mpmath.pi / 2, mpmath.pi / 2], mpf(friction), mpf(radius)
     along = mpmath.quad(lambda a: pressure(a) * (mpmath.cos(a) - f * mpmath.sin(a)), ends) * r
     across = mpmath.quad(lambda a: pressure(a) * (mpmath.sin(a) + f * mpmath.cos(a)), ends) * r
     moment = mpmath.quad(lambda a: f * pressure(a), ends) * r * r
     reaction = mpmath.hypot(along, across)
-    assert_allclose(friction_circle(radius, friction, factor), float(moment / reaction), rtol=8 * EPS)
-    assert_allclose(journal_moment(float(-reaction), radius, friction, factor), float(moment), rtol=10 * EPS)
+    given = {"load": float(reaction), "diameter": 2.0 * radius, "friction": friction, "contact": contact}
+    found = one(JOURNAL, "friction_circle", "friction_moment", **given)
+    assert_allclose(found, [float(moment / reaction), float(moment)], rtol=10 * EPS)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from drawn_machines import geared_five_bar, sliding_input
 from each_case import refusals
+from element_samples import WEDGE, one
 from loaded_machines import asked, loaded
 from machines import chain, changed, moving, prp
 from reaction_graphs import in_all_pairs
@@ -19,9 +20,6 @@ from rubbing_machines import Q, R, by_friction_circles, press, yoke
 
 from engine import Machine, MovingMachine, Scene, SceneError, Verdict
 from engine.laws.friction.coefficients import NEW, STATIC_AND_KINETIC, WORN_IN, stribeck
-from engine.laws.friction.guides import overhung_drive, vee_friction
-from engine.laws.friction.inclines import wedge_drive, wedge_withdraw
-from engine.laws.friction.journals import friction_circle
 from engine.scene.structure.ordering import order
 
 EPS = np.finfo(float).eps
@@ -174,13 +172,13 @@ def wedge(angle: float, face: float, base: float, guide: float, speed: float = 1
 def test_wedge__takes_the_force_of_its_closed_form_both_ways(angle, face, base, guide):
     fields = ["input_moment_with_friction", "lift.inner.friction_power"]
     _, inwards = outcome_of(wedge(angle, face, base, guide), fields, ["jamming_margin"], positions=8)
-    expected = wedge_drive(Q, math.tan(angle), face, base, guide)
+    given = {"load": Q, "angle": angle, "friction": face, "base_friction": base, "guide_friction": guide}
+    expected, held = one(WEDGE, "drive_force", "withdraw_force", **given)
     margin = inwards.summaries["jamming_margin"][0]
     np.testing.assert_allclose(inwards.fields[fields[0]][0], expected, rtol=ROUNDINGS * EPS / margin)
     assert (inwards.fields[fields[1]] == 0).all()
     # Where the wedge locks by itself it has to be pulled out: that is no jamming.
     _, outwards = moving(wedge(angle, face, base, guide, -1.0), fields, 8)
-    held = wedge_withdraw(Q, math.tan(angle), face, base, guide)
     np.testing.assert_allclose(outwards[fields[0]], -held, rtol=0, atol=ROUNDINGS * EPS * Q)
 
 
@@ -218,7 +216,7 @@ def test_yoke__is_pushed_as_an_overhung_slider():
     machine, rows = moving(yoke(length, f), ["g.first.reaction"], 32)
     for k in range(1, 16):
         overhang = R * math.sin(machine.q[k])
-        expected = overhung_drive(Q, 0.0, overhang, length / 2, f)
+        expected = Q / (1.0 - f * abs(overhang) / (length / 2))
         assert rows["g.first.reaction"][k] == pytest.approx(expected, rel=ROUNDINGS * EPS)
 
 
@@ -236,21 +234,21 @@ def test_yoke__jams_where_its_overhang_reaches_half_its_length_over_f():
 @pytest.mark.parametrize(
     ("given", "expected"),
     [
-        ({"contact": "new"}, friction_circle(0.02, 0.2, NEW)),
-        ({"contact": "worn in"}, friction_circle(0.02, 0.2, WORN_IN)),
-        ({}, friction_circle(0.02, 0.2, 1.0)),
-        ({"above_prismatic": 0.25}, friction_circle(0.02, 0.25, 1.0)),
+        ({"contact": "new"}, NEW * 0.02 * math.sin(math.atan(0.2))),
+        ({"contact": "worn in"}, WORN_IN * 0.02 * math.sin(math.atan(0.2))),
+        ({}, 0.02 * math.sin(math.atan(0.2))),
+        ({"above_prismatic": 0.25}, 0.02 * math.sin(math.atan(0.25))),
         (
             {"above_prismatic": 0.5, "static_coefficient": 0.5, "stribeck_speed": 0.03},
-            friction_circle(0.02, stribeck(0.75, 0.3, 0.02 * 2.0, 0.03, 2.0), 1.0),
+            0.02 * math.sin(math.atan(stribeck(0.75, 0.3, 0.02 * 2.0, 0.03, 2.0))),
         ),
         (
             {"coefficient": None, "material": "steel on steel, oiled"},
-            friction_circle(0.02, STATIC_AND_KINETIC["steel on steel, oiled"].kinetic, 1.0),
+            0.02 * math.sin(math.atan(STATIC_AND_KINETIC["steel on steel, oiled"].kinetic)),
         ),
         (
             {"static_coefficient": 0.5, "stribeck_speed": 0.03},
-            friction_circle(0.02, stribeck(0.5, 0.2, 0.02 * 2.0, 0.03, 2.0), 1.0),
+            0.02 * math.sin(math.atan(stribeck(0.5, 0.2, 0.02 * 2.0, 0.03, 2.0))),
         ),
     ],
 )
@@ -268,7 +266,7 @@ def test_guide__of_v_form_presses_harder():
     scene["friction"]["way"] = {"pair": "drive.second", "coefficient": 0.1, "form": "vee", "vee_angle": 1.2}
     _, rows = moving(scene, ["drive.second.friction_force", "drive.second.reaction"], 16)
     force, normal = (row[1:8] for row in rows.values())
-    np.testing.assert_allclose(np.abs(force), vee_friction(0.1, 0.6) * np.abs(normal), rtol=8 * EPS)
+    np.testing.assert_allclose(np.abs(force), 0.1 / math.sin(0.6) * np.abs(normal), rtol=8 * EPS)
     assert (force > 0).all()
 
 

@@ -10,7 +10,6 @@ from each_case import each
 
 from engine import Machine, Verdict, any_quantity, scene_numbers
 from engine.laws.friction.coefficients import WORN_IN
-from engine.laws.friction.journals import friction_circle
 from engine.parts.formulas.expressions import parse
 from sweeps import read_scene, read_study
 from sweeps.study.bundled import bundled_studies
@@ -376,7 +375,7 @@ def test_study_with_friction__is_far_from_jamming(name):
 def test_toggle_press_study__has_the_force_of_leaning_bars():
     values, o, e = variants("toggle_press")
     load, bar, reach, f = 100e3, 0.150, values["reach"], values["coefficient"]
-    circle = np.array([friction_circle(d / 2, c, WORN_IN) for d, c in zip(values["pin"], f, strict=True)])
+    circle = WORN_IN * np.array(values["pin"]) / 2 * np.sin(np.arctan(f))
     # Of the bars' forces the upper leans by one friction circle, the lower by two; the ways by their angle.
     alpha = np.arcsin(reach / bar)
     upper, lower = np.tan(alpha + np.arcsin(circle / bar)), np.tan(alpha + np.arcsin(2 * circle / bar))
