@@ -87,8 +87,10 @@ class AskedElements:
 
 def _evaluated(element: Element, n: Columns, variants: int) -> Answers:
     """Results of an element, all as arrays (variants,), computed in pieces on all threads."""
-    keys, table = list(n), np.array([np.broadcast_to(value, (variants,)) for value in n.values()], float)
-    pieces = np.array_split(table, max(1, -(-variants // element.variants_at_once)), axis=1)
+    # NumPy's sums and products of a single column differ from those of several by rounding: one variant counts twice.
+    columns = max(variants, 2)
+    keys, table = list(n), np.array([np.broadcast_to(value, (columns,)) for value in n.values()], float)
+    pieces = np.array_split(table, min(-(-columns // element.variants_at_once), columns // 2), axis=1)
 
     def of(piece: np.ndarray) -> np.ndarray:
         """Values, errors (2, results, variants), with the verdicts as the last row of both."""
@@ -104,7 +106,7 @@ def _evaluated(element: Element, n: Columns, variants: int) -> Answers:
         return np.array([[*part, verdicts] for part in rows])
 
     results = element.results()
-    (*values, verdicts), (*errors, _) = np.concatenate(on_all_threads(of, pieces), axis=-1)
+    (*values, verdicts), (*errors, _) = np.concatenate(on_all_threads(of, pieces), axis=-1)[..., :variants]
     names = [r.name for r in results]
     by_name = (dict(zip(names, rows, strict=True)) for rows in (values, errors))
     return Answers(*by_name, verdicts.astype(np.uint8))
