@@ -50,7 +50,7 @@ class AskedElements:
         return "\n\n".join(getsource(kind) for kind in dict.fromkeys(map(type, self.elements.values())))
 
     def fill(self, status: np.ndarray, summaries: Columns, errors: Columns, keep: np.ndarray, numbers: Numbers) -> None:
-        """Write the requested results of the variants `keep`, and the verdict on those whose status is OK so far.
+        """Write the requested results and verdicts of those variants `keep` whose status is OK so far.
 
         The verdict is that of the law, if it gives one; else the element's verdict on infinite results, such as JAMS;
         NOT_FINITE if a result is NaN.
@@ -69,6 +69,7 @@ class AskedElements:
             name: _evaluated(element, numbers.below(f"elements.{name}"), keep.size)
             for name, element in self.elements.items()
         }
+        sound = status[keep] == Verdict.OK
         for found in answers.values():
             judged = (status[keep] == Verdict.OK) & (found.verdicts != Verdict.OK)
             status[keep[judged]] = found.verdicts[judged]
@@ -81,7 +82,7 @@ class AskedElements:
         for name in self.names:
             owner, _, result = name.partition(".")
             value, error = (part[result] for part in answers[owner][:2])
-            known = np.isfinite(value)
+            known = sound & np.isfinite(value)
             summaries[name][keep], errors[name][keep] = np.where(known, value, np.nan), np.where(known, error, np.nan)
 
 
