@@ -56,9 +56,6 @@ def evaluate_states(begin: int, end: int, batch: GivenStates, task: WalkTask, ro
                 numbers[i, lane] = batch.numbers[i, variant]
             for i in range(task.states):
                 numbers[first_state + i, lane] = batch.states[i, point]
-            if task.solves >= 0:
-                # A rate that depends on itself is sought from 0, so that no point depends on others.
-                numbers[first_state + task.states, lane] = 0.0
             own.start[lane], own.direction[lane], own.clock[lane] = batch.places[point], 0.0, batch.clock[point]
             own.at[lane], own.length[lane] = 0.0, 1.0
             own.low[lane], own.high[lane], own.begins[lane], own.ends[lane] = -math.inf, math.inf, -math.inf, math.inf

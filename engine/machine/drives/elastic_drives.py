@@ -99,8 +99,6 @@ class ElasticDrives:
             if variants is not None:
                 with np.errstate(all="ignore"):
                     values[:, who], errors[:, who], verdict[who] = self._of(name, variants)
-            # Skipped variants have a verdict already: they are neither infinite nor undefined.
-            values[:, ~sound] = errors[:, ~sound] = 0.0
             rows = dict(zip(machine_keys("value"), values, strict=True)) | {VERDICT_KEY: verdict}
             rows |= zip(machine_keys("error"), errors, strict=True)
             found |= {f"elements.{name}.{key}": row for key, row in rows.items()}

@@ -50,7 +50,7 @@ class AskedElements:
         return "\n\n".join(getsource(kind) for kind in dict.fromkeys(map(type, self.elements.values())))
 
     def fill(self, status: np.ndarray, summaries: Columns, errors: Columns, keep: np.ndarray, numbers: Numbers) -> None:
-        """Write the requested results of the variants `keep`, and the verdict on those whose status is OK so far.
+        """Write the requested results and verdicts of those variants `keep` whose status is OK so far.
 
         The verdict is that of the law, if it gives one; else the element's verdict on infinite results, such as JAMS;
         NOT_FINITE if a result is NaN.
@@ -69,6 +69,7 @@ class AskedElements:
             name: _evaluated(element, numbers.below(f"elements.{name}"), keep.size)
             for name, element in self.elements.items()
         }
+        sound = status[keep] == Verdict.OK
         for found in answers.values():
             judged = (status[keep] == Verdict.OK) & (found.verdicts != Verdict.OK)
             status[keep[judged]] = found.verdicts[judged]
@@ -81,14 +82,16 @@ class AskedElements:
         for name in self.names:
             owner, _, result = name.partition(".")
             value, error = (part[result] for part in answers[owner][:2])
-            known = np.isfinite(value)
+            known = sound & np.isfinite(value)
             summaries[name][keep], errors[name][keep] = np.where(known, value, np.nan), np.where(known, error, np.nan)
 
 
 def _evaluated(element: Element, n: Columns, variants: int) -> Answers:
     """Results of an element, all as arrays (variants,), computed in pieces on all threads."""
-    keys, table = list(n), np.array([np.broadcast_to(value, (variants,)) for value in n.values()], float)
-    pieces = np.array_split(table, max(1, -(-variants // element.variants_at_once)), axis=1)
+    # NumPy's sums and products of a single column differ from those of several by rounding: one variant counts twice.
+    columns = max(variants, 2)
+    keys, table = list(n), np.array([np.broadcast_to(value, (columns,)) for value in n.values()], float)
+    pieces = np.array_split(table, min(-(-columns // element.variants_at_once), columns // 2), axis=1)
 
     def of(piece: np.ndarray) -> np.ndarray:
         """Values, errors (2, results, variants), with the verdicts as the last row of both."""
@@ -104,7 +107,7 @@ def _evaluated(element: Element, n: Columns, variants: int) -> Answers:
         return np.array([[*part, verdicts] for part in rows])
 
     results = element.results
-    (*values, verdicts), (*errors, _) = np.concatenate(on_all_threads(of, pieces), axis=-1)
+    (*values, verdicts), (*errors, _) = np.concatenate(on_all_threads(of, pieces), axis=-1)[..., :variants]
     names = [r.name for r in results]
     by_name = (dict(zip(names, rows, strict=True)) for rows in (values, errors))
     return Answers(*by_name, verdicts.astype(np.uint8))

@@ -152,7 +152,8 @@ class ElementsAlone:
         arrays, status = given_numbers(self._limits, self.varied, varied, drop)
         keep, outcome = np.flatnonzero(status == Verdict.OK), blank(status, self.asked_summaries, {})
         numbers = Numbers(self._limits, arrays).of_variants(keep)
-        self._asked.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
+        if keep.size:
+            self._asked.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
         self._warnings.fill(outcome.status, outcome.summaries, outcome.errors, Numbers(self._limits, arrays))
         known = self.available_summaries
         return outcome._replace(units={name: known[name].units for name in self.asked_summaries})

@@ -68,14 +68,15 @@ def rate(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
 def solve_rates(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
     """Rates of a stage by secants, where the rate of a state depends on itself, as friction does on the acceleration.
 
-    Where the iteration fails, the rate is NaN and the step is rejected.
+    It is sought from 0, so that no step depends on others or on other lanes. Where the iteration fails, the rate is NaN
+    and the step is rejected.
     """
     own, row = room.lane, task.first_place + task.places
     here, state = in_lanes(room.numbers)[row + task.states], in_lanes(room.numbers)[row + task.solves]
     found = in_lanes(room.rates)[stage * task.width + task.solves]
     before, left_before = room.secants[0], room.secants[1]
     for lane in range(LANES):
-        here[lane] = here[lane] if abs(here[lane]) < math.inf else 0.0
+        here[lane] = 0.0
     for turn in range(MOST_SECANTS):
         fill_rates(stage, printed, task, room)
         pending = False

@@ -109,3 +109,17 @@ test_train_on_a_machine_that_cannot_be__says_what_to_mend = refusals(
 def test_train_on_a_machine_without_a_mechanism__is_refused():
     with pytest.raises(SceneError, match="only a crank that turns fully"):
         Scene.model_validate({"elements": {"train": TRAIN}})
+
+
+def test_elements_of_a_machine_that_cannot_be_assembled__have_no_numbers():
+    drive = {"type": "machine_drive", "stiffness": 400.0, "damping": 0.4, "motor_inertia": 0.2}
+    motor = {"type": "dc_motor", "on": "crank", "stall_moment": 100.0, "no_load_speed": 22.0}
+    wheel = {"geared_to": "crank", "ratio": 1.0, "inertia": 0.5}
+    made = scene(elements={"train": TRAIN, "drive": drive}, moments={"motor": motor}, shafts={"wheel": wheel})
+    names = ["train.frequency_1", "drive.stiffness", "drive.greatest_moment"]
+    lengths = {"input.length": np.array([1.0, 100.0]) * made.input.length}
+    outcome = Machine(made, names, varied=["input.length"]).evaluate(lengths)
+    assert list(outcome.status) == [Verdict.OK, Verdict.CANNOT_ASSEMBLE]
+    for name in names:
+        assert outcome.summaries[name][0] > 0.0
+        assert np.isnan([outcome.summaries[name][1], outcome.errors[name][1]]).all(), name

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from motion_scenes import GRAVITY, INERTIA, MOMENTS, RATIO, Found, ask, rotor, run, slider_crank, steady
 
-from engine import Verdict
+from engine import Machine, Scene, Verdict
 
 MASS, COEFFICIENT, DIAMETER = 6.0, 0.2, 0.04
 # Radius of the friction circle: f r over the root of 1 + f²; and the torque of friction in the journal.
@@ -190,6 +190,19 @@ def test_steady_motion__is_in_balance_at_every_instant_and_without_friction_what
     # where the greatest of |d/ds s³(1 − s)³| is 0.0537 and ω⁽⁵⁾ at most 1.1 ω⁶.
     within = 0.1**5 / 720.0 * 0.0537 * 1.1 * smooth["on.mean_speed"]
     np.testing.assert_allclose(found[1e-12].fields["on.speed"], smooth.fields["on.speed"], rtol=0, atol=room + within)
+
+
+def test_steady_motion_in_a_batch__has_the_same_bits_alone():
+    """Steps are recorded together: their further stages must leave nothing behind for a lane whose step is refused."""
+    asked, count = (["on.speed_min", "on.motor_work", "on.friction_moment.rms"], ["on.speed"]), 24
+    varied = {"bodies.ram_body.mass": np.geomspace(0.3, 30.0, count)}
+    varied["moments.dc.stall_moment"] = np.geomspace(60.0, 10.0, count)
+    machine = Machine(Scene.model_validate(rubbing({"on": steady("dc gravity")})), *asked, varied, 120)
+    together = machine.evaluate(varied)
+    for one in (0, 16, 20):
+        alone = machine.evaluate({path: values[one : one + 1] for path, values in varied.items()})
+        for whole, part in zip(together[3:6], alone[3:6], strict=True):
+            assert all(whole[name][one].tobytes() == row.tobytes() for name, row in part.items())
 
 
 def test_run_that_begins_where_friction_jumps__is_looked_at_behind_the_jump():
