@@ -25,6 +25,8 @@ from sweeps.text.tables import table
 if TYPE_CHECKING:
     from distributed import Client
 
+# Keys of a governor's engine that belong to its motion.
+_OF_MOTION = ("duration", "settling_band")
 # Summary of a regime that `check` shows with its method.
 _STEEP = "implicit_steps"
 # Up to this many variants `check` counts dropped variants exactly; of more it samples SAMPLED in PLACES, whose share is
@@ -103,8 +105,11 @@ def assembly_text(machine: engine.Machine) -> str:
 def nominal_text(study: Study, machine: ReadyMachine) -> str:
     """Answers of the unmodified scene, without those of its regimes; by the machine of the study if it has them all."""
     wanted = [name for name in answers(machine) if name.partition(".")[0] not in study.scene.regimes]
+    if _is_followed(study.scene):
+        machine = engine.made_ready(_unfollowed(study.scene))
+        wanted = [name for name in wanted if name in machine.available_summaries]
     if machine.has_regimes or not set(wanted) <= set(machine.asked_summaries):
-        machine = engine.made_ready(study.scene, wanted)
+        machine = engine.made_ready(machine.scene, wanted)
     outcome = machine.evaluate({})
     verdict, lines, alone = engine.Verdict(outcome.status[0]), [], isinstance(machine, engine.ElementsAlone)
     rows = _asked_rows(machine, outcome, [n for n in wanted if alone or np.isfinite(outcome.summaries[n][0])])
@@ -117,6 +122,20 @@ def nominal_text(study: Study, machine: ReadyMachine) -> str:
     if verdict not in (engine.Verdict.OK, engine.Verdict.CANNOT_ASSEMBLE):
         lines.append(verdict.sentence)
     return "\n".join([*lines, table(rows)] if rows else lines)
+
+
+def _is_followed(scene: engine.Scene) -> bool:
+    """Whether a scene of elements alone has a governor whose motion takes half a minute to compile."""
+    return scene.input is None and any(getattr(element, "is_followed", False) for element in scene.elements.values())
+
+
+def _unfollowed(scene: engine.Scene) -> engine.Scene:
+    """The same scene without the motion of its governors after a change of load."""
+    data = scene.model_dump(exclude_unset=True)
+    for governor in data["elements"].values():
+        kept = {key: value for key, value in governor.get("engine", {}).items() if key not in _OF_MOTION}
+        governor |= {"engine": kept} if kept else {}
+    return engine.Scene.model_validate(data)
 
 
 def between_positions_text(study: Study) -> str:
@@ -188,7 +207,7 @@ def check_text(
         Name all results asked, also further ones and checks.
     """
     machine = study.machine()
-    uncompiled = _uncompiled_text(machine)
+    uncompiled, followed = _uncompiled_text(machine), _is_followed(study.scene)
     if on_shafts := "" if uncompiled else on_shafts_text(study):
         tell(on_shafts)
     between = "" if uncompiled else between_positions_text(study)
@@ -210,7 +229,8 @@ def check_text(
         ("Variants", f"{study.design.size} = {_design_text(study)}"),
         ("Asked", _asked_text(study, machine, every, f"{nominal}\n{regimes}")),
         *_plan_sections(machine),
-        *(_file_sections(study, out) if uncompiled else _cost_sections(study, out, on_shafts)),
+        *([("Time", "the motion of governors is compiled and followed by `sweeps run`")] if followed else []),
+        *(_file_sections(study, out) if uncompiled or followed else _cost_sections(study, out, on_shafts)),
         *([] if client is None else [("Cluster", _cluster_text(study, client, out, tell))]),
     ]
     return "\n".join(f"{title}\n" + "\n".join(f"  {line}" for line in text.splitlines()) for title, text in sections)
