@@ -207,7 +207,8 @@ class Machine:
         known = {*self._elements.names, *OF_ACCURACY, *self.regimes.asked, *self._warning_names}
         unknown = [n for n in self.asked_summaries if n not in known and self.register.summary(n) is None]
         if unknown:
-            check_names(unknown, self.available_summaries, "summary")
+            statistics = [f"{field}.{statistic}" for field in self.register.fields for statistic in STATISTICS]
+            check_names(unknown, [*self.available_summaries, *statistics], "summary")
         for name in (*self.asked_summaries, *self.asked_fields):
             why = self.register.why_not(name)
             if why is not None:

@@ -77,7 +77,7 @@ def _show_at(asked: shared.Options) -> None:
     if asked.as_json:
         shared.tell_data(needed.table_data(needed.reading_table(readings, scene.title)))
         return
-    shared.tell(needed.readings_text(readings))
+    shared.tell(needed.readings_text(readings, asked.every or bool(asked.columns)))
 
 
 @main.command()

@@ -15,7 +15,7 @@ import numpy as np
 
 from engine import Verdict, counted, quantity_text
 from sweeps.optimising.pareto import pareto_front
-from sweeps.optimising.searching import descend, refine, way_of
+from sweeps.optimising.searching import CLEARANCE, descend, refine, way_of
 from sweeps.optimising.spread import spread_columns, spreads
 from sweeps.optimising.trials import Batch, Trials
 from sweeps.run.blocks import LARGEST_BLOCK, joined
@@ -101,7 +101,7 @@ def optimise_study(
             return path
         make_folder_of(path)
         if task.method == LOCAL:
-            _finish(trials, path, _downhill(trials), "local search", keep, tell)
+            _finish(trials, path, *_downhill(trials), keep, tell)
             return path
         search = way_of(task)
         with Store.open(work, _layout(trials, task.population * task.generations, task.population), restart) as store:
@@ -144,13 +144,16 @@ def _is_finished(path: Path, trials: Trials, tell: Callable[[str], None]) -> boo
     return True
 
 
-def _downhill(trials: Trials) -> dict[str, np.ndarray]:
-    """Columns of the feasible candidates of a local search from the start, or of the start if there are none."""
+def _downhill(trials: Trials) -> tuple[dict[str, np.ndarray], str]:
+    """The feasible candidates of a local search from the start, or the start if there are none, and how it went."""
     task = trials.task
     passed = descend(task, trials, task.start, task.generations)
+    words = "local search"
     if not passed:
         passed = [trials.columns(task.variables.values(task.start[None]), 1, drop=True)]
-    return _numbered(joined(passed), 0)
+        words += f", which met no conditions from there: it keeps {CLEARANCE:g} (relative) clear of each limit, so "
+        words += "write A == B as abs(A - B) <= TOLERANCE; or start elsewhere"
+    return _numbered(joined(passed), 0), words
 
 
 class _History:

@@ -25,10 +25,13 @@ from sweeps.text.tables import table
 if TYPE_CHECKING:
     from distributed import Client
 
+# Keys of a governor's engine that belong to its motion.
+_OF_MOTION = ("duration", "settling_band")
 # Summary of a regime that `check` shows with its method.
 _STEEP = "implicit_steps"
-# Up to this many variants `check` counts dropped variants exactly.
-MOST_COUNTED = 16 * LARGEST_BLOCK
+# Up to this many variants `check` counts dropped variants exactly; of more it samples SAMPLED in PLACES, whose share is
+# known to 0.4 %.
+MOST_COUNTED, SAMPLED, PLACES = 4 * LARGEST_BLOCK, 1 << 16, 256
 # Warn if a field's peak exceeds its peak at the kept positions by this share.
 MISSED = 0.02
 # Generated lines that compile within half a minute; `check` doesn't compile longer functions.
@@ -102,8 +105,11 @@ def assembly_text(machine: engine.Machine) -> str:
 def nominal_text(study: Study, machine: ReadyMachine) -> str:
     """Answers of the unmodified scene, without those of its regimes; by the machine of the study if it has them all."""
     wanted = [name for name in answers(machine) if name.partition(".")[0] not in study.scene.regimes]
+    if _is_followed(study.scene):
+        machine = engine.made_ready(_unfollowed(study.scene))
+        wanted = [name for name in wanted if name in machine.available_summaries]
     if machine.has_regimes or not set(wanted) <= set(machine.asked_summaries):
-        machine = engine.made_ready(study.scene, wanted)
+        machine = engine.made_ready(machine.scene, wanted)
     outcome = machine.evaluate({})
     verdict, lines, alone = engine.Verdict(outcome.status[0]), [], isinstance(machine, engine.ElementsAlone)
     rows = _asked_rows(machine, outcome, [n for n in wanted if alone or np.isfinite(outcome.summaries[n][0])])
@@ -116,6 +122,20 @@ def nominal_text(study: Study, machine: ReadyMachine) -> str:
     if verdict not in (engine.Verdict.OK, engine.Verdict.CANNOT_ASSEMBLE):
         lines.append(verdict.sentence)
     return "\n".join([*lines, table(rows)] if rows else lines)
+
+
+def _is_followed(scene: engine.Scene) -> bool:
+    """Whether a scene of elements alone has a governor whose motion takes half a minute to compile."""
+    return scene.input is None and any(getattr(element, "is_followed", False) for element in scene.elements.values())
+
+
+def _unfollowed(scene: engine.Scene) -> engine.Scene:
+    """The same scene without the motion of its governors after a change of load."""
+    data = scene.model_dump(exclude_unset=True)
+    for governor in data["elements"].values():
+        kept = {key: value for key, value in governor.get("engine", {}).items() if key not in _OF_MOTION}
+        governor |= {"engine": kept} if kept else {}
+    return engine.Scene.model_validate(data)
 
 
 def between_positions_text(study: Study) -> str:
@@ -187,7 +207,7 @@ def check_text(
         Name all results asked, also further ones and checks.
     """
     machine = study.machine()
-    uncompiled = _uncompiled_text(machine)
+    uncompiled, followed = _uncompiled_text(machine), _is_followed(study.scene)
     if on_shafts := "" if uncompiled else on_shafts_text(study):
         tell(on_shafts)
     between = "" if uncompiled else between_positions_text(study)
@@ -209,7 +229,8 @@ def check_text(
         ("Variants", f"{study.design.size} = {_design_text(study)}"),
         ("Asked", _asked_text(study, machine, every, f"{nominal}\n{regimes}")),
         *_plan_sections(machine),
-        *(_file_sections(study, out) if uncompiled else _cost_sections(study, out, on_shafts)),
+        *([("Time", "the motion of governors is compiled and followed by `sweeps run`")] if followed else []),
+        *(_file_sections(study, out) if uncompiled or followed else _cost_sections(study, out, on_shafts)),
         *([] if client is None else [("Cluster", _cluster_text(study, client, out, tell))]),
     ]
     return "\n".join(f"{title}\n" + "\n".join(f"  {line}" for line in text.splitlines()) for title, text in sections)
@@ -319,9 +340,10 @@ def _design_text(study: Study) -> str:
 
 def _required_text(study: Study) -> list[str]:
     """Variants dropped by each condition, and those outside the limits of numbers, from a sample if there are many."""
-    size, block = study.design.size, LARGEST_BLOCK
+    size = study.design.size
     whole = size <= MOST_COUNTED
-    starts = range(0, size, block) if whole else np.linspace(0, size - block, MOST_COUNTED // block).astype(np.int64)
+    block = LARGEST_BLOCK if whole else SAMPLED // PLACES
+    starts = range(0, size, block) if whole else np.linspace(0, size - block, PLACES).astype(np.int64)
     parts = [(int(start), min(int(start) + block, size)) for start in starts]
     found = [study.completed(study.design.values(*part), part[1] - part[0]) for part in parts]
     missed = [part for _, part in found]

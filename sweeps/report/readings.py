@@ -1,6 +1,7 @@
 """Quantities of one machine at given input positions."""
 
 import math
+import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -12,6 +13,10 @@ from sweeps.text.tables import table
 
 # Rounding tolerance of a position, as a share of the range.
 _ROUNDING = 1e-13
+# Fields that are shown only if all are: derivatives and components of others, and what repeats them.
+_FURTHER = re.compile(
+    r"_phi(phi)?$|\.[va][xy]$|(?<!frame\.)reaction_(x|y|along|across|moment)$|\.inertia_|_by_\w+$|shaking_force_[xy]$"
+)
 
 
 class Readings(NamedTuple):
@@ -71,7 +76,7 @@ def readings_at(scene: engine.Scene, at: Sequence[float] | int, names: Sequence[
     return Readings(
         place,
         machine.q if isinstance(at, int) else np.asarray(at, float),
-        machine.fields(fields),
+        {name: machine.without_rounding(name, row) for name, row in machine.fields(fields).items()},
         {name: known[name].units for name in fields} | {place: unit},
         {name: known[name].long_name for name in fields} | {"phi": "crank angle", "q": "input displacement"},
         "" if verdict in (engine.Verdict.OK, engine.Verdict.NOT_FINITE) else verdict.sentence,
@@ -94,11 +99,14 @@ def _in_range(scene: engine.Scene, at: np.ndarray) -> np.ndarray:
     return np.clip(at, *sorted((drive.start, drive.stop)))
 
 
-def readings_text(readings: Readings) -> str:
-    """Readings as a table: a row per quantity, a column per position."""
+def readings_text(readings: Readings, every: bool = True) -> str:
+    """Readings as a table: a row per quantity, of all or only the main ones, a column per position."""
     heads = [engine.quantity_text(float(at), readings.units[readings.place]) for at in readings.at]
     rows = [["", *heads, ""]]
-    for name, row in readings.values.items():
+    shown = {name: row for name, row in readings.values.items() if every or not _FURTHER.search(name)}
+    for name, row in shown.items():
         cells = [engine.quantity_text(float(value), readings.units[name]) for value in row]
         rows.append([name, *cells, readings.long_names[name]])
-    return "\n".join([*([f"The machine as a whole: {readings.remark}"] if readings.remark else []), table(rows)])
+    remark = [f"The machine as a whole: {readings.remark}"] if readings.remark else []
+    more = len(readings.values) - len(shown)
+    return "\n".join([*remark, table(rows), *([f"{more} more with --all."] if more else [])])

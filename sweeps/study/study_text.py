@@ -17,11 +17,20 @@ def _listed(value: object) -> object:
 Texts = Annotated[list[str], BeforeValidator(_listed, json_schema_input_type=list[str] | str)]
 
 
+def _no_boolean(value: object) -> object:
+    if isinstance(value, bool):
+        raise ValueError(f"expected a number or a text such as '40 mm', got {str(value).lower()}")
+    return value
+
+
+_Given = Annotated[float | str, BeforeValidator(_no_boolean, json_schema_input_type=float | str)]
+
+
 class Range(ScenePart):
     """`count` values from `from` to `to`, inclusive; a grid axis."""
 
-    start: Annotated[float | str, Field(alias="from")]
-    stop: Annotated[float | str, Field(alias="to")]
+    start: Annotated[_Given, Field(alias="from")]
+    stop: Annotated[_Given, Field(alias="to")]
     count: Annotated[int, Field(ge=1)]
     spacing: Literal["linear", "log"] = "linear"
 
@@ -29,14 +38,14 @@ class Range(ScenePart):
 class Listing(ScenePart):
     """Explicit values; a grid axis."""
 
-    values: Annotated[list[float | str], Field(min_length=1)]
+    values: Annotated[list[_Given], Field(min_length=1)]
 
 
 class Between(ScenePart):
     """A range sampled by the study's `sampling`, together with all other ranges."""
 
-    low: float | str
-    high: float | str
+    low: _Given
+    high: _Given
     spacing: Literal["linear", "log"] = "linear"
 
 
@@ -44,14 +53,14 @@ class SizeSeries(ScenePart):
     """Standard sizes from `low` to `high`; sampled like a range where the study samples, else a grid axis."""
 
     choose: Literal["R5", "R10", "R20", "R40", "IEC"]
-    low: float | str
-    high: float | str
+    low: _Given
+    high: _Given
 
 
 class SizeList(ScenePart):
     """Sizes of parts on the market; sampled like a range where the study samples, else a grid axis."""
 
-    choose: Annotated[list[float | str], Field(min_length=1)]
+    choose: Annotated[list[_Given], Field(min_length=1)]
 
 
 Sizes = SizeSeries | SizeList
@@ -129,7 +138,7 @@ class Optimise(ScenePart):
     population: Annotated[int, Field(ge=8)] = 100
     generations: Annotated[int, Field(ge=1)] = 100
     seed: Annotated[int, Field(ge=0, lt=2**64)] = 0
-    start: dict[str, float | str] = {}
+    start: dict[str, _Given] = {}
 
 
 def _tolerance(value: object) -> object:
@@ -140,7 +149,7 @@ def _tolerance(value: object) -> object:
 class ToleranceText(ScenePart):
     """Tolerance of a number: uniform within ±, or normal with ± as three standard deviations."""
 
-    plus_minus: float | str
+    plus_minus: _Given
     distribution: Literal["uniform", "normal"] = "uniform"
 
 
@@ -197,6 +206,7 @@ class StudyText(ScenePart):
         "where": "where belongs to [best] or [optimise]; require, above the first table, drops variants before they "
         "are computed",
         "require": "require stands above the first table: it drops variants before they are computed",
+        "count": "count belongs to from and to, or to [sampling] for all ranges of low and high",
     }
     title: PlainText = ""
     question: PlainText = ""

@@ -129,6 +129,10 @@ def read_text(path: Path, largest: int = LARGEST_TEXT) -> str:
     check_file(path, largest)
     try:
         return path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise InputError.of(str(path), "there is no such file") from None
+    except IsADirectoryError:
+        raise InputError.of(str(path), "is a folder, not a file") from None
     except OSError as error:
         raise InputError.of(str(path), f"can't be read: {error.strerror}") from None
     except ValueError:

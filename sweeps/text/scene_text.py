@@ -203,6 +203,15 @@ def with_numbers(scene: engine.Scene, values: Mapping[str, float]) -> engine.Sce
     return _copied(scene, by_path, "") if values else scene
 
 
+def is_absent(scene: engine.Scene, path: str) -> bool:
+    """Whether a path is that of a key which a scene may have but doesn't give."""
+    part: object = scene
+    *tables, last = path.split(".")
+    for table in tables:
+        part = part.get(table) if isinstance(part, dict) else getattr(part, table, None)
+    return last in getattr(type(part), "model_fields", {}) and getattr(part, last) is None
+
+
 def given_values(scene: engine.Scene, settings: Sequence[str]) -> dict[str, float]:
     """Numbers of a scene from texts such as "input.length=55 mm".
 
@@ -229,6 +238,7 @@ def given_values(scene: engine.Scene, settings: Sequence[str]) -> dict[str, floa
         if path not in known:
             near = engine.nearest_names(path, known, 3)
             hint = f"did you mean {' or '.join(map(repr, near))}?" if near else f"numbers are {', '.join(known)}"
+            hint = "give it there first" if is_absent(scene, path) else hint
             raise InputError.of("--set", f"is not a number that the scene gives; {hint}", key=path)
         try:
             found[path] = engine.in_text(value.strip("\"'"), known[path].dimension)

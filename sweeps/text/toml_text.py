@@ -84,6 +84,7 @@ _SLIPS: dict[str, str | Callable[[str], str]] = {
     ),
     "=\\s*([“”„‘’])": 'write straight quotation marks, ", not typographic ones',
     r"^\s*([\w.]+)\s*:": "write KEY = VALUE, not KEY: VALUE",
+    r"^\s*((?=\S*[^\x00-\x7f])[\w.]+)\s*=": "{0} is not a name: use the letters a to z, digits and single underscores",
     r"(=)\s*$": "no value after =",
 }
 

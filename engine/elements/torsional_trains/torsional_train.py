@@ -207,7 +207,9 @@ class TorsionalTrain(Element):
     def named(self, n: Numbers) -> NamedRows:
         """Modes, and vibration if anything excites the train; infinite at a resonance without damping."""
         reduced = reduced_train(self, n)
-        natural = natural_vibration(reduced, self.reported_modes)
+        return self._named(n, reduced, natural_vibration(reduced, self.reported_modes))
+
+    def _named(self, n: Numbers, reduced: ReducedTrain, natural: NaturalVibration) -> NamedRows:
         frequencies = list(map(Measured, natural.frequencies, natural.frequency_errors))
         words = "natural frequencies of zero: the whole train turns"
         free = Measured(1.0 if self.layout.is_free else 0.0)
@@ -223,9 +225,12 @@ class TorsionalTrain(Element):
 
     @cached_property
     def results(self) -> tuple[ElementResult, ...]:
-        """Results available with the keys given, named for any numbers of the machine."""
+        """Results available with the keys given, named for any numbers of the machine and any frequencies."""
+        n = defaultdict(lambda: np.ones(1), self.own_numbers())
+        reduced, count = reduced_train(self, n), self.reported_modes
+        rows, modes = np.ones((count, 1)), np.ones((count, len(self.layout.parents), 1))
         with np.errstate(all="ignore"):
-            return tuple(result for result, _ in self.named(defaultdict(lambda: np.ones(1), self.own_numbers())))
+            return tuple(result for result, _ in self._named(n, reduced, NaturalVibration(rows, rows, modes, modes)))
 
     def evaluate(self, n: Numbers) -> Answers:
         """Results with error estimates."""

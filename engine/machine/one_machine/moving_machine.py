@@ -31,7 +31,7 @@ from engine.mechanism.higher_pairs.noncircular_motion import NoncircularMotion
 from engine.mechanism.link_loads import LinkForce
 from engine.mechanism.mechanics import Mechanics
 from engine.mechanism.vectors import Vector
-from engine.parts.skeleton import FRAME
+from engine.parts.skeleton import FRAME, CrankInput
 from engine.quantities.expressions import (
     Angle,
     Expression,
@@ -50,12 +50,15 @@ from engine.quantities.expressions import (
 )
 from engine.quantities.machine import register_of
 from engine.scene.scene import Numbers, Scene, scene_numbers
+from engine.units.reading import base_powers
 from engine.words.verdicts import Verdict
 
 # Positions between which angles are unwrapped, and at which failures are searched.
 _LOOKED_AT = 720
 # Turn between two positions [rad] above which an angle is followed between them, and most halvings of their distance.
 _SHARP, _HALVINGS = 0.5, 40
+# Fraction of a machine's own sizes below which a field is rounding.
+_ROUNDED = 1e-12
 # Relative error of results from series.
 _SERIES = 1e-9
 # Results of a steady cycle, from the cycle and its mean speed.
@@ -231,6 +234,31 @@ class MovingMachine:
         # Overflow gives infinity or NaN, not a warning.
         with np.errstate(all="ignore"):
             return {name: self._row(curve) for name, curve in curves}
+
+    def without_rounding(self, name: str, row: np.ndarray) -> np.ndarray:
+        """A field, zero where it is only rounding of the machine's lengths, speed and energy."""
+        powers = base_powers(self.register.fields[name].units)
+        mass, length, time = (powers.get(f"[{base}]", 0) for base in ("mass", "length", "time"))
+        longest, speed, energy = self._own_sizes
+        with np.errstate(all="ignore"):
+            # Of the mass only the energy m (l/t)² is known.
+            size = energy**mass * longest ** (length - 2 * mass) * speed ** (-time - 2 * mass)
+            return np.where((np.abs(row) <= _ROUNDED * size) & np.isfinite(size), 0.0, row)
+
+    @cached_property
+    def _own_sizes(self) -> np.ndarray:
+        """Longest length [m], inverse of the time to pass it [1/s], and energy [J]."""
+        limits = scene_numbers(self.scene)
+        longest = max((abs(self.numbers[path]) for path in limits if limits[path].dimension == "length"), default=1.0)
+        speed, turns = abs(self.numbers["input.speed"]), isinstance(self.scene.input, CrankInput)
+        known = [name for name in ("reduced_inertia", "reduced_moment") if self.register.why_not(name) is None]
+        with np.errstate(all="ignore"):
+            sizes = {"reduced_inertia": np.square(speed), "reduced_moment": 1.0 if turns else longest}
+            rows = self._variant.values([*self._curves(known).values()], self._spaced(_LOOKED_AT))
+            energy = sum(
+                sizes[n] * np.fmax.reduce(np.abs(row), initial=0.0) for n, row in zip(known, rows, strict=True)
+            )
+        return np.array([longest or 1.0, speed if turns else speed / (longest or 1.0), energy])
 
     def rate(self, name: str) -> np.ndarray:
         """Time derivative of a field at constant input speed; that of its series, without jumps.

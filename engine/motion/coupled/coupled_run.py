@@ -490,8 +490,8 @@ class CoupledRuns(MachineRuns):
     def _tell_endless(self, rest: np.ndarray, at_mark: np.ndarray, who: np.ndarray) -> None:
         """Give up runs that never end.
 
-        These are runs that swing no farther forward than at their last stop, that repeat the cycle before, or that
-        slow down for ever without stopping.
+        These are runs that swing no farther forward than at their last stop, that repeat the cycle before, that slow
+        down for ever without stopping, or whose clutch slips faster from cycle to cycle.
         """
         self.compare_swings(rest[self.joined.crank_way[rest] > 0.0])
         speeds, moves = np.abs(self.state[[CRANK_SPEED, SHAFT_SPEED]]), self.joined.crank_way != 0.0
@@ -508,8 +508,12 @@ class CoupledRuns(MachineRuns):
             whole = np.isclose(np.mod(self.state[TURNED, mine] / self.cycle + 0.5, 1.0), 0.5, rtol=0.0, atol=NEARLY)
             alike = (whole | ~moves[mine]) & (now[3] == before[3])
             same = np.abs(now[:2] - before[:2]) <= SETTLED * np.abs(now[:2]).max(axis=0)
+            # While a clutch slips, each side moves by itself: one that got faster over a cycle gets still faster.
+            slip, (crank, shaft) = self.joined.mode[mine], now[:2] - before[:2]
+            parts = (np.abs(slip) == FORWARDS) & (slip * crank < 0.0) & (slip * shaft >= -SETTLED * np.abs(now[1]))
+            parts &= (crank * now[0] > 0.0) & self.ends.lock_up
             self.marks[:, mine] = np.where(whole | ~moves[mine], now, before)
-            self.give_up(mine[alike & same.all(axis=0)])
+            self.give_up(mine[alike & (same.all(axis=0) | parts)])
 
 
 def _grip(clutch: CouplingNumbers, engaged: np.ndarray) -> np.ndarray:

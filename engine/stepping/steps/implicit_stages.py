@@ -13,7 +13,8 @@ from engine.stepping.walk_task import WalkTask
 def find_stages(printed: Printed, task: WalkTask, room: Room) -> None:
     """Find the stages of an implicit step by Newton's method; without convergence the rates are NaN.
 
-    The unknowns are the energy at all stages, or the speeds; angles follow from the rates of the previous iteration.
+    The unknowns are the energy at all stages, which stays positive, or the speeds; angles follow from the rates of the
+    previous iteration.
     """
     own, k, begin, equations = room.lane, in_lanes(room.rates), room.begin, room.equations
     watched, kept, worst = in_lanes(room.watched), room.places, room.errors[0]
@@ -71,11 +72,13 @@ def find_stages(printed: Printed, task: WalkTask, room: Room) -> None:
                 for lane in range(LANES):
                     by, before, whole = equations[at, lane], equations[q, lane], 0.0
                     for j in range(each):
-                        whole += equations[found + s * states + first + 2 * j, lane]
+                        now, then = abs(equations[found + s * states + first + 2 * j, lane]), begin[first + 2 * j, lane]
+                        # A speed may vanish within the step.
+                        whole += max(now, abs(then)) if task.along_time else now
                     by = by if own.able[lane] > 0.0 else 0.0
                     size = abs(by) / whole
                     worst[lane] = worst[lane] if worst[lane] > size else size
-                    left = LEAST_LEFT * before
+                    left = -math.inf if task.along_time else LEAST_LEFT * before
                     equations[q, lane] = before + by if before + by > left else left
         for lane in range(LANES):
             pending |= own.length[lane] > 0.0 and worst[lane] > FOUND_TO

@@ -12,7 +12,7 @@ from engine.stepping.steps.step_lanes import Printed, Room
 from engine.stepping.walk_task import WalkTask
 
 # Newton iterations for the stages of an implicit step; their tolerance; the tolerance accepted where rounding stalls
-# them; the fraction of a state that an iteration leaves at least.
+# them; the fraction of an energy that an iteration leaves at least.
 MOST_ROUNDS, FOUND_TO, NEARLY_FOUND, LEAST_LEFT = 12, 1e-14, 1e-11, 0.1
 # Implicit rates: relative tolerance, maximum number of secant iterations, and the iterations after which only rounding
 # prevents further convergence.

@@ -45,11 +45,12 @@ def panel_over_cycle(
 
 
 def over_cycle(moving: engine.MovingMachine, names: Sequence[str]) -> dict[str, np.ndarray]:
-    """Closed rows of fields, at the end of which an angle may have turned."""
+    """Closed rows of fields without rounding, at the end of which an angle may have turned."""
     known = moving.register.fields
     return {
         name: closed(moving.scene, row, _turned(row) if known[name].units == "rad" else 0.0)
-        for name, row in moving.fields(dict.fromkeys(names)).items()
+        for name, own in moving.fields(dict.fromkeys(names)).items()
+        for row in [moving.without_rounding(name, own)]
     }
 
 

@@ -14,10 +14,18 @@ from sweeps.pictures.machine import cycle_rows
 from sweeps.pictures.panels import axis_label, draw_panel
 from sweeps.pictures.style import BLUE, GREEN, GREY, VERMILION, sheet, typeset, wrapped
 
-# Relative to the inertia, a range or a slope that is rounding [-, 1/rad or 1/m].
+# Relative to the inertia, a range that is rounding.
 ROUNDED = 1e-12
 # Characters of a title above a panel.
 WORDS = 31
+# Size of the loop's axes, and of a letter in them [points]; positions around a point, and within a rectangle.
+LOOP, LETTER = np.array([122.0, 84.0]), np.array([3.6, 6.5])
+# Distances of a label from its point [points].
+GAPS = (2.5, 5.0)
+SIDES = np.array([(1, 1), (-1, -1), (1, -1), (-1, 1), (1, 0), (-1, 0), (0, 1), (0, -1)])
+WITHIN = np.stack(np.meshgrid(np.linspace(-1, 1, 9), np.linspace(-1, 1, 5)), axis=-1).reshape(-1, 2)
+# Points of a straight line.
+MANY = 200
 TIMED = "a load depends on time"
 
 
@@ -41,9 +49,6 @@ def _cycle_of(moving: engine.MovingMachine) -> _Cycle:
     known = [name for name in names if name in moving.register.available_fields]
     cycle_rows.need_motion(moving, known)
     rows = cycle_rows.over_cycle(moving, known)
-    inertia, slope = rows["reduced_inertia"], rows["reduced_inertia_phi"]
-    # Of an inertia that is constant, rounding leaves a slope.
-    rows["reduced_inertia_phi"] = np.where(np.abs(slope).max() <= ROUNDED * np.abs(inertia).max(), 0.0, slope)
     return _Cycle(moving, rows, cycle_rows.dead_centres(moving, cycle_rows.main_slider(moving.scene)))
 
 
@@ -150,14 +155,16 @@ def _energy_loop(ax: Axes, cycle: _Cycle) -> None:
         engine.display_unit(axis.unit, row) for axis, row in zip(axes, (inertia, work), strict=True)
     )
     ax.plot(fi * inertia, fw * work, color=BLUE)
-    _mark_quarters(ax, cycle, fi * inertia, fw * work)
     for k in np.array([1, 3, 5, 7]) * inertia.size // 8:
         tip, tail = ((fi * inertia[i], fw * work[i]) for i in (k + max(1, inertia.size // 90), k))
         ax.annotate("", tip, tail, arrowprops={"arrowstyle": "-|>", "color": BLUE, "linewidth": 1.0})
     ax.xaxis.set_major_locator(MaxNLocator(4))
     ax.set(title="Energy loop", xlabel=axis_label(axes[0], unit_i), ylabel=axis_label(axes[1], unit_w))
-    ax.set_xlim(fi * (inertia.min() - 0.25 * span_i), fi * (inertia.max() + 0.25 * span_i))
+    ax.set_xlim(fi * (inertia.min() - 0.4 * span_i), fi * (inertia.max() + 0.4 * span_i))
     ax.set_ylim(fw * (work.min() - 0.35 * span_w), fw * (work.max() + 0.45 * span_w))
+    lines = [np.column_stack([fi * ends, fw * np.array(row)]) for row in heights]
+    shown = [np.linspace(*line, MANY) for line in lines]
+    _mark_quarters(ax, cycle, fi * inertia, fw * work, shown)
     if not tangents:
         return
     for (_, _, k), at_ends, colour, word in zip(tangents, heights, (VERMILION, GREEN), ("max", "min"), strict=True):
@@ -170,19 +177,32 @@ def _energy_loop(ax: Axes, cycle: _Cycle) -> None:
     ax.figure.legend(loc="outside lower right", ncols=2)
 
 
-def _mark_quarters(ax: Axes, cycle: _Cycle, x: np.ndarray, y: np.ndarray) -> None:
-    """Mark the start and quarters of the cycle on a loop with the input position."""
+def _mark_quarters(ax: Axes, cycle: _Cycle, x: np.ndarray, y: np.ndarray, others: Sequence[np.ndarray]) -> None:
+    """Mark the start and quarters of the cycle on a loop with the input position, clear of the loop and other lines."""
     quarters = np.arange(4) * x.size // 4
     ax.plot(x[quarters], y[quarters], "o", color=BLUE, markersize=3)
-    at: dict[tuple[float, ...], list[int]] = {}
+    low, high = np.transpose([ax.get_xlim(), ax.get_ylim()])
+    points, *lines = ((row - low) / (high - low) * LOOP for row in (np.column_stack([x, y]), *others))
+    drawn, at = np.concatenate([points, *lines]), {}
     for k in quarters:
-        place = tuple(round(row[k] / (np.ptp(row) or 1.0), 2) for row in (x, y))
-        at.setdefault(place, []).append(k)
-    # The second half's labels lie on the other side: a closed loop's start and middle may lie close together.
-    for k, *others in at.values():
-        side = {"xytext": (3, 3)} if k < quarters[2] else {"xytext": (-3, -3), "ha": "right", "va": "top"}
-        text = f"φ {', '.join(f'{math.degrees(cycle.moving.q[i]):.0f}°' for i in (k, *others))}"
-        ax.annotate(text, (x[k], y[k]), textcoords="offset points", fontsize=6, **side)
+        at.setdefault(tuple(np.rint(points[k])), []).append(k)
+    for same in at.values():
+        text = f"φ {', '.join(f'{math.degrees(cycle.moving.q[i]):.0f}°' for i in same)}"
+        half = 0.5 * LETTER * (len(text), 1)
+        centres = np.concatenate([points[same[0]] + SIDES * (half + gap) for gap in GAPS])
+        within = (np.abs(drawn - centres[:, None]) < half + 1.0).all(axis=2).sum(axis=1)
+        beyond = (np.abs(centres - 0.5 * LOOP) > 0.5 * LOOP - half - 2.0).any(axis=1)
+        best = np.argmin(within + drawn.size * beyond)
+        ax.annotate(
+            text,
+            (x[same[0]], y[same[0]]),
+            centres[best] - points[same[0]],
+            textcoords="offset points",
+            fontsize=6,
+            ha="center",
+            va="center",
+        )
+        drawn = np.concatenate([drawn, centres[best] + half * WITHIN])
 
 
 def _tangents(moving: engine.MovingMachine, inertia: np.ndarray, work: np.ndarray) -> list[tuple[float, float, int]]:

@@ -75,9 +75,10 @@ def courses(seen: "engine.History") -> list[_Course]:
     steps = {key: np.where(within, 0.5 * np.diff(along) * (row[1:] + row[:-1]), 0.0) for key, row in rates.items()}
     known = {pair: np.abs(row) for pair, row in seen.loads_on_pairs.items() if np.isfinite(row).any()}
     reactions = {pair.removesuffix(".reaction"): {"reaction": row} for pair, row in known.items()}
+    rounded = NOTHING * np.square(seen.speed[whole]).max(initial=0.0)
     diagrams = {
         "speed": {"speed": seen.speed, "shaft_speed": seen.shaft_speed},
-        "acceleration": {"acceleration": seen.acceleration},
+        "acceleration": {"acceleration": np.where(np.abs(seen.acceleration) <= rounded, 0.0, seen.acceleration)},
         "moments": moments | {"coupling": seen.coupling_moment},
         "powers": powers,
         "works": {"energy": seen.energy} | {key: np.append(0.0, np.cumsum(row)) for key, row in steps.items()},
@@ -231,8 +232,9 @@ def _speed_words(scene: Scene, part: _Course) -> tuple[str, list[engine.Mark]]:
     """Fluctuation and mean of the speed, and marks at its mean and extremes."""
     names = [f"{part.name}.{key}" for key in ("mean_speed", "speed_min", "speed_max", "speed_fluctuation")]
     sized = [f"{name}.flywheel" for name in engine.sized_regimes(scene)]
-    found = engine.Machine(scene, [*names, *sized]).evaluate({}).summaries
-    *marked, delta = (float(found[name][0]) for name in names)
+    found = engine.Machine(scene, [*names, *sized]).evaluate({})
+    *marked, delta = (float(found.summaries[name][0]) for name in names)
+    delta = delta if delta > found.errors[names[-1]][0] else 0.0
     title = f"δ = {engine.quantity_text(delta, '1')}, mean speed {engine.quantity_text(marked[0], 'rad s-1')}"
     return title, [engine.Mark("", None, math.copysign(height, part.rows["speed"]["speed"][0])) for height in marked]
 

@@ -12,7 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from train_samples import BRANCHED, chain, free, frequencies_of, matrices, solved
 
-from engine import Verdict
+from engine import Scene, Verdict
+from engine.elements.torsional_trains import torsional_train
 
 some = settings(deadline=None, max_examples=15)
 
@@ -104,6 +105,13 @@ def test_gear_ratio__may_stand_with_a_shaft_that_has_teeth_among_its_parts():
     k = 1 / (1 / 2e4 + 1 / (14e9 * 0.03 * 0.05**2) + 1 / (5e5 * 0.25**2))
     load = 9.0 * 0.25**2
     assert values == pytest.approx([math.sqrt(k * (0.2 + load) / (0.2 * load))], rel=1e-13)
+
+
+def test_results__are_named_without_a_search_for_frequencies(monkeypatch):
+    train = Scene.model_validate({"elements": {"train": free(BRANCHED)}}).elements["train"]
+    found = set(train.evaluate(train.own_numbers()).values)
+    monkeypatch.setattr(torsional_train, "natural_vibration", None)
+    assert {result.name for result in train.results()} == found
 
 
 def test_thin_walled_shaft__has_a_figure_for_what_its_wall_loses():

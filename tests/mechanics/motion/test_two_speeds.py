@@ -217,6 +217,23 @@ def test_light_shaft_of_a_slipping_clutch__takes_implicit_steps():
         assert error <= found.figure(f"go.{key}") + 1e-13 * value, key
 
 
+def test_load_that_sags_before_its_clutch_grips__is_caught():
+    """ω' = (−L + C t/T)/I up to T, and (C − L)/I then: back, to rest, and forth, in implicit steps by a light shaft."""
+    load, capacity, rising, until, motor = 18.0, 4.0, 0.01, 0.1, MOMENTS["dc"]
+    go = run("dc load", from_speed=0.0, from_shaft_speed=80.0, time=until)
+    scene = coupled(rotor({"go": go}, load={"moment": -load}), 4e-6, capacity=capacity, engagement=rising)
+    found = ask(scene, of("go", "final_speed speed_min motor_shaft_final_speed implicit_steps"))
+    most = RATIO * capacity
+    expected = {
+        "final_speed": (most * (until - 0.5 * rising) - load * until) / INERTIA,
+        "speed_min": -0.5 * load**2 * rising / most / INERTIA,
+        "motor_shaft_final_speed": motor["no_load_speed"] * (1.0 - capacity / motor["stall_moment"]),
+    }
+    assert found["go.implicit_steps"] == 1.0
+    for key, value in expected.items():
+        assert abs(found[f"go.{key}"] - value) <= found.figure(f"go.{key}") + 1e-13 * abs(value), key
+
+
 # What becomes of it
 
 
@@ -225,6 +242,12 @@ def test_capacity_below_the_load__never_brings_the_sides_together():
     varied = {"couplings.clutch.capacity": [0.99 * 0.4 / RATIO, 2.0 * 0.4 / RATIO]}
     found = ask(scene, "go.work_residual", varied=varied)
     assert found.status == [Verdict.SLIPS, Verdict.OK]
+
+
+def test_load_that_falls_through_its_clutch__is_known_to_fall_for_ever_after_a_cycle():
+    scene = coupled(rotor({"go": run("dc load", from_shaft_speed=80.0, lock_up=True)}, load={"moment": -40.0}))
+    assert ask(scene, of("go", NAMES)).status == [Verdict.SLIPS]
+    assert history(Scene.model_validate(scene)).angle[-1] == pytest.approx(-4.0 * math.pi)
 
 
 def test_clutch_that_slips_on__is_told_of_a_crank_that_slows_down_where_its_cycles_begin():

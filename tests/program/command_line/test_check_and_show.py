@@ -94,6 +94,14 @@ def test_check_of_a_machine_that_nowhere_assembles__says_so(press_folder):
     assert "group slide fails first, at 0 °" in answer
 
 
+def test_check_of_a_governor__compiles_no_motion(press_folder, monkeypatch):
+    monkeypatch.setattr("engine.elements.governors.governor.follow_changes", None)
+    said("new", "governor")
+    told = said("check", "governor.toml").stdout
+    assert "governor.gain_margin  " in told
+    assert "followed by `sweeps run`" in told
+
+
 def test_check_source__is_python_to_read(press_folder):
     answer = done("check", "study.toml", "--source")
     module = ast.parse(answer)

@@ -191,7 +191,8 @@ def test_what_each_condition_drops__is_a_share_by_a_sample_where_variants_are_ma
     from sweeps.report import check_report as report
 
     monkeypatch.setattr(report, "MOST_COUNTED", 64)
-    monkeypatch.setattr(report, "LARGEST_BLOCK", 4)
+    monkeypatch.setattr(report, "SAMPLED", 64)
+    monkeypatch.setattr(report, "PLACES", 16)
     vary = '"input.length" = {from = "40 mm", to = "60 mm", count = 4001}'
     start, end = STUDY.index('"input.length"'), STUDY.index("[outputs]")
     text = STUDY[:start] + vary + "\n" + STUDY[end:]

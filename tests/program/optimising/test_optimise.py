@@ -177,9 +177,12 @@ def test_nothing_that_meets_the_conditions__is_said(tmp_path):
     assert result.best() is None
     assert "No candidate meets all conditions." in optimum_text(result)
     local = asked.replace("generations", 'method = "local"\ngenerations')
-    assert "No candidate meets" in optimum_text(
-        SweepResult(optimise_study(study_of(tmp_path, local), tmp_path / "l.h5"))
-    )
+    for condition in ("ram.stroke < '10 mm'", "ram.stroke == '90 mm'"):
+        study = study_of(tmp_path, local.replace("ram.stroke < '10 mm'", condition))
+        answer = optimum_text(SweepResult(optimise_study(study, tmp_path / "l.h5", restart=True)))
+        assert "No candidate meets" in answer
+        assert "met no conditions from there" in answer
+        assert "write A == B as abs(A - B) <= TOLERANCE" in answer
 
 
 @pytest.mark.parametrize("goals", ['"ram.stroke"', '["ram.stroke", "excess_work"]'], ids=["evolution", "NSGA-II"])

@@ -8,14 +8,16 @@ import numpy as np
 import pytest
 from drawn_machines import four_bar, scotch_yoke, slider_crank, sliding_input
 from each_case import refusals
-from machines import crank, rrp
+from machines import crank, frame, rrp
 
 from engine import Machine, MovingMachine, Scene, balance, quantity_text
+from sweeps import read_scene
 from sweeps.pictures.machine.cycle_sheets import indicator_diagrams, motion_of_part
 from sweeps.pictures.machine.diagrams import diagrams
 from sweeps.pictures.machine.hodographs import hodographs, order_sizes, shaking_force
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import save
+from sweeps.text.templates import bundled_templates
 
 AIR = {"type": "compressor", "piston": "piston", "bore": 0.09, "clearance": 0.06, "suction": 1e5, "discharge": 6e5}
 COMPRESSOR = slider_crank(title="Compressor", cylinders={"air": AIR}, flywheel={"speed_fluctuation": 0.04})
@@ -64,6 +66,29 @@ def test_tangents__touch_the_loop_from_outside_with_the_slopes_of_the_speeds():
         assert slope == pytest.approx(0.5 * 6.0**2 * (1 + sign * 0.02) ** 2)
         above = sign * (y0 + slope * (inertia - x0) - work)
         assert above.min() == pytest.approx(0, abs=1e-9 * np.ptp(work))
+
+
+def test_loop__has_its_angles_within_the_axes_and_clear_of_the_curve():
+    for scene in (COMPRESSOR, read_scene(bundled_templates()["crank_shaper"])):
+        figure = diagrams(scene)
+        figure.draw_without_rendering()
+        axes = figure.axes[4]
+        seen, loop = axes.get_window_extent(), axes.transData.transform(axes.lines[0].get_xydata())
+        boxes = [text.get_window_extent() for text in axes.texts if text.get_text()]
+        assert len(boxes) == 4
+        for box in boxes:
+            assert seen.x0 <= box.x0 < box.x1 <= seen.x1
+            assert seen.y0 <= box.y0 < box.y1 <= seen.y1
+            assert not any(box.contains(*point) for point in loop)
+            assert not any(box.overlaps(other) for other in boxes if other is not box)
+
+
+def test_rounding__is_drawn_as_zero():
+    """A constant torque does no work in excess."""
+    load = {"type": "constant", "on": "crank", "moment": -1962.0}
+    figure = diagrams(Scene.model_validate({"points": {"O": frame(0, 0)}, "input": crank(), "moments": {"load": load}}))
+    assert not figure.axes[3].lines[0].get_ydata().any()
+    assert figure.axes[3].get_ylim() == (-1, 1)
 
 
 def test_diagrams_without_cycle__four_panels_over_the_displacement():

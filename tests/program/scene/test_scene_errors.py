@@ -136,7 +136,7 @@ def test_bad_csv_table__is_refused_and_named(case, tmp_path):
 @each(
     "content, words",
     [
-        (None, ("punch.csv", "can't be read", "No such file")),
+        (None, ("punch.csv", "there is no such file")),
         (b"", ("header line",)),
         (bytes(range(256)), ("punch.csv", "not UTF-8")),
         (b"over_stroke [mm],force [kN]\n0,0\n\x001,1\n", ("line 3", "is not a number")),
@@ -194,7 +194,7 @@ def test_text_that_is_no_toml__is_refused(text, tmp_path):
 
 @each("name", ["", "nowhere.toml", "folder/press.toml"])
 def test_file_that_cannot_be_read__is_named(name, tmp_path):
-    with pytest.raises(InputError, match="can't be read") as caught:
+    with pytest.raises(InputError, match=r"there is no such file|is a folder") as caught:
         read_scene(tmp_path / name)
     assert str(tmp_path) in str(caught.value)
 

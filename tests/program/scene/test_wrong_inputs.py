@@ -100,6 +100,7 @@ curly quotes | PRESS | "100 kg" | “100 kg” | 24 | write straight quotation m
 colon | PRESS | mass = | mass: | 24 | write KEY = VALUE, not KEY: VALUE
 semicolon | PRESS | "100 kg" | "100 kg"; | 24 | a line holds one KEY = VALUE
 no value | PRESS | mass = "100 kg" | mass = | 24 | no value after =
+letter beyond a to z | PRESS | mass = | größe = | 24 | größe is not a name: use the letters a to z
 blank in a name | PRESS | [bodies.ram] | [bodies.the ram] | 22
     | a ] is missing after the name of the table, or the name has a
 backslash | PRESS | Crank press | C:\press | 1 | write \\ for a backslash, or use single quotes
@@ -178,6 +179,7 @@ bare range | {from = "40 mm", to = "60 mm", count = 3} | "40 to 60 mm, 3" | 7: v
 minimum | {from = "40 mm", to = "60 mm", count = 3} | {min = "40 mm", count = 3} | 7: vary.input.length.min
     | did you mean 'from'?
 list of lists | [3, 4, 5] | [[3, 4]] | 9: vary.reach.values.0 | expected a number or a text in quotes, got [3, 4]
+true in a list | [3, 4, 5] | [3, true] | 9: vary.reach.values.1 | such as '40 mm', got true
 list in quotes | [3, 4, 5]} | "3, 4, 5"} | 9: vary.reach.values | expected a list in brackets, [ ], got '3, 4, 5'
 spreadsheet | "reach * input.length" | "=reach * input.length" | 12: derive.groups.slide.first.length
     | leave the leading = out
@@ -187,7 +189,7 @@ field for a summary | ["ram.stroke", | ["B.x", | 14: outputs | 'B.x' is a field,
 summary for a field | summaries = | fields = | 14: outputs | 'ram.stroke' is a summary, a single number
 no scene | scene = "press.toml"\n |  | : scene | is missing: name the file of the scene, scene = "press.toml"
 study for a scene | press.toml | study.toml | 3: scene | study.toml is a study; name the file of a scene
-no such file | press.toml | Press.toml | 3: scene | Press.toml: can't be read: No such file
+no such file | press.toml | Press.toml | 3: scene | Press.toml: there is no such file
 nested misspelt path | bodies.ram.mass | bodies.ram.maas | 8: vary.bodies.ram.maas | 'bodies.ram.mass'
 path of a text | "input.length" = | "input.pivot" = | 7: vary.input.pivot | not a number
 part of a used name | reach = | rea = {values = [1]}\nreach = | 9: vary.rea | not a number
@@ -212,6 +214,10 @@ series between its sizes | from = "40 mm", to = "60 mm", count = 3 | choose = "R
 list of several kinds | {values = [3, 4, 5]} | {choose = [3, "4 mm"]} | 9: vary.reach | number and length
 low without sampling | count = 3 | count = 3}\n"gravity" = {low = "0 m/s2", high = "9 m/s2" | 8: vary.gravity
     | [sampling] | method and count
+low with a count | count = 3 | count = 3}\n"gravity" = {low = "0 m/s2", high = "9 m/s2", count = 4
+    | 8: vary.gravity.count | count belongs to from and to, or to [sampling]
+absent number | "input.length" = | "input.start" = | 7: vary.input.start | the scene gives; give it there first
+misspelt statistic | ["ram.stroke", | ["ram.velocity.peek", | 14: outputs | did you mean 'ram.velocity.peak'
 range downwards | count = 3 | count = 3}\n"gravity" = {low = "9 m/s2", high = "1 m/s2" | 8: vary.gravity
     | low '9 m/s2' is above high '1 m/s2'
 sampling of nothing | [derive] | [sampling]\nmethod = "sobol"\ncount = 4\n\n[derive] | 11: sampling | low and high
@@ -236,12 +242,12 @@ derived of another dimension | reach * input.length | reach * bodies.ram.mass | 
 dimension of a derived number | positions | require = ["2 * groups.slide.first.length > '1 kg'"]\npositions
     | 4: require | compares a length with a mass
 power that varies | reach * input.length | input.length**reach | 12: derive.groups.slide.first.length | fixed number
-scene that is a folder | press.toml | . | 3: scene | can't be read
+scene that is a folder | press.toml | . | 3: scene | is a folder
 accuracy of all | positions | accuracy = "150 %"\npositions | 4: accuracy | less than 1
 accuracy of nothing | positions | accuracy = 0\npositions | 4: accuracy | greater than 0
 accuracy as a length | positions | accuracy = "0.1 mm"\npositions | 4: accuracy | mm
 accuracy in words | positions | accuracy = "fine"\npositions | 4: accuracy | fine
-no such csv | positions | variants = "choice.csv"\npositions | 4: variants | choice.csv | can't be read
+no such csv | positions | variants = "choice.csv"\npositions | 4: variants | choice.csv: there is no such file
 """)
 
 # A table of variants, and its line and column.

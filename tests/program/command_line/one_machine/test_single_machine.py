@@ -61,9 +61,16 @@ def test_reading__of_angles_follows_the_link_from_the_begin_of_the_cycle():
     assert np.degrees(found) == pytest.approx([350, 359.999], abs=1e-12)
 
 
-def test_show_at__tells_every_field(press):
-    lines = said("show", "press.toml", "--at", "37deg").stdout.splitlines()
-    assert {line.split()[0] for line in lines[1:]} == set(Machine(press).available_fields)
+def test_show_at__tells_the_main_fields_or_all_without_rounding(press):
+    every, few = (said("show", "press.toml", "--at", "90 deg", *also).stdout for also in (["--all"], []))
+    assert {line.split()[0] for line in every.splitlines()[1:]} == set(Machine(press).available_fields)
+    *lines, more = few.splitlines()[1:]
+    names = {line.split()[0] for line in lines}
+    assert names >= {"B.x", "rod.angle", "ram.velocity", "input.reaction", "frame.reaction_x", "input_moment"}
+    assert not names & {"B.x_phi", "B.vx", "input.reaction_x", "shaking_force_x", "ram.inertia_force_x"}
+    assert more == f"{len(every.splitlines()) - 1 - len(lines)} more with --all."
+    # The crank's x is 3e-18 m there.
+    assert "e-" not in every
 
 
 def test_show_at__in_json_has_several_angles_and_numbers_set_anew(press_folder):
