@@ -480,5 +480,7 @@ class RegimeMotion:
                 found |= {f"{key}_work": by_channel[key] for key in ("driving", "other")}
                 found |= {f"{key}_work": 0.0 - by_channel[key] for key in ("useful", "harmful")}
                 found["brake_heat"] = 0.0 - by_channel["braking"]
-                found["efficiency"] = found["useful_work"] / (works[0] + by_channel["driving"])
+                useful, supplied = found["useful_work"], works[0] + by_channel["driving"]
+                # Undefined where the useful load drives, or nothing is supplied.
+                found["efficiency"] = np.where((useful >= 0.0) & (supplied > 0.0), useful / supplied, np.nan)
         return found

@@ -189,7 +189,7 @@ def test_load_above_the_motor__turns_it_back_by_the_closed_form(load):
     begin, stall, idle, time = 10.0, 20.0, 100.0, 3.0
     names = ["go.final_speed", "go.angle", "go.motor_work", "go.speed_min"]
     scene = rotor({"go": run("dc load", from_speed=begin, time=time)}, load={"moment": load})
-    found = ask(scene, " ".join(names))
+    found = ask(scene, " ".join([*names, "go.efficiency"]))
     rate, end = stall / idle / INERTIA_OF_ROTOR, idle * (1.0 + load / stall)
     fades = math.exp(-rate * time)
     speed = end + (begin - end) * fades
@@ -199,6 +199,10 @@ def test_load_above_the_motor__turns_it_back_by_the_closed_form(load):
     for name, exact in zip(names, (speed, angle, work, speed), strict=True):
         assert found[name] == pytest.approx(exact, rel=1e-8), name
         assert abs(found[name] - exact) <= found.figure(name), name
+    # What drives has no efficiency as a load.
+    useful = -load * angle
+    efficiency = useful / work if useful >= 0.0 and work > 0.0 else math.nan
+    assert found["go.efficiency"] == pytest.approx(efficiency, rel=1e-8, nan_ok=True)
 
 
 def test_push_that_turns_about__pulls_a_machine_back_against_its_friction():
