@@ -23,7 +23,7 @@ from engine.machine.checks import (
     names_of,
     size_remarks,
 )
-from engine.machine.judgement import judge_cycles, judge_runs
+from engine.machine.judgement import Failures, judge_cycles, judge_runs
 from engine.machine.measuring import MeasuredCycles, Measuring
 from engine.machine.results import AskError, Outcome, asked_text, blank, field_room, front_of
 from engine.mechanism.mechanics import Mechanics
@@ -445,16 +445,20 @@ class Machine:
         batch = GOVERNED_AT_ONCE if self._governing else keep.size
         for first in range(0, keep.size, batch):
             some = slice(first, first + batch)
-            own = self._governed(numbers.of_variants(some), keep[some].size)
+            own = self._governed(outcome, keep[some], numbers.of_variants(some))
             self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep[some], own)
 
-    def _governed(self, numbers: Numbers, variants: int) -> Numbers:
-        """Numbers in which the engine of each governor of this machine has the machine's inertia and curves."""
+    def _governed(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> Numbers:
+        """Numbers in which the engine of each governor of this machine has the machine's inertia and curves.
+
+        Verdicts on the machine pass to the variants `keep`.
+        """
         if not self._governing:
             return numbers
         engines, machine = self._governed_engines
-        outcome = machine.evaluate({path: np.broadcast_to(numbers[path], (variants,)) for path in self.varied})
-        return numbers.with_values(engines.numbers(outcome, numbers))
+        found = machine.evaluate({path: np.broadcast_to(numbers[path], keep.shape) for path in self.varied})
+        Failures(*found[:3]).write(outcome, keep)
+        return numbers.with_values(engines.numbers(found, numbers))
 
     @cached_property
     def _governed_engines(self) -> "tuple[machine.drives.governed_engines.GovernedEngines, Machine]":

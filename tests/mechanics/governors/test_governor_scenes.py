@@ -59,6 +59,21 @@ def test_governor_of_the_machine__has_the_inertia_of_its_mechanism():
     assert governed_scene(alone) == (alone, {})
 
 
+def test_machine_that_fails__fails_alike_whatever_is_asked():
+    engine = ENGINE | {"machine": True, "inertia": 3.0}
+    bodies = {"ram_body": {"link": "ram", "mass": 800.0}}
+    scene = Scene.model_validate(
+        slider_crank(elements={"it": PORTER | {"damping": 600.0, "engine": engine}}, bodies=bodies)
+    )
+    varied = {"groups.g.first.length": np.array([0.2, 0.03])}
+    of_governor, of_machine = (
+        made_ready(scene, [name], varied=varied).evaluate(varied)[:3] for name in ("it.decay_rate", "ram.stroke")
+    )
+    assert of_governor[0].tolist() == [Verdict.OK, Verdict.CANNOT_ASSEMBLE]
+    for one, other in zip(of_governor, of_machine, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
 def test_governor_of_no_machine__is_refused():
     engine = {"machine": True, "throttle": {"type": "linear", "full": 400.0}, "load": 300.0}
     with pytest.raises(ValueError, match=r"elements\.it\.engine\.machine: the scene has no crank that turns fully"):
