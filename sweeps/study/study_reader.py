@@ -305,10 +305,15 @@ class StudyReader:
                     raise SamplingError("varies already; a number is either varied or derived")
                 self._check_variable(path)
                 expression, known = numeric_expression(text), {*self.numbers, *varied, *found}
-                unknown = [name for name in expression.names if name not in known]
+                below = [name for name in expression.names if name not in tried and self._leads_elsewhere(name, path)]
+                unknown = [name for name in expression.names if name not in known and name not in below]
+                for name in below:
+                    self.problems.add(
+                        ["derive", path], f"{name} is derived further below: move its line above this one"
+                    )
                 for name in (name for name in unknown if name not in refused):
                     self.problems.add(["derive", path], engine.unknown_name_message(name, known))
-                if unknown:
+                if unknown or below:
                     continue
                 if path in self.numbers:
                     engine.check_yields(expression, self.dimensions[path], self.dimensions)
@@ -316,6 +321,17 @@ class StudyReader:
                     self.dimensions[path] = engine.dimension_of(expression, self.dimensions)
                 found[path] = expression
         return found
+
+    def _leads_elsewhere(self, name: str, path: str) -> bool:
+        """Whether a number is derived, and neither from `path` nor from what is derived from it."""
+        pending, seen = [name], set()
+        while pending and path not in pending:
+            here = pending.pop()
+            if here in self.raw.derive and here not in seen:
+                with suppress(engine.ExpressionError):
+                    pending += numeric_expression(self.raw.derive[here]).names
+            seen.add(here)
+        return name in self.raw.derive and path not in pending
 
     def _required(self) -> tuple[Condition, ...]:
         found = []

@@ -149,6 +149,14 @@ def test_derived_numbers__build_on_each_other_in_order(study_folder):
     np.testing.assert_allclose(column(study, "groups.slide.first.length"), [0.105, 0.14], rtol=1e-15)
 
 
+@pytest.mark.parametrize("first", ["input.length", "half"])
+def test_number_derived_further_below__is_not_read_before(study_folder, first):
+    lines = f'"groups.slide.first.length" = "4 * {first}"\n"{first}" = "reach * \'8 mm\'"\n'
+    text = f"reach = {{values = [3]}}\n[derive]\n{lines}"
+    with pytest.raises(InputError, match=f"{first} is derived further below: move its line above this one"):
+        varying(study_folder, text)
+
+
 def test_require__drops_the_variants_that_fail_any_condition(study_folder):
     first, second = "groups.slide.first.length < '200 mm'", "not (bodies.ram.mass == '50 kg' and reach < 4)"
     text = changed(STUDY, "positions = 48", f'positions = 48\nrequire = ["{first}", "{second}"]')
