@@ -111,7 +111,7 @@ def test_results__are_named_without_a_search_for_frequencies(monkeypatch):
     train = Scene.model_validate({"elements": {"train": free(BRANCHED)}}).elements["train"]
     found = set(train.evaluate(train.own_numbers()).values)
     monkeypatch.setattr(torsional_train, "natural_vibration", None)
-    assert {result.name for result in train.results()} == found
+    assert {result.name for result in train.results} == found
 
 
 def test_thin_walled_shaft__has_a_figure_for_what_its_wall_loses():
