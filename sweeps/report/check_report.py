@@ -350,7 +350,7 @@ def _required_text(study: Study) -> list[str]:
     dropped, lines = np.concatenate([part.any(axis=0) for part in missed]), []
     if study.require:
         share = f"{round(dropped.mean() * size)}" if whole else f"about {100 * dropped.mean():.3g} %"
-        counted = drop_lines([condition.text for condition in study.require], missed, None if whole else size)
+        counted = drop_lines([condition.text for condition in study.require], missed, not whole)
         lines += [f"required, {share} of {size} dropped:", *(f"  {line}" for line in counted)]
     values = {path: np.concatenate([part[path] for part, _ in found]) for path in found[0][0]}
     outside = outside_lines(study.scene, values, ~dropped)

@@ -27,21 +27,21 @@ class _Asked(NamedTuple):
         return [name for condition in self.conditions for name in condition.names]
 
 
-def drop_lines(conditions: Sequence[str], missed: Iterable[np.ndarray], variants: int | None = None) -> list[str]:
-    """Variants that fail each condition, and those that fail only it.
+def drop_lines(conditions: Sequence[str], missed: Iterable[np.ndarray], sampled: bool = False) -> list[str]:
+    """Variants that fail each condition, and those that fail only it: how many, or their share.
 
     Parameters
     ----------
     conditions : sequence of str
     missed : iterable of ndarray of bool (conditions, variants)
         Failed conditions, by parts of the variants.
-    variants : int, optional
-        Total number of variants, if only a sample is given.
+    sampled : bool
+        Whether only a sample is given.
     """
     counts, alone, seen = drop_counts(len(conditions), missed)
     lines = []
     for text, *found in zip(conditions, counts.tolist(), alone.tolist(), strict=True):
-        first, only = (f"{c}" if variants is None else f"about {c * variants // seen}" for c in found)
+        first, only = (f"about {100.0 * c / seen:.3g} %" if sampled else f"{c}" for c in found)
         lines.append(f"{text}: {first}" + (f", {only} only by this condition" if len(conditions) > 1 else ""))
     return lines
 
