@@ -19,6 +19,15 @@ RPM = 30 / math.pi
 some = settings(deadline=None, max_examples=15)
 
 
+def least_sleeve_force(exact, inner, outer):
+    """The least force at the sleeve: at a stop, or where it neither rises nor falls."""
+    angles = mp.linspace(inner, outer, 33)
+    least = min(range(len(angles)), key=lambda i: exact.sleeve_force(angles[i]))
+    if 0 < least < len(angles) - 1:
+        return exact.sleeve_force(mp.findroot(lambda a: mp.diff(exact.sleeve_force, a), angles[least]))
+    return exact.sleeve_force(angles[least])
+
+
 def exact_results(governor, digits=40):
     """What the results are, with many digits, of a governor that is stable from stop to stop."""
     with mp.workdps(digits):
@@ -27,6 +36,10 @@ def exact_results(governor, digits=40):
         slow, fast = exact.speed(inner), exact.speed(outer)
         half = mp.findroot(lambda a: exact.lift(a) - exact.lift(outer) / 2, (inner + outer) / 2)
         friction = mp.mpf(governor.get("friction", 0.0))
+        held = friction / least_sleeve_force(exact, inner, outer)
+        # As many digits as the least friction in double precision takes beside 1.
+        with mp.workdps(400):
+            insensitivity = mp.sqrt(1 + held) - mp.sqrt(1 - held)
         effort = exact.sleeve_force(half) * mp.mpf(governor.get("speed_change", 0.01))
         return {
             "inner_speed": slow,
@@ -37,6 +50,7 @@ def exact_results(governor, digits=40):
             "non_uniformity": 2 * (fast - slow) / (slow + fast),
             "sleeve_lift": exact.lift(outer),
             "sleeve_force": exact.sleeve_force(half),
+            "insensitivity": insensitivity,
             "effort": effort,
             "power": 2 * effort**2 / exact.sleeve_stiffness(half),
             "least_speed_with_friction": slow * mp.sqrt(1 - friction / exact.sleeve_force(inner)),
