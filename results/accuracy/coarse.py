@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.append(str(Path(__file__).parents[1]))
-from measuring import times_by_turns
+from measuring import processor, times_by_turns
 
 import sweeps
 from engine import Machine
@@ -62,7 +62,7 @@ TEXT = """# What little accuracy costs
 each value, of the summary that is worst, what 99 % of the variants are within, without places of extremes; and the
 share of errors of all summaries that their figures cover. Medians of the shares: {medians}.
 
-Made by `python results/accuracy/coarse.py` on a machine shared with others.
+{processor}, shared with others. Made by `python results/accuracy/coarse.py`.
 
 | study | default [µs] | 1e-4 [µs] | share | true error | covered | 1 % [µs] | share | true error | covered |
 |---|---|---|---|---|---|---|---|---|---|
@@ -75,7 +75,9 @@ def main() -> None:
     set_threads(1)
     rows, shares = zip(*(row_of(folder, name) for folder, names in STUDIES.items() for name in names), strict=True)
     medians = " and ".join(f"{share:.2f}" for share in np.median(shares, axis=0))
-    (HERE / "coarse.md").write_text(TEXT.format(truth=TRUTH, medians=medians) + "\n".join(rows) + "\n", encoding="utf8")
+    (HERE / "coarse.md").write_text(
+        TEXT.format(truth=TRUTH, medians=medians, processor=processor()) + "\n".join(rows) + "\n", encoding="utf8"
+    )
 
 
 if __name__ == "__main__":
