@@ -47,6 +47,8 @@ class Field(NamedTuple):
         Textbook symbol.
     answers : tuple of str
         Statistics of interest to an engineer, such as "peak".
+    rank : Rank
+        `Rank.FURTHER` for derivatives and components of other fields, and what repeats them.
     """
 
     name: str
@@ -55,11 +57,12 @@ class Field(NamedTuple):
     curve: Callable[[], Node | Followed]
     symbol: str = ""
     answers: tuple[str, ...] = ()
+    rank: Rank = Rank.ANSWER
 
     @property
     def quantity(self) -> Quantity:
         """Its description."""
-        return Quantity(self.name, self.long_name, self.units, self.symbol)
+        return Quantity(self.name, self.long_name, self.units, self.symbol, self.rank)
 
 
 class Summary(NamedTuple):
@@ -93,6 +96,7 @@ class Summary(NamedTuple):
 
 Declared = Iterator[Field | Summary]
 answer_summary, check_summary = (partial(Summary, rank=rank) for rank in (Rank.ANSWER, Rank.CHECK))
+detail = partial(Field, rank=Rank.FURTHER)
 
 
 def answer_if(asked: bool) -> Callable[..., Summary]:

@@ -1,7 +1,6 @@
 """Quantities of one machine at given input positions."""
 
 import math
-import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -13,10 +12,6 @@ from sweeps.text.tables import table
 
 # Rounding tolerance of a position, as a share of the range.
 _ROUNDING = 1e-13
-# Fields that are shown only if all are: derivatives and components of others, and what repeats them.
-_FURTHER = re.compile(
-    r"_phi(phi)?$|\.[va][xy]$|(?<!frame\.)reaction_(x|y|along|across|moment)$|\.inertia_|_by_\w+$|shaking_force_[xy]$"
-)
 
 
 class Readings(NamedTuple):
@@ -34,6 +29,8 @@ class Readings(NamedTuple):
         Including the coordinate.
     remark : str
         What is wrong with the machine as a whole, or "".
+    further : tuple of str
+        Fields that are shown only if all are.
     """
 
     place: str
@@ -42,6 +39,7 @@ class Readings(NamedTuple):
     units: dict[str, str]
     long_names: dict[str, str]
     remark: str = ""
+    further: tuple[str, ...] = ()
 
 
 def readings_at(scene: engine.Scene, at: Sequence[float] | int, names: Sequence[str] = ()) -> Readings:
@@ -80,6 +78,7 @@ def readings_at(scene: engine.Scene, at: Sequence[float] | int, names: Sequence[
         {name: known[name].units for name in fields} | {place: unit},
         {name: known[name].long_name for name in fields} | {"phi": "crank angle", "q": "input displacement"},
         "" if verdict in (engine.Verdict.OK, engine.Verdict.NOT_FINITE) else verdict.sentence,
+        tuple(name for name in fields if known[name].rank == engine.Rank.FURTHER),
     )
 
 
@@ -103,7 +102,7 @@ def readings_text(readings: Readings, every: bool = True) -> str:
     """Readings as a table: a row per quantity, of all or only the main ones, a column per position."""
     heads = [engine.quantity_text(float(at), readings.units[readings.place]) for at in readings.at]
     rows = [["", *heads, ""]]
-    shown = {name: row for name, row in readings.values.items() if every or not _FURTHER.search(name)}
+    shown = {name: row for name, row in readings.values.items() if every or name not in readings.further}
     for name, row in shown.items():
         cells = [engine.quantity_text(float(value), readings.units[name]) for value in row]
         rows.append([name, *cells, readings.long_names[name]])

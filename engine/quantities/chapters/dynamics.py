@@ -27,7 +27,7 @@ from engine.quantities.expressions import (
     unresolved_peak,
 )
 from engine.quantities.quantity import InputUnits, called, drive_words, ordinal
-from engine.quantities.register import Declared, Field, Summary, answer_if, answer_summary, check_summary, mean
+from engine.quantities.register import Declared, Field, Summary, answer_if, answer_summary, check_summary, detail, mean
 from engine.scene.pairs import has_friction
 from engine.scene.scene import Numbers
 
@@ -49,7 +49,7 @@ def declare(mechanics: Mechanics) -> Declared:
     without = ", without friction in pairs" if has_friction(scene) else ""
     yield Field("reduced_inertia", "reduced moment of inertia", u.inertia, lambda: m.reduced.inertia, "I")
     words, units = "derivative of the reduced moment of inertia with respect to the input", f"{u.inertia} {u.per_q}"
-    yield Field("reduced_inertia_phi", words, units, lambda: m.reduced.slope, f"dI/d{at}")
+    yield detail("reduced_inertia_phi", words, units, lambda: m.reduced.slope, f"dI/d{at}")
     words = f"reduced moment of all loads except the drive{without}"
     yield Field("reduced_moment", words, u.moment, m.moment_of, load)
     asked = ("peak",) if is_loaded(m) else ()

@@ -9,7 +9,7 @@ from engine.mechanism.input_motion import multiple_angle
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import Expression, Formula, Integral, VariantNumber, hypot
 from engine.quantities.quantity import called, ordinal
-from engine.quantities.register import Declared, Field, Summary
+from engine.quantities.register import Declared, Field, Summary, detail
 from engine.scene.masses import CENTRE, body_inertia, count_points, inertia_from_swing, replacement, replacement_mass
 from engine.scene.scene import scene_numbers
 
@@ -31,11 +31,11 @@ def _forces(m: Mechanics, name: str) -> Declared:
     at, forces = "at constant speed", f"inertia forces of {called('body', name)}"
     for i, axis in enumerate("xy"):
         words = f"{axis} component of the inertia force of {called('body', name)} {at}"
-        yield Field(f"{name}.inertia_force_{axis}", words, "N", lambda i=i: m.inertia_forces(name).force[i])
+        yield detail(f"{name}.inertia_force_{axis}", words, "N", lambda i=i: m.inertia_forces(name).force[i])
     words = f"moment of the {forces} about its centre {at}"
-    yield Field(f"{name}.inertia_moment", words, "N m", lambda: m.inertia_forces(name).moment)
+    yield detail(f"{name}.inertia_moment", words, "N m", lambda: m.inertia_forces(name).moment)
     words = f"distance of the resultant of the {forces} from its mass centre (positive: passes to its right)"
-    yield Field(f"{name}.inertia_offset", words, "m", lambda: m.inertia_forces(name).offset)
+    yield detail(f"{name}.inertia_offset", words, "m", lambda: m.inertia_forces(name).offset)
 
 
 def _swung(m: Mechanics, name: str) -> Expression:
@@ -79,7 +79,7 @@ def _shaking(m: Mechanics) -> Declared:
     force, about = "shaking force at constant speed", moment_centre(m.scene)
     for i, axis in enumerate("xy"):
         words = f"{axis} component of the {force}"
-        yield Field(f"shaking_force_{axis}", words, "N", lambda i=i: m.shaking.force[i], f"F_{axis}")
+        yield detail(f"shaking_force_{axis}", words, "N", lambda i=i: m.shaking.force[i], f"F_{axis}")
     yield Field("shaking_force", force, "N", lambda: m.shaking.force.length, "F")
     words = f"shaking moment about {about} at constant speed, including shafts and gears, excluding loads"
     yield Field("shaking_moment", words, "N m", lambda: m.shaking.moment)

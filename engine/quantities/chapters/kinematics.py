@@ -9,7 +9,7 @@ from engine.mechanism.mechanics import Mechanics
 from engine.mechanism.vectors import Vector
 from engine.parts.skeleton import FRAME, CrankInput
 from engine.quantities.expressions import Angle
-from engine.quantities.register import Declared, Field, InputUnits, known
+from engine.quantities.register import Declared, Field, InputUnits, detail, known
 from engine.scene.attachments import joint_owners
 from engine.scene.pairs import held_by_frame
 
@@ -110,7 +110,8 @@ def _coordinate(
     symbol, of_first, of_second = (text.format(owner=owner) for text in _SYMBOLS[kind])
     for order, (suffix, word, node) in enumerate(zip(_SUFFIXES, _WORDS, nodes, strict=True)):
         units = f"{unit} {q}-{order}" if order else unit
-        yield Field(f"{owner}.{kind}{suffix}", word.format(words), units, known(node), symbol + "′" * order)
+        field = detail if order else Field
+        yield field(f"{owner}.{kind}{suffix}", word.format(words), units, known(node), symbol + "′" * order)
     first, second = _RATES[kind]
     guided = kind in ("angle", "slide") and owner in held_by_frame(mechanics.scene) and nodes[2] is not graph.zero
     answers = ("peak",) if guided else ()
@@ -119,6 +120,7 @@ def _coordinate(
         _RATES_IN_WORDS[kind].format(rate=rate, owner=owner) for rate in ("velocity", "acceleration")
     )
     timed = partial(graph.combination, [(speed, nodes[1])])
-    yield Field(f"{owner}.{first}", velocity, f"{unit} s-1", timed, of_first, answers)
+    field = detail if kind in "xy" else Field
+    yield field(f"{owner}.{first}", velocity, f"{unit} s-1", timed, of_first, answers)
     timed = partial(graph.combination, [(squared, nodes[2])])
-    yield Field(f"{owner}.{second}", f"{acceleration} at constant speed", f"{unit} s-2", timed, of_second, answers)
+    yield field(f"{owner}.{second}", f"{acceleration} at constant speed", f"{unit} s-2", timed, of_second, answers)

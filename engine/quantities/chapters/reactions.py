@@ -6,6 +6,7 @@ from itertools import combinations
 import numpy as np
 
 from engine.cycle.measured import Measured, atan2
+from engine.elements.element import Rank
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.actions import Brake
 from engine.parts.motors import Motor
@@ -45,13 +46,13 @@ def declare(mechanics: Mechanics) -> Declared:
     kept = drive_words(m.scene)
     with_friction = ", including friction in pairs" if has_friction(m.scene) else ""
     own = ", without the drives of second inputs" if own_drives(m.scene) else ""
-    yield _variable(m, "input_moment_by_equilibrium", f"{kept}, by equilibrium of the input link{own}", unit)
+    yield _detail(m, "input_moment_by_equilibrium", f"{kept}, by equilibrium of the input link{own}", unit)
     for name in m.scene.inputs:
         slides = name in m.kinematics.slides
         words = f"drive {'force' if slides else 'moment'} on {name}, by equilibrium"
         yield _variable(m, driving_field(m.scene, name), words, "N" if slides else "N m", "F" if slides else "M")
     words = f"{kept}, by virtual power of all forces{with_friction} (Zhukovsky's lever)"
-    yield _variable(m, "input_moment_by_power", words, unit)
+    yield _detail(m, "input_moment_by_power", words, unit)
     for field in acting_fields(m.scene):
         yield _variable(m, field.name, field.long_name, field.units, field.symbol)
     yield from _checks(m)
@@ -61,25 +62,29 @@ def _variable(m: Mechanics, name: str, words: str, unit: str, symbol: str = "", 
     return Field(name, words, unit, lambda: m.reactions.variables[name], symbol, answers)
 
 
+def _detail(m: Mechanics, name: str, words: str, unit: str, symbol: str = "") -> Field:
+    return _variable(m, name, words, unit, symbol)._replace(rank=Rank.FURTHER)
+
+
 def _fields_of(m: Mechanics, pair: Pair) -> Declared:
     force = force_words(m.scene, pair)
     if pair.name in m.scene.shafts and m.scene.shafts[pair.name].pressure_angle is None:
         force += " (without tooth forces)"
     asked = ("peak",) if is_loaded(m) else ()
-    yield _variable(m, f"{pair.name}.reaction_x", f"x component of the {force}", "N", "R_x")
-    yield _variable(m, f"{pair.name}.reaction_y", f"y component of the {force}", "N", "R_y")
+    yield _detail(m, f"{pair.name}.reaction_x", f"x component of the {force}", "N", "R_x")
+    yield _detail(m, f"{pair.name}.reaction_y", f"y component of the {force}", "N", "R_y")
     if pair.kind == "prismatic":
         where = "about the slider's joint" if pair.name != "input" else "about the input's point"
         words = f"{force}, positive to the left of its direction"
         yield _variable(m, f"{pair.name}.reaction", words, "N", "R", asked)
-        yield _variable(m, f"{pair.name}.reaction_moment", f"moment of the {force}, {where}", "N m")
+        yield _detail(m, f"{pair.name}.reaction_moment", f"moment of the {force}, {where}", "N m")
         return
     yield _variable(m, f"{pair.name}.reaction", force, "N", "R", asked)
     words = f"direction of the {force}, continuous over the range"
     yield Field(f"{pair.name}.reaction_direction", words, "rad", lambda: Angle(m.reactions.force_in(pair.name)))
-    yield _variable(m, f"{pair.name}.reaction_along", f"component along link {pair.link} of the {force}", "N")
+    yield _detail(m, f"{pair.name}.reaction_along", f"component along link {pair.link} of the {force}", "N")
     words = f"component to the left across link {pair.link} of the {force}"
-    yield _variable(m, f"{pair.name}.reaction_across", words, "N")
+    yield _detail(m, f"{pair.name}.reaction_across", words, "N")
 
 
 def force_words(scene: Scene, pair: Pair) -> str:
