@@ -51,13 +51,14 @@ class Law:
         return over_lanes(self.in_python, arguments)
 
     @cached_property
-    def _compiled(self) -> Callable:
+    def compiled(self) -> Callable:
+        """The function compiled by Numba."""
         return _kept(self.py_func, self._rules, forceinline=True)
 
     @property
     def _numba_type_(self) -> object:
         """Numba's type of the compiled law, by which compiled code may call it."""
-        return self._compiled._numba_type_
+        return self.compiled._numba_type_
 
 
 def scalar(function: Callable) -> Law:

@@ -1,4 +1,4 @@
-"""Machine code cached on disk, in one folder of the user's cache for each digest of its sources; printed modules.
+"""Machine code cached on disk, in one folder of the user's cache for each digest of its sources.
 
 Cached code is executed, so a file is trusted only if it belongs to the user, only the user may write to it and its
 folder, and its content matches the digest stored before it. Other files are removed and compiled again. Where the cache
@@ -7,28 +7,25 @@ can't be written, every process compiles its own code.
 
 import gc
 import hashlib
-import linecache
 import logging
 import os
 import pickle
 import shutil
 import stat
-import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
-from types import ModuleType
 
+from numba.core.base import BaseContext
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, _CacheLocator
+from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
+from numba.core.typing import Signature
 
-from engine.compiling.sources import digest_of_module, digest_of_text
-
-# Prefix of the names of printed modules; their digest follows.
-PRINTED = "engine_printed_"
+from engine.compiling.sources import digest_of_module
 
 _ONE_COMPILES = threading.Lock()
 
@@ -121,7 +118,7 @@ def _say_once(what: str) -> None:
 def keep_compiled(function: Callable) -> None:
     """Make Numba cache the machine code of a function on disk, if there is a trusted cache."""
     if cache_folder() is not None:
-        function._cache = _KeptFunction(function.py_func)
+        function._cache = _KeptFunction(function.py_func, function.targetoptions.get("_nrt", True))
 
 
 def is_kept(function: Callable) -> bool:
@@ -129,31 +126,15 @@ def is_kept(function: Callable) -> bool:
     return Path(function._cache._cache_file._index_path).exists()
 
 
-def load_printed(text: str | None) -> Callable | None:
-    """Load the function `fill` of a module from its printed source, compiled, or read from the cache.
+def kept_files(digest: str) -> "_VerifiedFiles | None":
+    """Cache files of a printed function, by the digest of its sources; None if there is no trusted cache.
 
     Parameters
     ----------
-    text : str or None
-        Source of the module; None where there is nothing to fill.
+    digest : str
     """
-    if text is None:
-        return None
-    with compiling():
-        return _load(text).fill
-
-
-@cache
-def _load(text: str) -> ModuleType:
-    name = f"{PRINTED}{digest_of_text(text)[:32]}"
-    file = f"<{name}>"
-    module = ModuleType(name)
-    module.__file__ = file
-    sys.modules[name] = module
-    # Lets tracebacks show the module's lines.
-    linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
-    exec(compile(text, file, "exec"), module.__dict__)
-    return module
+    within = cache_folder()
+    return None if within is None else _VerifiedFiles(str(folder_of(digest, within)), "printed", None)
 
 
 class _Place(_CacheLocator):
@@ -164,8 +145,7 @@ class _Place(_CacheLocator):
 
     @classmethod
     def from_function(cls, py_func: Callable, _: str) -> "_Place":
-        module = py_func.__module__
-        digest = module.removeprefix(PRINTED) if module.startswith(PRINTED) else digest_of_module(module)
+        digest = digest_of_module(py_func.__module__)
         return cls(folder_of(digest, cache_folder()), py_func.__code__.co_firstlineno)
 
     def ensure_cache_path(self) -> None:
@@ -188,9 +168,20 @@ class _Kept(CompileResultCacheImpl):
 class _KeptFunction(FunctionCache):
     _impl_class = _Kept
 
-    def __init__(self, py_func: Callable) -> None:
+    def __init__(self, py_func: Callable, makes_arrays: bool) -> None:
         super().__init__(py_func)
+        self._makes_arrays = makes_arrays
         self._cache_file = _VerifiedFiles(self._cache_path, self._impl.filename_base, None)
+
+    def load_overload(self, sig: Signature, target_context: BaseContext) -> CompileResult | None:
+        """Load what the cache has for a signature.
+
+        Numba itself first loads all that it can compile, which takes 0.2 s. Code needs none of it but the memory of
+        arrays, if it makes any.
+        """
+        if self._makes_arrays:
+            return super().load_overload(sig, target_context)
+        return self._load_overload(sig, target_context)
 
 
 class _VerifiedFiles(IndexDataCacheFile):

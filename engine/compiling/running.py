@@ -12,7 +12,6 @@ from engine.compiling.decorators import driver
 from engine.compiling.kept_code import compiling
 from engine.compiling.packed import Packed
 from engine.compiling.threads import on_all_threads, pieces_of
-from engine.compiling.tiles import TypedFunction
 
 # Machine code of drivers, by driver and layout of its arguments.
 _code: dict[tuple[Callable, Hashable], Callable] = {}
@@ -31,12 +30,12 @@ def _layout(value: object) -> Hashable:
     if isinstance(value, Packed):
         # Each type is made once.
         return id(value.kind)
-    if isinstance(value, TypedFunction):
+    if isinstance(value, types.WrapperAddressProtocol):
         # Each signature is made once; comparing signatures takes long.
         return id(value.signature())
     if callable(value):
         # Each function has a type of its own in Numba.
-        raise TypeError(f"{value} must be passed as a TypedFunction")
+        raise TypeError(f"{value} must be passed as a value of its signature")
     return type(value)
 
 

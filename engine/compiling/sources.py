@@ -13,6 +13,8 @@ from pathlib import Path
 import llvmlite
 import numba
 
+from engine.compiling.printed_code import PrintedCode
+
 _PACKAGE = "engine"
 _ROOT = Path(__file__).parents[2]
 _VERSIONS = f"{numba.__version__} {llvmlite.__version__} {platform.python_version()}"
@@ -78,15 +80,15 @@ def digest_of_module(module: str) -> str:
 
 
 @cache
-def digest_of_text(text: str) -> str:
-    """Digest of the source of a printed module, of everything it imports from the engine, and of the compiler versions.
+def digest_of_printed(code: PrintedCode) -> str:
+    """Digest of a printed function, of the sources of all that it calls, and of the compiler versions.
 
     Parameters
     ----------
-    text : str
-        Source of the module.
+    code : PrintedCode
     """
-    return _digest(frozenset().union(*(_reached(module) for module in _imported(text))), text)
+    called = (law.py_func.__module__ for law, _ in code.calls)
+    return _digest(frozenset().union(*map(_reached, called)), code.text)
 
 
 @cache

@@ -1,6 +1,6 @@
 """A machine over its cycle: its three functions and a plan of the results, evaluated for many variants.
 
-Each of the three has the signature `engine.compiling.tiles.TILE_SIGNATURE`,
+Each of the three fills a tile,
 
     curves(P, T, q, cos_q, sin_q, tile)
 
@@ -17,7 +17,6 @@ positions, LANES), which the function fills at the positions of q.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -27,6 +26,7 @@ from numba import types
 from engine.compiling.ahead import compile_ahead, wait_until_compiled
 from engine.compiling.blocks import LANES
 from engine.compiling.packed import Packed
+from engine.compiling.printed_functions import PrintedFunction
 from engine.compiling.running import address_of, run_piece, spread
 from engine.compiling.threads import kept_by_thread
 from engine.cycle.block_measures import MEASURES
@@ -183,14 +183,14 @@ class CycleMachine:
     Attributes
     ----------
     plan : Plan
-    curves, events, levels : callable or None
+    curves, events, levels : PrintedFunction or None
         See the module docstring; None where there is nothing to fill.
     """
 
     plan: Plan
-    curves: Callable | None
-    events: Callable | None = None
-    levels: Callable | None = None
+    curves: PrintedFunction | None
+    events: PrintedFunction | None = None
+    levels: PrintedFunction | None = None
     _packed: Packed = field(init=False)
 
     def __post_init__(self) -> None:

@@ -5,14 +5,14 @@ follow from them, such as running integrals. A plan numbers them when all is kno
 """
 
 import math
-from collections.abc import Callable, Hashable, Iterable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
 
-from engine.compiling.tiles import TileFunction
+from engine.compiling.printed_functions import PrintedFunction
 from engine.cycle.driver import MachineFunctions, Task
 from engine.cycle.events import MOST_ROOTS
 from engine.cycle.measures.extremes import BOTH, LEAST_MAGNITUDE
@@ -164,7 +164,7 @@ class Plan:
         """What is wanted of a measure, in the order of the results."""
         return list(self._wanted.get(measure, ()))
 
-    def task(self, functions: Iterable[Callable | None]) -> Task:
+    def task(self, functions: Iterable[PrintedFunction | None]) -> Task:
         """The plan in the driver's format, for a machine's functions in the order of `MachineFunctions`."""
         integrals, sought, arcs = (self.wanted(measure) for measure in ("integrals", "extremes", "arcs"))
         differences = [of for of, _ in sought if isinstance(of, Difference)]
@@ -183,7 +183,7 @@ class Plan:
             return (row[of], row[of], -1) if alone else (row[of.curve], curve[of.base], of.factor)
 
         return Task(
-            MachineFunctions(*map(TileFunction, functions)),
+            MachineFunctions(*(function or PrintedFunction(None) for function in functions)),
             **{name: _integers(getattr(self, name)) for name in _SHARED},
             **{name: getattr(self, name) for name in _SAME},
             landmarks=_integers(self.landmarks, 4),

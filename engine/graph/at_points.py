@@ -7,8 +7,8 @@ import numpy as np
 
 from engine.compiling.blocks import LANES, gather, hand_out, in_lanes, rows
 from engine.compiling.decorators import driver
+from engine.compiling.printed_functions import PrintedFunction
 from engine.compiling.running import spread
-from engine.compiling.tiles import TileFunction
 from engine.laws.elementary import direction_of
 
 NO_NUMBERS, NO_ROWS = np.empty((0, 0)), np.empty(0, np.int64)
@@ -43,12 +43,12 @@ class Points(NamedTuple):
     given_rows: np.ndarray = NO_ROWS
 
 
-def fill_points(function: TileFunction, points: Points) -> np.ndarray:
+def fill_points(function: PrintedFunction, points: Points) -> np.ndarray:
     """Fill curves at points, and return them.
 
     Parameters
     ----------
-    function : TileFunction
+    function : PrintedFunction
         Fills the curves at one position.
     points : Points
     """

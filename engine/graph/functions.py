@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.blocks import PANEL_POSITIONS
+from engine.compiling.printed_code import PrintedCode
 from engine.graph.nodes import (
     Constant,
     Crossing,
@@ -37,13 +38,6 @@ from engine.graph.nodes import (
 )
 from engine.graph.printer import in_lanes, over_positions
 
-_HEAD = """import math
-
-import numpy as np
-
-{imports}
-"""
-
 
 class Landmark(NamedTuple):
     """Rows of P for the minimum and maximum of a curve over the cycle, and for their positions; −1: none."""
@@ -59,8 +53,8 @@ class Functions(NamedTuple):
 
     Attributes
     ----------
-    texts : dict of str to str
-        Sources of the modules of some of `events`, `levels`, `curves`, …; functions without outputs have none.
+    codes : dict of str to PrintedCode
+        Some of `events`, `levels`, `curves`, …; none of those without outputs.
     rows : dict of Node to int
         Row of P of each number: the input's range first, then numbers of the variant, the cycle and the panel.
     numbers : tuple of Number or Constant
@@ -81,7 +75,7 @@ class Functions(NamedTuple):
         Number of passes over the events: 2 if some depend on numbers of the cycle, such as extremes of other events.
     """
 
-    texts: Mapping[str, str]
+    codes: Mapping[str, PrintedCode]
     rows: dict[Node, int]
     numbers: tuple[Number | Constant, ...]
     events: tuple[tuple[Node, Node], ...]
@@ -294,7 +288,7 @@ def _printed(graph: Graph, plan: _Plan, *parts: _Part) -> Functions:
     rows = plan.rows
     places = {curve: i for i, (curve, _) in enumerate(plan.events)}
     return Functions(
-        {part.name: _tile_module(part, rows) for part in parts if part.outputs},
+        {part.name: _of_part(part, rows) for part in parts if part.outputs},
         rows,
         tuple(n for n in rows if isinstance(n, (Number, Constant))),
         tuple(plan.events),
@@ -308,15 +302,13 @@ def _printed(graph: Graph, plan: _Plan, *parts: _Part) -> Functions:
     )
 
 
-def field_function(fields: Sequence[Node], rows: dict[Node, int], dtype: np.dtype) -> str:
-    """Print a module with `fields`, which fills rows over equally spaced positions."""
-    text, laws = over_positions(fields, rows)
-    head = _head("field_signature", laws)
-    return f"{head}\n\n@filling(field_signature(np.{np.dtype(dtype).name}))\n{text}"
+def field_function(fields: Sequence[Node], rows: dict[Node, int], dtype: np.dtype) -> PrintedCode:
+    """Print `fields`, which fills rows over equally spaced positions, stored as float64 or float32."""
+    return over_positions(fields, rows, np.dtype(dtype).name)
 
 
-def function_at(curves: Sequence[Node], rows: dict[Node, int], stage: Stage = Stage.POSITION) -> str:
-    """Print a module with `curves_at` alone, for a layout of numbers.
+def function_at(curves: Sequence[Node], rows: dict[Node, int], stage: Stage = Stage.POSITION) -> PrintedCode:
+    """Print `curves_at` alone, for a layout of numbers.
 
     Parameters
     ----------
@@ -326,13 +318,11 @@ def function_at(curves: Sequence[Node], rows: dict[Node, int], stage: Stage = St
     stage : Stage
         CYCLE for numbers of the variant and of the cycle, which depend on no position.
     """
-    return _tile_module(_at_one_position(curves, stage), rows)
+    return _of_part(_at_one_position(curves, stage), rows)
 
 
-def _tile_module(part: _Part, rows: dict[Node, int]) -> str:
-    """Print a module with a function that fills a tile."""
-    text, laws = in_lanes(part.doc, part.outputs, rows, part.stage, part.positions, part.inline_held)
-    return f"{_head('TILE_SIGNATURE', laws)}\n\n@filling(TILE_SIGNATURE)\n{text}"
+def _of_part(part: _Part, rows: dict[Node, int]) -> PrintedCode:
+    return in_lanes(part.doc, part.outputs, rows, part.stage, part.positions, part.inline_held)
 
 
 def _of_kind(nodes: Iterable[Node], kind: type) -> list:
@@ -375,13 +365,3 @@ def _rows(
 def _landmark(curve: Node, found: list[Found], rows: dict[Node, int]) -> Landmark:
     own = {f.which: rows[f] for f in found if f.curve is curve}
     return Landmark(*(own.get(which, -1) for which in ("low", "high", "low_at", "high_at")))
-
-
-def _head(signature: str, laws: list) -> str:
-    """Imports of a printed module: the signature, and the laws."""
-    by_module: dict[str, set[str]] = {}
-    for law in laws:
-        by_module.setdefault(law.py_func.__module__, set()).add(law.py_func.__name__)
-    lines = [f"from engine.compiling.tiles import {signature}, filling, flat"]
-    lines += [f"from {module} import {', '.join(sorted(names))}" for module, names in sorted(by_module.items())]
-    return _HEAD.format(imports="\n".join(lines))

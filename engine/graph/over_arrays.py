@@ -6,8 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from engine.compiling.kept_code import load_printed
-from engine.compiling.tiles import TileFunction
+from engine.compiling.printed_functions import PrintedFunction
 from engine.graph.at_points import NOWHERE, Points, fill_points
 from engine.graph.functions import function_at
 from engine.graph.nodes import Given, Graph, Node, Number, Stage, reached
@@ -26,8 +25,8 @@ class NodesOverArrays:
     def __init__(self, given: Sequence[Given], results: Sequence[Node]) -> None:
         self._numbers = [node for node in reached(results) if isinstance(node, Number)]
         rows = {node: row for row, node in enumerate([*given, *self._numbers])}
-        text, self._results = function_at(results, rows, Stage.CYCLE), len(results)
-        self._function, self._tables = TileFunction(load_printed(text)), results[0].graph.all_tables
+        code, self._results = function_at(results, rows, Stage.CYCLE), len(results)
+        self._function, self._tables = PrintedFunction(code), results[0].graph.all_tables
         self._given = len(given)
 
     def table(self, numbers: Mapping[str, np.ndarray], variants: int) -> np.ndarray:

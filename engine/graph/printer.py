@@ -1,13 +1,20 @@
-"""Print nodes as the text of a function: straight-line arithmetic at one position, and the loops around it.
+"""Print nodes as LLVM's instructions: straight-line arithmetic at one position, and the loops around it.
 
 There are two orders of loops. Functions in lanes fill a tile of positions × lanes, with one variant in each lane;
 summaries are computed from them. Functions over positions fill the rows of one variant after another; kept fields are
-computed from them. Compilers and people read the printed text; this program never parses it.
+computed from them. Laws are compiled by Numba; inferring the types of what is printed here would take it longer than
+all else, as thousands of names are numbers.
+
+Rows don't overlap and no position depends on another, so the loops are declared parallel: the compiler computes several
+lanes or positions by one instruction without proving that it may.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+import struct
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from engine.compiling.blocks import LANES
+from engine.compiling.decorators import RULES
+from engine.compiling.printed_code import MEMORY, NUMBERS, STORED, PrintedCode
 from engine.graph.nodes import (
     Application,
     Constant,
@@ -27,23 +34,25 @@ from engine.graph.nodes import (
     reached,
 )
 
-# Maximum depth of an expression; deeper subexpressions get a name.
-DEEPEST = 5
-# Up to this many rows at arbitrary distances the compiler recognises as separate; more are filled at a fixed distance
-# first.
-FEW_ROWS = 4
-# Positions filled at a fixed distance before they are copied: few, so that the next ones are computed while these are
-# written to memory.
+# Positions for which numbers are looked up before the curves are computed there.
 CHUNK = 16
 
-# Names used around the statements: loop variables, arguments, modules.
-_TAKEN = {"P", "T", "apart", "c", "cos_q", "dtype", "first", "i", "k", "l", "last", "looked_up", "math", "n", "np", "p"}
-_TAKEN |= {"positions", "q"}
-_TAKEN |= {"row", "rows", "sin_q", "t", "tile", "v", *(f"row{c}" for c in range(FEW_ROWS))}
+_RULES = " ".join(sorted(RULES))
+_OPERATIONS = {
+    "+": f"fadd {_RULES} double {{}}, {{}}",
+    "-": f"fsub {_RULES} double {{}}, {{}}",
+    "*": f"fmul {_RULES} double {{}}, {{}}",
+    "/": f"fdiv {_RULES} double {{}}, {{}}",
+    "neg": f"fneg {_RULES} double {{}}",
+    "sqrt": f"call {_RULES} double @llvm.sqrt.f64(double {{}})",
+    "abs": "call double @llvm.fabs.f64(double {})",
+}
+# Declares that an access depends on none in another turn of its loop.
+_APART = "!llvm.access.group !0"
 
 
-class Statements:
-    """Statements that compute nodes at one position.
+class Instructions:
+    """Instructions that compute nodes at one position. Names that begin with a point belong to no node.
 
     Parameters
     ----------
@@ -52,56 +61,50 @@ class Statements:
         Nodes that change less often are read from the numbers.
     inline_held : bool
         Whether held nodes are computed at the position itself instead of being read.
-    looked_up : sequence of Node
-        Nodes that were computed before and are read.
-    taken : iterable of str
-        Names used by other statements of the function.
+    apart : int
+        Distance between the numbers of a table.
+    before : Instructions, optional
+        Those of the same function that compute nodes which these read, its outputs.
 
     Attributes
     ----------
-    statements : list of str
-    values : list of str
-        Expression for each output.
-    reads : dict of Node to str
-        Name of each number that the statements read.
-    tables : dict of Node to str
-        Name of the index at which each table of numbers begins; `apart` is the distance between its entries.
-    positions : list of str
-        Those of "q", "cos_q" and "sin_q" that are read.
-    laws : list of callable
-        Laws that are called.
-    taken : set of str
-        All names in use, including those of other statements.
+    outputs : sequence of Node
+    lines : list of str
+    operands : dict of Node to str
+    reads : list of Node
+        Numbers, and outputs of `before`, that are read.
+    tables : list of NumberTable
+    positions : list of Position
+        Those that are read.
+    calls : dict of callable to tuple of int
+        Laws that are called, with their arguments as in `PrintedCode`.
+    rooms : list of str
+        Instructions that make room for the results of laws.
     """
 
     def __init__(
         self,
         outputs: Sequence[Node],
         stage: Stage,
-        inline_held: bool = True,
-        looked_up: Sequence[Node] = (),
-        taken: Iterable[str] = (),
+        inline_held: bool,
+        apart: int,
+        before: "Instructions | None" = None,
     ) -> None:
-        self._stage, self._inline_held, self._looked_up = stage, inline_held, frozenset(looked_up)
-        self.statements: list[str] = []
-        self.reads: dict[Node, str] = {}
-        self.tables: dict[Node, str] = {}
-        self.positions: list[str] = []
-        self.laws: list = []
-        self.taken = {*_TAKEN, *taken}
-        self._counts: dict[str, int] = {}
-        self._texts: dict[Node, str] = {}
-        self._depth: dict[Node, int] = {}
-        order = reached(outputs, self._is_leaf)
-        # Laws are functions of the module, so their names are taken.
-        self.taken.update(name_of(node.law) for node in order if isinstance(node, Application))
-        self._uses = _count_uses(order, outputs, self._is_leaf)
-        for node in order:
+        self.outputs, self._stage, self._inline_held, self._apart = outputs, stage, inline_held, apart
+        self._before = frozenset(before.outputs if before else ())
+        self.lines: list[str] = []
+        self.operands: dict[Node, str] = {}
+        self.reads: list[Node] = []
+        self.tables: list[NumberTable] = []
+        self.positions: list[Position] = []
+        self.calls: dict[Callable, tuple] = {}
+        self.rooms: list[str] = []
+        self._counts: dict[str, int] = before._counts if before else {}
+        for node in reached(outputs, self._is_leaf):
             self._write(node)
-        self.values = [self._texts[node] for node in outputs]
 
     def _is_leaf(self, node: Node) -> bool:
-        if isinstance(node, (Constant, TableMemory, Position)) or node in self._looked_up:
+        if isinstance(node, (Constant, TableMemory, Position)) or node in self._before:
             return True
         if self._stage == Stage.STATE:
             return node.stage < Stage.STATE or isinstance(node, Given)
@@ -115,87 +118,69 @@ class Statements:
     def _write(self, node: Node) -> None:
         match node:
             case Constant():
-                self._texts[node] = repr(node.value)
+                self.operands[node] = f"0x{struct.pack('>d', node.value).hex()}"
             case TableMemory():
-                self._texts[node] = "T"
-            case Position() if self._stage != Stage.STATE:
-                self._texts[node] = node.which
-                self.positions.append(node.which)
-            case NumberTable():
-                begin = self.tables[node] = self._name(node)
-                self._texts[node] = f"p, {begin}, apart"
-            case _ if self._is_leaf(node):
-                self._texts[node] = self.reads[node] = self._name(node)
-            case Held():
-                self._texts[node] = self._texts[node.operands[0]]
-            case Application():
-                self._call(node)
-            case LawResult(index=None):
-                self._texts[node] = self._texts[node.application]
-            case LawResult():
                 pass
-            case Operation() | Sum():
-                self._compute(node)
+            case Held() if not self._is_leaf(node):
+                self.operands[node] = self.operands[node.operands[0]]
+            case Sum() if not self._is_leaf(node):
+                self.operands[node] = self._sum(node)
+            case _:
+                name = self.operands[node] = self._name(node)
+                self._compute(node, name)
+
+    def _compute(self, node: Node, name: str) -> None:
+        match node:
+            case Position() if self._stage != Stage.STATE:
+                self.positions.append(node)
+            case NumberTable():
+                self.tables.append(node)
+            case _ if self._is_leaf(node):
+                self.reads.append(node)
+            case Application():
+                self._call(node, name)
+            case LawResult():
+                self.lines += _at(name, self.operands[node.application], node.index or 0)
+                self.lines.append(f"{name} = load double, ptr {name}.at")
+            case Operation():
+                operands = (self.operands[o] for o in node.operands)
+                self.lines.append(f"{name} = {_OPERATIONS[node.symbol].format(*operands)}")
 
     def _name(self, node: Node) -> str:
-        wanted = "".join(c if c.isalnum() else "_" for c in node.label).strip("_")
+        wanted = "".join(c if c.isascii() and c.isalnum() else "_" for c in node.label).strip("_")
         wanted = wanted if wanted[:1].isalpha() and len(wanted) <= 40 else "x"
-        # All lower counts are taken, so thousands of nodes of one label need no repeated search.
-        count = self._counts.get(wanted, 1)
-        name = wanted if count == 1 else f"{wanted}{count}"
-        while name in self.taken:
-            count += 1
-            name = f"{wanted}{count}"
-        self._counts[wanted] = count
-        self.taken.add(name)
-        return name
+        self._counts[wanted] = count = self._counts.get(wanted, 0) + 1
+        return f"%{wanted}.{count}"
 
-    def _call(self, node: Application) -> None:
-        if node.law not in self.laws:
-            self.laws.append(node.law)
-        arguments = node.arguments(self._texts[o] for o in node.operands)
-        texts = [f"({', '.join(a)})" if isinstance(a, tuple) else a for a in arguments]
-        call = f"{name_of(node.law)}({', '.join(texts)})"
-        results = {r.index: r for r in self._uses.get(node, ())}
-        if None in results:
-            self._texts[node] = name = self._name(results[None] if results[None].label else node)
-            self.statements.append(f"{name} = {call}")
-            return
-        count = max(results) + 1
-        targets = []
-        for i in range(node.graph.results_of(node.law)):
-            if i in results:
-                self._texts[results[i]] = self._name(results[i])
-                targets.append(self._texts[results[i]])
+    def _call(self, node: Application, room: str) -> None:
+        self.rooms.append(f"{room} = alloca [{node.graph.results_of(node.law) or 1} x double]")
+        kinds, given = {TableMemory: MEMORY, NumberTable: NUMBERS}, [f"ptr {room}", "ptr %.exception"]
+        arguments = zip(node.sizes, node.arguments(node.operands), strict=True)
+        self.calls[node.law] = tuple(kinds.get(type(operand), size) for size, operand in arguments)
+        for operand in node.operands:
+            if isinstance(operand, TableMemory):
+                given.append("ptr null, ptr null, i64 %.size, i64 8, ptr %.T, i64 %.size, i64 8")
+            elif isinstance(operand, NumberTable):
+                given.append(f"ptr %.p, i64 {self.operands[operand]}, i64 {self._apart}")
             else:
-                targets.append("_")
-        assert count <= len(targets)
-        self.statements.append(f"{', '.join(targets)} = {call}")
+                given.append(f"double {self.operands[operand]}")
+        self.lines.append(f"call i32 @{name_of(node.law)}({', '.join(given)}), {_APART}")
 
-    def _compute(self, node: Operation | Sum) -> None:
-        if isinstance(node, Sum):
-            products = [
-                self._texts[c] if b is node.graph.one else f"{self._texts[c]} * {self._texts[b]}" for c, b in node.terms
-            ]
-            text = " + ".join(products)
-        else:
-            operands = [self._texts[o] for o in node.operands]
-            if node.symbol == "sqrt":
-                text = f"math.sqrt({operands[0]})"
-            elif node.symbol == "neg":
-                text = f"(-{operands[0]})"
-            elif node.symbol == "abs":
-                text = f"abs({operands[0]})"
-            else:
-                text = f"({operands[0]} {node.symbol} {operands[1]})"
-        depth = 1 + max((self._depth.get(o, 0) for o in node.operands), default=0)
-        if len(self._uses.get(node, ())) > 1 or node.label or depth > DEEPEST or isinstance(node, Sum):
-            name = self._name(node)
-            # The outer parentheses of a sum may belong to its first and last terms.
-            whole = text[0] == "(" and not isinstance(node, Sum)
-            self.statements.append(f"{name} = {text.removeprefix('(').removesuffix(')') if whole else text}")
-            text, depth = name, 0
-        self._texts[node], self._depth[node] = text, depth
+    def _sum(self, node: Sum) -> str:
+        """Add the products of a sum from the first to the last."""
+        total = ""
+        for coefficient, curve in node.terms:
+            term = self.operands[coefficient]
+            if curve is not node.graph.one:
+                term = self._name(node)
+                product = _OPERATIONS["*"].format(self.operands[coefficient], self.operands[curve])
+                self.lines.append(f"{term} = {product}")
+            if total:
+                name = self._name(node)
+                self.lines.append(f"{name} = {_OPERATIONS['+'].format(total, term)}")
+                term = name
+            total = term
+        return total
 
 
 def _lookup_results(outputs: Sequence[Node]) -> list[Node]:
@@ -211,16 +196,108 @@ def _lookup_results(outputs: Sequence[Node]) -> list[Node]:
     return [node for node in results if node.application in looks | finds]
 
 
-def _count_uses(order: Iterable[Node], outputs: Iterable[Node], is_leaf: object) -> dict[Node, list]:
-    """Map each node to the nodes that use it; an output counts as a use of itself."""
-    uses: dict[Node, list] = {}
-    for node in order:
-        if not is_leaf(node):
-            for operand in node.operands:
-                uses.setdefault(operand, []).append(node)
-    for node in outputs:
-        uses.setdefault(node, []).append(node)
-    return uses
+def _loop(variable: str, count: int | str, lines: Iterable[str], ending: str = "") -> list[str]:
+    """A loop of a variable over 0 … count − 1; `ending` follows its last instruction."""
+    return [
+        f"br label %{variable}.before",
+        f"{variable}.before:",
+        f"br label %{variable}.head",
+        f"{variable}.head:",
+        f"%.{variable} = phi i64 [ 0, %{variable}.before ], [ %.{variable}.next, %{variable}.last ]",
+        f"%.{variable}.more = icmp slt i64 %.{variable}, {count}",
+        f"br i1 %.{variable}.more, label %{variable}.body, label %{variable}.end",
+        f"{variable}.body:",
+        *lines,
+        f"br label %{variable}.last",
+        f"{variable}.last:",
+        f"%.{variable}.next = add nuw nsw i64 %.{variable}, 1",
+        f"br label %{variable}.head{ending}",
+        f"{variable}.end:",
+    ]
+
+
+def _at(name: str, array: str, *index: int | str, kind: str = "double") -> list[str]:
+    """Address `name`.at of a number of an array, at the sum of one or two indices."""
+    found = [f"{name}.index = add nsw i64 {index[0]}, {index[1]}"] if index[1:] else []
+    return [*found, f"{name}.at = getelementptr {kind}, ptr {array}, i64 {f'{name}.index' if found else index[0]}"]
+
+
+def _read(name: str, array: str, *index: int | str) -> list[str]:
+    """Read a number of an array."""
+    return [*_at(name, array, *index), f"{name} = load double, ptr {name}.at, {_APART}"]
+
+
+class _Function:
+    """A function with its loops: those that look up numbers, and those that compute all else from them.
+
+    Parameters
+    ----------
+    outputs : sequence of Node
+    stage : Stage
+    inline_held : bool
+    rows : mapping of Node to int
+        Row of each number.
+    apart : int
+        Distance between rows of numbers.
+    room : int
+        Lanes or positions for which numbers are looked up at once.
+    """
+
+    def __init__(
+        self,
+        outputs: Sequence[Node],
+        rows: Mapping[Node, int],
+        stage: Stage,
+        inline_held: bool,
+        apart: int,
+        room: int,
+    ) -> None:
+        looked_up = _lookup_results(outputs) if stage != Stage.STATE else []
+        self._rows, self._apart = rows, apart
+        self.before = Instructions(looked_up, stage, inline_held, apart)
+        self.body = Instructions(outputs, stage, inline_held, apart, self.before)
+        self._places = {node: f"%.looked_up{i}" for i, node in enumerate(looked_up)}
+        self.rooms = [f"{place} = alloca [{room} x double], align 64" for place in self._places.values()]
+        self.rooms += [*self.before.rooms, *self.body.rooms, "%.exception = alloca ptr"]
+        self.calls = self.before.calls | self.body.calls
+
+    def numbers(self, part: Instructions, *lane: str) -> list[str]:
+        """Read the numbers of the variant, of a lane if one is given."""
+        lines = []
+        for node in part.reads:
+            if node not in self._places:
+                lines += _read(part.operands[node], "%.p", *lane, self._apart * self._rows[node])
+        for table in part.tables:
+            begin = self._apart * self._rows[table.operands[0]]
+            lines.append(f"{part.operands[table]} = add nsw i64 {begin}, {lane[0] if lane else 0}")
+        return lines
+
+    def loops(self, count: int | str, in_lanes: bool, kind: str = "double") -> list[str]:
+        """The loops over lanes or positions, the first of which is %.first."""
+        found = []
+        for k, part in (("b", self.before), ("k", self.body)):
+            if not part.outputs:
+                continue
+            lines = [f"%.{k}.i = add nsw i64 %.first, %.{k}"]
+            for position in part.positions:
+                lines += _read(part.operands[position], f"%.{position.which}", f"%.{k}.i")
+            lines += self.numbers(part, f"%.{k}") if in_lanes else []
+            for node in part.reads:
+                lines += _read(part.operands[node], self._places[node], f"%.{k}") if node in self._places else []
+            lines += part.lines
+            for i, node in enumerate(part.outputs):
+                name, value = f"%.{k}.out{i}", part.operands[node]
+                if part is self.before:
+                    lines += _at(name, self._places[node], f"%.{k}")
+                else:
+                    lines += _at(name, f"%.row{i}", f"%.{k}.i", kind=kind)
+                if kind != "double" and part is self.body:
+                    lines.append(f"{name} = fptrunc double {value} to {kind}")
+                    value = name
+                stored = kind if part is self.body else "double"
+                lines.append(f"store {stored} {value}, ptr {name}.at, {_APART}")
+            found += _loop(k, count, lines, ", !llvm.loop !1")
+        return found
 
 
 def in_lanes(
@@ -230,13 +307,13 @@ def in_lanes(
     stage: Stage,
     positions: int | None,
     inline_held: bool = True,
-) -> tuple[str, list]:
+) -> PrintedCode:
     """Print a function that fills a tile, lanes innermost.
 
     Parameters
     ----------
     doc : str
-        Docstring of the function.
+        What it fills.
     outputs : sequence of Node
         Rows of the tile.
     rows : mapping of Node to int
@@ -244,90 +321,47 @@ def in_lanes(
     stage : Stage
         Stage of the outputs; nodes that change less often are read from P.
     positions : int or None
-        Room of the tile for positions. A constant lets compilers infer that the tile's rows don't overlap. If None,
-        the room varies, and rows are copied from an array where the compiler can infer it.
+        Room of the tile for positions; None if it varies.
     inline_held : bool
         Whether held nodes are computed at each position instead of being read from P.
-
-    Returns
-    -------
-    text : str
-    laws : list of callable
-        Functions that the text calls.
     """
-    looked_up = _lookup_results(outputs) if stage != Stage.STATE else []
-    before = Statements(looked_up, stage, inline_held)
-    body = Statements(outputs, stage, inline_held, looked_up, before.taken if looked_up else ())
-    used = [which for which in ("q", "cos_q", "sin_q") if which in (*body.positions, *before.positions)]
-    places = {node: f"looked_up[{i * LANES} + l]" for i, node in enumerate(looked_up)}
-    reads = [f"{text} = {places.get(n) or f'p[{rows[n] * LANES} + l]'}" for n, text in body.reads.items()]
-    lines = ["def fill(P, T, q, cos_q, sin_q, tile):", f'    """{doc}"""', "    p = flat(P)"]
-    lines += [f"    {which}_at = flat({which})" for which in used]
-    at = [f"i = k * {LANES} + l", *(f"{which} = {which}_at[i]" for which in used)]
-    if looked_up:
-        lines += [f"    apart = {LANES}", f"    looked_up = np.empty({len(looked_up) * LANES})"]
-    if positions is None:
-        lines += [f"    t, positions = np.empty({len(outputs) * LANES}), q.shape[0]"]
-        lines += ["    for k in range(positions):"]
-    else:
-        lines += ["    t = flat(tile)", f"    for k in range({'q.shape[0]' if positions > 1 else 1}):"]
-    if looked_up:
-        first = [*at, *(f"{text} = p[{rows[n] * LANES} + l]" for n, text in before.reads.items())]
-        first += [f"{text} = {rows[n.operands[0]] * LANES} + l" for n, text in before.tables.items()]
-        first += before.statements
-        first += [f"{places[node]} = {value}" for node, value in zip(looked_up, before.values, strict=True)]
-        lines += [f"        for l in range({LANES}):", *(f"            {line}" for line in first)]
-    step, place = (LANES, "l") if positions is None else (positions * LANES, "i")
-    inner = [*at, *reads, *body.statements]
-    inner += [f"t[{c * step} + {place}] = {value}" for c, value in enumerate(body.values)]
-    lines += [f"        for l in range({LANES}):", *(f"            {line}" for line in inner)]
-    if positions is None:
-        lines += [f"        for c in range({len(outputs)}):", f"            for l in range({LANES}):"]
-        lines += [f"                tile[c, k, l] = t[c * {LANES} + l]"]
-    return "\n".join(lines) + "\n", list(dict.fromkeys([*before.laws, *body.laws]))
+    function = _Function(outputs, rows, stage, inline_held, LANES, LANES)
+    distance = "%.distance" if positions is None else positions * LANES
+    lines = [*function.rooms, *_rows_at(len(outputs), distance)]
+    at = [f"%.first = mul nsw i64 %.position, {LANES}", *function.loops(LANES, True)]
+    lines += _loop("position", 1 if positions == 1 else "%.positions", at)
+    return PrintedCode.of("tile", doc, lines, function.calls)
 
 
-def over_positions(outputs: Sequence[Node], rows: Mapping[Node, int]) -> tuple[str, list]:
+def over_positions(outputs: Sequence[Node], rows: Mapping[Node, int], stored: str) -> PrintedCode:
     """Print a function that fills rows over the positions of one variant.
 
-    Its arguments are the numbers of the variant, T, the positions with their cosines and sines, the index of the
-    variant, and the rows of all variants (outputs, variants, positions). The parameters are those of `in_lanes`.
+    Parameters
+    ----------
+    outputs : sequence of Node
+    rows : mapping of Node to int
+        Row of each number.
+    stored : {"float64", "float32"}
+        Type of the numbers in the rows.
     """
-    looked_up = _lookup_results(outputs)
-    before = Statements(looked_up, Stage.POSITION)
-    body = Statements(outputs, Stage.POSITION, looked_up=looked_up, taken=before.taken if looked_up else ())
-    used = dict.fromkeys([*before.positions, *body.positions])
-    lines = ["def fill(p, T, q, cos_q, sin_q, v, rows):", '    """Fill rows over the positions of one variant."""']
-    lines += ["    p = flat(p)", *(f"    {which}_at = flat({which})" for which in used)]
-    places = {node: f"looked_up[{i * CHUNK} + k]" for i, node in enumerate(looked_up)}
-    lines += [f"    {text} = p[{rows[node]}]" for node, text in body.reads.items() if node not in places]
-    if len(outputs) <= FEW_ROWS and not looked_up:
-        inner = [*(f"{which} = {which}_at[k]" for which in used), *body.statements]
-        inner += [f"row{c}[k] = {value}" for c, value in enumerate(body.values)]
-        lines += [f"    row{c} = rows[{c}, v]" for c in range(len(outputs))]
-        lines += ["    for k in range(rows.shape[2]):", *(f"        {line}" for line in inner)]
-        return "\n".join(lines) + "\n", body.laws
-    at = [f"{which} = {which}_at[first + k]" for which in used]
-    inner = [*at, *(f"{body.reads[n]} = {place}" for n, place in places.items() if n in body.reads), *body.statements]
-    inner += [f"t[{c * CHUNK} + k] = {value}" for c, value in enumerate(body.values)]
-    first = []
-    if looked_up:
-        lines += ["    apart = 1", f"    looked_up = np.empty({len(looked_up) * CHUNK})"]
-        first = [*at, *(f"{text} = p[{rows[n]}]" for n, text in before.reads.items())]
-        first += [f"{text} = {rows[n.operands[0]]}" for n, text in before.tables.items()]
-        first += before.statements
-        first += [f"{places[node]} = {value}" for node, value in zip(looked_up, before.values, strict=True)]
-        first = ["        for k in range(n):", *(f"            {line}" for line in first)]
-    lines += [
-        f"    t = np.empty({len(outputs) * CHUNK})",
-        f"    for first in range(0, rows.shape[2], {CHUNK}):",
-        f"        n = min({CHUNK}, rows.shape[2] - first)",
-        *first,
-        "        for k in range(n):",
-        *(f"            {line}" for line in inner),
-        f"        for c in range({len(outputs)}):",
-        "            row = rows[c, v, first : first + n]",
-        "            for k in range(n):",
-        f"                row[k] = t[c * {CHUNK} + k]",
-    ]
-    return "\n".join(lines) + "\n", list(dict.fromkeys([*before.laws, *body.laws]))
+    kind = STORED[stored]
+    function = _Function(outputs, rows, Stage.POSITION, True, 1, CHUNK)
+    lines = [*function.rooms, *_rows_at(len(outputs), "%.distance", kind)]
+    lines += [*function.numbers(function.before), *function.numbers(function.body)]
+    if not function.before.outputs:
+        lines += ["%.first = add i64 0, 0", *function.loops("%.positions", False, kind)]
+        return PrintedCode.of(stored, "Rows over the positions of one variant.", lines, function.calls)
+    at = [f"%.first = mul nsw i64 %.chunk, {CHUNK}", "%.left = sub nsw i64 %.positions, %.first"]
+    at += [f"%.count = call i64 @llvm.smin.i64(i64 %.left, i64 {CHUNK})", *function.loops("%.count", False, kind)]
+    lines += [f"%.rounded = add nsw i64 %.positions, {CHUNK - 1}", f"%.chunks = sdiv i64 %.rounded, {CHUNK}"]
+    lines += _loop("chunk", "%.chunks", at)
+    return PrintedCode.of(stored, "Rows over the positions of one variant.", lines, function.calls)
+
+
+def _rows_at(count: int, distance: int | str, kind: str = "double") -> list[str]:
+    """Pointers to rows at a distance from each other."""
+    lines = []
+    for i in range(count):
+        lines.append(f"%.row{i}.from = mul nsw i64 {distance}, {i}")
+        lines.append(f"%.row{i} = getelementptr {kind}, ptr %.rows, i64 %.row{i}.from")
+    return lines

@@ -4,8 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from engine.compiling.kept_code import load_printed
-from engine.compiling.tiles import TileFunction
+from engine.compiling.printed_functions import PrintedFunction
 from engine.cycle.regula_falsi import bisected
 from engine.graph.at_points import Points, fill_points
 from engine.graph.functions import function_at
@@ -39,8 +38,7 @@ def first_failure(
     """
     functions, variants = measuring.functions, np.arange(table.shape[1])
     numbers = np.ascontiguousarray(table)
-    text = function_at(curves, functions.rows)
-    function = TileFunction(load_printed(text))
+    function = PrintedFunction(function_at(curves, functions.rows))
 
     def failing_at(q: np.ndarray) -> np.ndarray:
         """Which curves fail at positions (positions, variants)."""

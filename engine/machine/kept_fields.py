@@ -9,9 +9,8 @@ import numpy as np
 
 from engine.compiling.blocks import LANES, gather, in_lanes
 from engine.compiling.decorators import driver, routine
-from engine.compiling.kept_code import load_printed
+from engine.compiling.printed_functions import PrintedFunction
 from engine.compiling.running import spread
-from engine.compiling.tiles import TypedFunction, field_signature
 from engine.cycle.measures.angles import SHARP
 from engine.graph.functions import Functions, field_function
 from engine.graph.nodes import Node
@@ -47,11 +46,11 @@ class KeptFields:
     def __init__(self, curves: Sequence[Node | Angle], functions: Functions, dtype: np.dtype) -> None:
         self._functions, self._dtype = functions, np.dtype(dtype)
         self._followed = np.array([i for i, curve in enumerate(curves) if isinstance(curve, Angle)], np.intp)
-        self.text = field_function([field_node(curve) for curve in curves], functions.rows, self._dtype)
+        self.code = field_function([field_node(curve) for curve in curves], functions.rows, self._dtype)
 
     @cached_property
-    def _function(self) -> TypedFunction:
-        return TypedFunction(load_printed(self.text), field_signature(self._dtype))
+    def _function(self) -> PrintedFunction:
+        return PrintedFunction(self.code)
 
     def fill(
         self, table: np.ndarray, q: np.ndarray, fields: np.ndarray, places: np.ndarray, ends: tuple[int, int] = NONE

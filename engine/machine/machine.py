@@ -339,8 +339,9 @@ class Machine:
 
     def source(self) -> str:
         """Source text of the printed functions."""
-        kept = {"fields": self._kept.text} if self._kept_curves else {}
-        return "\n\n".join(f"# {name}\n{text}" for name, text in {**self._measuring.functions.texts, **kept}.items())
+        kept = {"fields": self._kept.code} if self._kept_curves else {}
+        codes = {**self._measuring.functions.codes, **kept}
+        return "\n".join(f"; {name}\n{code.text}" for name, code in codes.items())
 
     @property
     def numbers_kept(self) -> int:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.kept_code import load_printed
+from engine.compiling.printed_functions import PrintedFunction
 from engine.cycle import machine as cycle
 from engine.cycle.measured import Measured, maximum, where
 from engine.cycle.measures.extremes import BOTH, EACH_TURN, GREATEST, LEAST, LEAST_MAGNITUDE
@@ -180,7 +180,7 @@ class Measuring:
         plan = self._plan()
         readers = self._readers(plan, speeds)
         cycle.compile_driver_ahead(plan)
-        functions = (load_printed(self.functions.texts.get(name)) for name in ("curves", "events", "levels"))
+        functions = (PrintedFunction(self.functions.codes.get(name)) for name in ("curves", "events", "levels"))
         return _Planned(cycle.CycleMachine(plan, *functions), readers)
 
     def _plan(self) -> Plan:

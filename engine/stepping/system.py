@@ -11,11 +11,10 @@ from numba import types
 
 from engine.compiling.ahead import compile_ahead, wait_until_compiled
 from engine.compiling.blocks import LANES
-from engine.compiling.kept_code import load_printed
 from engine.compiling.packed import Packed, PackedRecord
+from engine.compiling.printed_functions import PrintedFunction
 from engine.compiling.running import address_of, spread
 from engine.compiling.threads import kept_by_thread
-from engine.compiling.tiles import TileFunction
 from engine.graph.functions import Functions, functions_in_motion, places_of
 from engine.graph.nodes import Given, Graph, Node, Stage
 from engine.graph.values import LevelValues
@@ -385,8 +384,8 @@ class PrintedSystem:
 
     @cached_property
     def _printed(self) -> Printed:
-        texts = map(self.functions.texts.get, ("places", "rates", "watch"))
-        return Printed(*(TileFunction(load_printed(text)) for text in texts), self.functions.memory)
+        codes = map(self.functions.codes.get, ("places", "rates", "watch"))
+        return Printed(*map(PrintedFunction, codes), self.functions.memory)
 
     def limited(self, numbers: np.ndarray, limits: Mapping[Given, np.ndarray | float]) -> np.ndarray:
         """Numbers of variants with `limits` set, which only guards use, and with what follows from them."""

@@ -15,8 +15,8 @@ LIBRARY = r"\bcall\w*\s+\W*(exp|expm1|log|pow|sin|cos|a?tan2?|asin|fma|floor)\b"
 
 
 def assert_packed(function, loops, operations=("product", "quotient")):
-    """Of a compiled function with so many loops of such operations: all are packed, and call no library."""
-    assembly = "\n".join(function.inspect_asm().values())
+    """All of so many loops of a compiled function, or its assembly, are packed, and call no library."""
+    assembly = function if isinstance(function, str) else "\n".join(function.inspect_asm().values())
     for operation in operations if platform.machine() in PACKED else ():
         pattern = PACKED[platform.machine()][operation]
         assert len(re.findall(pattern, assembly)) >= loops, pattern

@@ -1,8 +1,8 @@
-"""Printed functions called from Python."""
+"""Printed functions called from Python, and functions compiled by Numba in their place."""
 
-from numba import njit
+from numba import njit, types
 
-from engine.compiling.tiles import TILE_SIGNATURE, TypedFunction
+from engine.compiling.printed_functions import PrintedFunction, _library, signature_of
 
 
 @njit
@@ -10,6 +10,25 @@ def _call(function, given):
     function(*given)
 
 
-def call_printed(function, *given, of=TILE_SIGNATURE):
-    """Call a function of a printed module, which only compiled code can call."""
-    _call(TypedFunction(function, of), given)
+def call_printed(code, *given):
+    """Call a printed function, which only compiled code can call."""
+    _call(PrintedFunction(code), given)
+
+
+def assembly_of(code):
+    """Assembly of a printed function, which must not be in the cache."""
+    return _library(code).get_asm_str()
+
+
+class FillsTile(types.WrapperAddressProtocol):
+    """A function written by hand that fills a tile, as a value."""
+
+    def __init__(self, function):
+        made = function.overloads[signature_of("tile").args]
+        self._address = made.library.get_pointer_to_function(made.fndesc.llvm_cfunc_wrapper_name)
+
+    def __wrapper_address__(self):
+        return self._address
+
+    def signature(self):
+        return signature_of("tile")

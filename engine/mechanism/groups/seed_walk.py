@@ -8,9 +8,8 @@ import numpy as np
 
 from engine.compiling.blocks import LANES, copy_rows, gather, hand_out, in_lanes
 from engine.compiling.decorators import driver, routine
-from engine.compiling.kept_code import load_printed
+from engine.compiling.printed_functions import PrintedFunction
 from engine.compiling.running import spread
-from engine.compiling.tiles import TileFunction
 from engine.cycle.panels.lanes import rows
 from engine.graph.functions import Functions, functions_at
 from engine.graph.nodes import Node
@@ -336,8 +335,7 @@ class SeedWalk:
         self, given: Sequence[Node], curves: Sequence[Node], span: tuple[Node, Node], slides: np.ndarray
     ) -> None:
         self._functions = functions_at(curves[0].graph, *span, curves, numbers=given)
-        text = self._functions.texts["curves_at"]
-        self._fill, self._levels = TileFunction(load_printed(text)), LevelValues(self._functions)
+        self._fill, self._levels = PrintedFunction(self._functions.codes["curves_at"]), LevelValues(self._functions)
         self._given = np.array([self._functions.rows[node] for node in given], np.int64)
         self._slides = slides
 

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from engine.compiling.kept_code import load_printed
+from engine.compiling.printed_functions import PrintedFunction
 from engine.cycle.machine import CycleMachine
 from engine.cycle.plan import Plan
 from engine.graph.nodes import Found, Given, reached
@@ -62,7 +62,7 @@ class Landmarks:
             looks=functions.looks,
             turns=self._turns,
         )
-        return CycleMachine(plan, None, *(load_printed(functions.texts.get(name)) for name in ("events", "levels")))
+        return CycleMachine(plan, None, *(PrintedFunction(functions.codes.get(name)) for name in ("events", "levels")))
 
     def __call__(self, numbers: Numbers, direction: np.ndarray) -> tuple[np.ndarray, Ends, Breaks]:
         """Numbers of the printed functions, the ends of strokes among them, and the breaks of all actions.

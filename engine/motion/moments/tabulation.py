@@ -8,8 +8,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from engine.compiling.kept_code import load_printed
-from engine.compiling.tiles import TileFunction
+from engine.compiling.printed_functions import PrintedFunction
 from engine.graph.at_points import Points, fill_points
 from engine.graph.functions import Functions
 from engine.graph.nodes import Found, Given
@@ -39,7 +38,7 @@ class Tabulation:
     def __init__(self, functions: Functions) -> None:
         self.functions = functions
         self.given = tuple(node for node in functions.rows if isinstance(node, Given))
-        self._compiled: dict[str, TileFunction] = {}
+        self._compiled: dict[str, PrintedFunction] = {}
         self.levels = LevelValues(functions)
 
     def parameters(
@@ -96,8 +95,8 @@ class Tabulation:
         fill_points(self.function("curves_at"), points)
         return out
 
-    def function(self, name: str) -> TileFunction:
+    def function(self, name: str) -> PrintedFunction:
         """One of the printed functions, compiled."""
         if name not in self._compiled:
-            self._compiled[name] = TileFunction(load_printed(self.functions.texts[name]))
+            self._compiled[name] = PrintedFunction(self.functions.codes[name])
         return self._compiled[name]

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from numba import njit
 from packed import assert_packed
 
-from engine.compiling.tiles import TILE_OPTIONS
+from engine.compiling.compilers import Apart
+from engine.compiling.decorators import RULES
 from engine.laws import elementary
 
 
@@ -206,7 +207,7 @@ def test_nan_with_any_bits__stays_nan():
 
 
 def test_a_loop_over_each__is_compiled_to_packed_instructions():
-    @njit(**TILE_OPTIONS)
+    @njit(error_model="numpy", fastmath=set(RULES), pipeline_class=Apart)
     def loops(x, y, out):
         for i in range(x.size):
             out[0, i] = elementary.exponential(x[i])

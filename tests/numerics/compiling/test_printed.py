@@ -14,15 +14,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from packed import assert_packed
-from printed_calls import call_printed
+from printed_calls import assembly_of, call_printed
 
-from engine.compiling import kept_code, sources
+from engine.compiling import kept_code, printed_functions, sources
 from engine.compiling.blocks import LANES, PANEL_POSITIONS
 from engine.compiling.decorators import driver
-from engine.compiling.kept_code import load_printed
+from engine.compiling.printed_code import PrintedCode
 from engine.compiling.running import spread
-from engine.compiling.sources import digest_of_text
-from engine.compiling.tiles import field_signature
+from engine.compiling.sources import digest_of_printed
 from engine.graph.functions import field_function, functions_of
 from engine.graph.nodes import Graph
 from engine.laws.kinematics.rrr import rrr_position
@@ -33,7 +32,7 @@ POSITIONS = 48
 
 def forget() -> None:
     """As if the process had been started anew."""
-    for known in (kept_code._load, kept_code._say_once, kept_code.folder_of):
+    for known in (printed_functions._library, kept_code._say_once, kept_code.folder_of):
         known.cache_clear()
 
 
@@ -46,8 +45,8 @@ def fresh_cache(tmp_path, monkeypatch) -> Path:
     forget()
 
 
-def coupler(length: float = 0.2) -> tuple[object, list, str]:
-    """Functions of a graph that gives the coupler of a four-bar, its nodes, and the text that fills rows with them."""
+def coupler(length: float = 0.2) -> tuple[object, list, PrintedCode]:
+    """Functions of a graph that gives the coupler of a four-bar, its nodes, and what fills rows of them."""
     graph = Graph()
     first, last = graph.derived("first", lambda n: 0.0), graph.derived("last", lambda n: 6.0)
     r = graph.derived("r", lambda n: 0.05)
@@ -56,20 +55,20 @@ def coupler(length: float = 0.2) -> tuple[object, list, str]:
     return functions, [x, y], field_function([x, y], functions.rows, np.dtype(float))
 
 
-def coupler_rows(text: str, functions: object) -> np.ndarray:
+def coupler_rows(code: PrintedCode, functions: object) -> np.ndarray:
     """What the printed function makes of one variant."""
     q = np.arange(POSITIONS) * (2 * np.pi / POSITIONS)
     p = np.array([n.compute({}) for n in functions.numbers])
     rows = np.empty((2, 1, POSITIONS))
     arguments = p, functions.memory, q, np.cos(q), np.sin(q), 0, rows
-    call_printed(load_printed(text), *arguments, of=field_signature(np.dtype(float)))
+    call_printed(code, *arguments)
     return rows[:, 0]
 
 
 def assert_right(length: float = 0.2) -> None:
     """The coupler's joint lies `length` from the crank's pin and 0.15 from the pivot, to some roundings."""
-    functions, _, text = coupler(length)
-    x, y = coupler_rows(text, functions)
+    functions, _, code = coupler(length)
+    x, y = coupler_rows(code, functions)
     q = np.arange(POSITIONS) * (2 * np.pi / POSITIONS)
     np.testing.assert_allclose(np.hypot(x - 0.05 * np.cos(q), y - 0.05 * np.sin(q)), length, rtol=1e-14)
     np.testing.assert_allclose(np.hypot(x - 0.22, y - 0.01), 0.15, rtol=1e-14)
@@ -81,12 +80,11 @@ def test_fields__are_filled_by_packed_instructions(dtype, many, fresh_cache):
     functions, (x, y), _ = coupler()
     # With more rows than the compiler tells apart.
     nodes = [x, y, *(x * (2.0 + i) + y for i in range(many - 1))]
-    fill = load_printed(field_function(nodes, functions.rows, np.dtype(dtype)))
-    assert_packed(fill, 1, ("root", "quotient"))
+    assert_packed(assembly_of(field_function(nodes, functions.rows, np.dtype(dtype))), 1, ("root", "quotient"))
 
 
 def test_tiles__are_filled_by_packed_instructions(fresh_cache):
-    assert_packed(load_printed(coupler()[0].texts["curves"]), 1, ("root", "quotient"))
+    assert_packed(assembly_of(coupler()[0].codes["curves"]), 1, ("root", "quotient"))
 
 
 def test_tile__is_the_same_to_the_last_bit_in_every_lane_and_at_every_position(fresh_cache):
@@ -94,20 +92,18 @@ def test_tile__is_the_same_to_the_last_bit_in_every_lane_and_at_every_position(f
     numbers = np.repeat(np.array([[n.compute({})] for n in functions.numbers]), LANES, axis=1)
     q = np.full((PANEL_POSITIONS, LANES), 1.234)
     tile = np.empty((2, PANEL_POSITIONS, LANES))
-    call_printed(load_printed(functions.texts["curves"]), numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
+    call_printed(functions.codes["curves"], numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
     assert (tile == tile[:, :1, :1]).all()
 
 
 # The cache
 
 
-def test_cache__has_the_text_and_what_was_compiled(fresh_cache):
+def test_cache__has_what_was_compiled(fresh_cache):
     assert_right()
-    text = coupler()[2]
-    folder = fresh_cache / digest_of_text(text)[:32]
+    folder = fresh_cache / digest_of_printed(coupler()[2])[:32]
     assert list(folder.glob("*.nbc"))
     assert list(folder.glob("*.nbi"))
-    assert load_printed(text).__module__.endswith(folder.name)
     for made in (fresh_cache, folder):
         assert made.stat().st_mode & 0o777 == 0o700
 
@@ -156,7 +152,7 @@ def called(begin, end, function):
 def test_function_without_its_type__is_refused():
     """Two such functions have two types in Numba; code compiled for one would be run with the other."""
     plain = driver(counted)
-    with pytest.raises(TypeError, match="TypedFunction"):
+    with pytest.raises(TypeError, match="value of its signature"):
         spread(driver(called), 1, lambda: (plain,))
 
 
@@ -247,8 +243,8 @@ CHILD = """
 import sys
 sys.path[1:1] = sys.argv[1:]
 from test_printed import coupler, coupler_rows
-functions, _, text = coupler()
-print(coupler_rows(text, functions).tobytes().hex())
+functions, _, code = coupler()
+print(coupler_rows(code, functions).tobytes().hex())
 """
 
 
@@ -277,7 +273,7 @@ def test_second_process__loads_what_the_first_compiled_and_computes_the_same_bit
     assert child(ROOT, tmp_path).tobytes() == before.tobytes()
     assert compiled_in(tmp_path) == kept
     # Laws outlive what they were compiled for; what is printed anew meets some of their files broken, of either kind.
-    shutil.rmtree(tmp_path / "machine-sweeps" / digest_of_text(coupler()[2])[:32])
+    shutil.rmtree(tmp_path / "machine-sweeps" / digest_of_printed(coupler()[2])[:32])
     spoilt = sorted(tmp_path.rglob("*.nb?"))[::3]
     assert {path.suffix for path in spoilt} == {".nbc", ".nbi"}
     for path in spoilt:

@@ -28,7 +28,13 @@ PARTS = {
     "files with a digest (kept_code)": """numba.core.caching IndexDataCacheFile save load _load_index _load_data
     _save_index _save_data _index_path _data_path _open_for_write""",
     "bytes of machine code (kept_code)": "numba.core.serialize dumps",
-    "signatures (tiles)": "numba.core.typing Signature",
+    "machine code of text (printed_functions)": """numba.core.codegen JITCodeLibrary add_llvm_module
+    enable_object_caching add_linking_library finalize serialize_using_object_code get_pointer_to_function""",
+    "libraries (printed_functions)": "numba.core.codegen JITCPUCodegen create_library unserialize_library magic_tuple",
+    "processor (printed_functions)": "numba.core.registry cpu_target target_context",
+    "one compiles at a time (printed_functions)": "numba.core.compiler_lock global_compiler_lock",
+    "signatures (printed_functions)": "numba.core.typing Signature",
+    "loading from the cache (kept_code)": "numba.core.caching FunctionCache load_overload _load_overload",
     "items of memory, their types (memory)": "numba.core.typing.templates AbstractTemplate generic",
     "items of memory, registered (memory)": "numba.core.typing.templates infer_global",
     "items of memory, signature (memory)": "numba.core.typing.templates signature",
@@ -58,7 +64,7 @@ def test_arrays_of_others__still_find_blas():
     np.testing.assert_array_equal(product(a, a.T.copy()), a @ a.T)
 
 
-def test_dispatcher__keeps_what_running_and_tiles_read():
+def test_dispatcher__keeps_what_is_read():
     @numba.njit
     def twice(x):
         return 2.0 * x

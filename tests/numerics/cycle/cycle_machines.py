@@ -5,9 +5,12 @@ from functools import cache
 
 import numpy as np
 from numba import njit
+from printed_calls import FillsTile
 
 from engine.compiling.blocks import LANES, in_lanes
-from engine.compiling.tiles import TILE_OPTIONS, TILE_SIGNATURE
+from engine.compiling.compilers import Apart
+from engine.compiling.decorators import RULES
+from engine.compiling.printed_functions import signature_of
 from engine.cycle.machine import CycleMachine
 from engine.cycle.plan import Kept, Plan
 
@@ -21,7 +24,7 @@ NEAR_SHARE, FAR_SHARE, SPEED, WHEEL = range(11, 15)
 LOW, HIGH, LOW_AT, HIGH_AT, NEAR, FAR, LOAD = range(15, 22)
 NUMBERS = 22
 
-COMPILED = {**TILE_OPTIONS, "cache": False}
+COMPILED = {"error_model": "numpy", "fastmath": set(RULES), "nogil": True, "pipeline_class": Apart}
 
 
 def at_positions(law):
@@ -32,9 +35,9 @@ def at_positions(law):
 
     @cache
     def made():
-        compiled = njit(error_model="numpy", fastmath=TILE_OPTIONS["fastmath"])(law)
+        compiled = njit(error_model="numpy", fastmath=set(RULES))(law)
 
-        @njit(TILE_SIGNATURE, **COMPILED)
+        @njit(signature_of("tile"), **COMPILED)
         def filled(P, T, q, cos_q, sin_q, tile):
             count, room = q.shape[0], tile.shape[1]
             P, q, cos_q, sin_q, tile = in_lanes(P), in_lanes(q), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
@@ -42,7 +45,7 @@ def at_positions(law):
                 for lane in range(LANES):
                     compiled(P, lane, q[i, lane], cos_q[i, lane], sin_q[i, lane], tile, i, room)
 
-        return filled
+        return FillsTile(filled)
 
     return made
 

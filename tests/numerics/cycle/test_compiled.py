@@ -1,5 +1,3 @@
-import platform
-
 import pytest
 from cycle_machines import force_numbers, forces, press, press_numbers, smooth, smooth_numbers
 
@@ -35,11 +33,3 @@ def test_another_measure__adds_its_own_machine_code_alone(asked, measure):
     forces(extremes=(0,), **asked).evaluate(ONE_FORCE)
     assert {name for name, count in versions().items() if count > before[name]} <= {measure}
     assert versions()[measure] == 1
-
-
-@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="counts this processor's instructions")
-def test_machines_functions_run_over_lanes_side_by_side():
-    text = next(iter(press(integrals=(1,)).curves.inspect_asm().values()))
-    assert text.count("vsqrtpd") > 0
-    # One root and one quotient a position: whatever is left over one lane at a time is no more than a remainder.
-    assert text.count("vsqrtpd") >= text.count("vsqrtsd")

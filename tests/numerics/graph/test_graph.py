@@ -10,12 +10,9 @@ from printed_calls import call_printed
 
 from engine.compiling.blocks import LANES, PANEL_POSITIONS
 from engine.compiling.decorators import scalar
-from engine.compiling.kept_code import load_printed
-from engine.compiling.tiles import field_signature
 from engine.graph.functions import field_function, functions_at, functions_of
 from engine.graph.nodes import (
     Constant,
-    Given,
     Graph,
     Held,
     LawResult,
@@ -27,7 +24,6 @@ from engine.graph.nodes import (
     Sum,
     reached,
 )
-from engine.graph.printer import in_lanes
 
 
 @scalar
@@ -148,7 +144,7 @@ def test_printed_tile__is_the_graph_worked_out_by_numpy():
     switching = 2 * len(functions.events)
     filled = np.empty((switching + len(functions.held_rows), 1, LANES))
     call_printed(
-        load_printed(functions.texts["events"]),
+        functions.codes["events"],
         numbers,
         functions.memory,
         middle,
@@ -159,7 +155,7 @@ def test_printed_tile__is_the_graph_worked_out_by_numpy():
     for row, values in zip(functions.held_rows, filled[switching:], strict=True):
         numbers[row] = values[0]
     tile = np.empty((len(asked), PANEL_POSITIONS, LANES))
-    call_printed(load_printed(functions.texts["curves"]), numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
+    call_printed(functions.codes["curves"], numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
     expected = values_of(asked, NUMBERS, q)
     # What switches keeps the value of the panel's middle.
     switched = values_of([asked[0] - graph.number("b")], NUMBERS, middle)[0] > 0
@@ -174,10 +170,10 @@ def test_printed_fields__are_the_graph_worked_out_by_numpy(dtype):
     functions, numbers = prepared(graph, asked)
     nodes = np.linspace(0, 6, 700)
     fields = np.empty((len(asked), 5, nodes.size), dtype)
-    fill = load_printed(field_function(asked, functions.rows, dtype))
+    fill = field_function(asked, functions.rows, dtype)
     for v in range(5):
         arguments = numbers[:, v].copy(), functions.memory, *places(nodes), v, fields
-        call_printed(fill, *arguments, of=field_signature(np.dtype(dtype)))
+        call_printed(fill, *arguments)
     # Sums of some twenty terms of up to a hundred, computed in double precision whatever they are kept in.
     tolerance = max(2e3 * np.finfo(float).eps, np.finfo(dtype).eps)
     for v in range(5):
@@ -211,7 +207,7 @@ def test_position_by_position__given_numbers_are_read_and_what_is_held_is_comput
     numbers[functions.rows[speed]] = np.arange(LANES)
     q = np.linspace(0.0, 6.0, LANES)[None]
     tile = np.zeros((1, 1, LANES))
-    call_printed(load_printed(functions.texts["curves_at"]), numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
+    call_printed(functions.codes["curves_at"], numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
     np.testing.assert_array_equal(tile[0], np.where(np.cos(q) > 0.0, np.arange(LANES) ** 2.0, 0.0))
     assert functions.crossings == ((0, functions.rows[g.zero], 0.0),)
     assert functions.held_rows == ()
@@ -235,13 +231,9 @@ def test_any_expression__is_printed_as_it_is_meant(symbols, random):
         nodes.append(g.operation(symbol, a, divisor if symbol == "/" else b))
     asked = list(dict.fromkeys(nodes[-3:]))
     functions, numbers = prepared(g, asked)
-    scope: dict = {}
-    # The text alone, uncompiled: what is printed must mean the same to Python.
-    exec(compile(functions.texts["curves"].replace("@filling(TILE_SIGNATURE)", ""), "printed", "exec"), scope)
-    scope["flat"] = np.ravel
     q = np.linspace(0, 3, PANEL_POSITIONS * LANES).reshape(PANEL_POSITIONS, LANES)
     tile = np.empty((len(asked), PANEL_POSITIONS, LANES))
-    scope["fill"](numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
+    call_printed(functions.codes["curves"], numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
     for found, value in zip(tile, values_of(asked, NUMBERS, q), strict=True):
         np.testing.assert_allclose(found, value, rtol=1e-12, atol=1e-12)
 
@@ -262,20 +254,6 @@ def test_multiples_of_one_curve__are_one_term():
     np.testing.assert_allclose(values_of([g.combination(terms)], numbers, q)[0], expected, rtol=1e-10, atol=1e-6)
     apart = g.combination([(g.number("n1"), g.cos_q * g.number("n2")), (g.number("n3"), g.sin_q)])
     assert [curve for _, curve in apart.terms] == [g.cos_q * g.number("n2"), g.sin_q]
-
-
-def test_sum_that_begins_and_ends_with_brackets__keeps_them():
-    graph = Graph()
-    a, b, c, d = (graph.given(label) for label in "abcd")
-    whole = graph.combination([(a + b, graph.one), (graph.number("n"), c), (d + b, graph.one)])
-    rows = {node: row for row, node in enumerate(n for n in reached([whole]) if isinstance(n, (Given, Number)))}
-    text, _ = in_lanes("A sum.", [whole], rows, Stage.POSITION, 1)
-    names, tile = {"np": np, "math": math, "flat": np.ravel}, np.empty((1, 1, LANES))
-    exec(text, names)
-    values = np.random.default_rng(0).uniform(1.0, 2.0, (len(rows), LANES))
-    names["fill"](values, np.zeros(1), *np.zeros((3, 1, LANES)), tile)
-    a, b, c, d, n = (values[rows[node]] for node in (a, b, c, d, graph.number("n")))
-    np.testing.assert_allclose(tile[0, 0], (a + b) + n * c + (d + b), rtol=1e-15)
 
 
 def test_label_of_a_number__stands_for_one_number():

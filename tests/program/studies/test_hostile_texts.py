@@ -225,7 +225,7 @@ def test_check_of_a_long_machine__compiles_nothing_and_says_so(folder, monkeypat
     Path("long.toml").write_text(dyads(2))
     lines = len(read_study("long.toml").machine().source().splitlines())
     monkeypatch.setattr(check_report, "MOST_COMPILED", lines - 1)
-    monkeypatch.setattr("engine.compiling.kept_code._load", None)
+    monkeypatch.setattr("engine.compiling.printed_functions._library", None)
     answer = done("check", "long.toml")
     for words in ("group g2: RRR", "are unknown", f"{lines} generated lines", "`sweeps run`", "kB; "):
         assert words in answer

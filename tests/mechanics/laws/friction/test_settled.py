@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 from numba import njit
 
 from engine.compiling.blocks import LANES
-from engine.compiling.tiles import TILE_OPTIONS
+from engine.compiling.compilers import Apart
+from engine.compiling.decorators import RULES
 from engine.graph.nodes import Graph, Stage
 from engine.graph.over_arrays import NodesOverArrays
 from engine.laws.friction.feedback import GUIDE, JOURNAL, bearing
@@ -112,7 +113,7 @@ def test_unknown_reaction__unknown_forces_and_margin():
 # Side by side
 
 
-@njit(**TILE_OPTIONS)
+@njit(error_model="numpy", fastmath=set(RULES), pipeline_class=Apart)
 def _in_lanes(rows: np.ndarray, found: np.ndarray) -> None:
     r, f = rows.ravel(), found.ravel()
     for i in range(LANES):

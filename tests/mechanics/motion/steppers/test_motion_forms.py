@@ -46,7 +46,7 @@ def test_both_forms__have_one_function_of_the_position(first, works):
     scene = slider_crank({"go": run("dc fan gravity load", from_speed=20.0, cycles=1.0)})
     dynamics = Dynamics(Reduction(Mechanics(Scene.model_validate(scene))), works=works)
     systems = getattr(dynamics, first), dynamics.by_angle, dynamics.by_time
-    assert len({system.functions.texts["places"] for system in systems}) == 1
+    assert len({system.functions.codes["places"] for system in systems}) == 1
 
 
 # Two machines against mpmath at 30 digits
