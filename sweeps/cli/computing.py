@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 @main.command()
 @click.argument("study")
 @click.option("--out", type=click.Path(path_type=Path), default=Path("results"), help="Result file to plan for.")
-@click.option("--source", is_flag=True, help="Print the generated kernel instead.")
+@click.option("--source", is_flag=True, help="Print the generated functions, as LLVM's instructions, instead.")
 @shared.CLUSTER
 @shared.study_options
 @shared.ALL

@@ -9,7 +9,7 @@ import numpy as np
 
 import engine
 from sweeps.report import accuracy_words
-from sweeps.report.answers.shown_results import answers_among, names_in_conditions
+from sweeps.report.answers.shown_results import answers_among, lacks_lines, names_in_conditions
 from sweeps.report.answers.unmet_conditions import drop_lines, outside_lines
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
 from sweeps.report.variant_warnings import known_summaries, machine_warnings
@@ -121,7 +121,25 @@ def nominal_text(study: Study, machine: ReadyMachine) -> str:
         lines.append(f"group {[*machine.groups][outcome.status_group[0]]} fails first, at {place}")
     if verdict not in (engine.Verdict.OK, engine.Verdict.CANNOT_ASSEMBLE):
         lines.append(verdict.sentence)
+    if verdict == engine.Verdict.NOT_FINITE:
+        lacking = [name for name in wanted if not np.isfinite(outcome.summaries[name][0])]
+        lines += lacks_lines(lacking) if alone else _undefined_loads(study.scene)
     return "\n".join([*lines, table(rows)] if rows else lines)
+
+
+def _undefined_loads(scene: engine.Scene) -> list[str]:
+    """Loads whose torque on the input is infinite or undefined at a position, and the first such position."""
+    machine, lines = engine.MovingMachine(scene), []
+    loads = (
+        f"{name}.moment" for table in (scene.forces, scene.moments, scene.cylinders, scene.springs) for name in table
+    )
+    known = machine.register.available_fields
+    for name, row in machine.fields([name for name in loads if name in known]).items():
+        if not np.isfinite(row).all():
+            place = float(machine.q[np.argmin(np.isfinite(row))])
+            at = engine.quantity_text(place, engine.InputUnits.of(scene).q)
+            lines.append(f"{name}, the {known[name].long_name}, is infinite or undefined, first at {at}")
+    return lines
 
 
 def _is_followed(scene: engine.Scene) -> bool:

@@ -6,7 +6,7 @@ import numpy as np
 
 import engine
 from sweeps.report import accuracy_words
-from sweeps.report.answers.shown_results import hidden_text, shown_parameters, shown_summaries
+from sweeps.report.answers.shown_results import hidden_text, lacks_lines, shown_parameters, shown_summaries
 from sweeps.report.answers.unmet_conditions import drop_lines, no_answer_text, outside_lines, undecided_text
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
 from sweeps.report.sweep_result import SweepResult
@@ -50,11 +50,20 @@ def counts_text(result: SweepResult) -> str:
         lines = drop_lines(result.record["require"], result.missed()) if dropped else _blame(result, verdict)
         if verdict == engine.Verdict.OUTSIDE_LIMITS:
             lines += outside_lines(result.scene, result.columns, result.columns["status"] == verdict)
+        if verdict == engine.Verdict.NOT_FINITE:
+            first = result.first_with(verdict)
+            lines = [f"variant {first}, the first one, {line}" for line in _lacking(result, first)]
         if verdict in MOTION_VERDICTS and result.file.variants > 1:
             shown = f"sweeps plot {result.path} --variant {result.first_with(verdict)}"
             lines = [f"motion of the first one up to its failure: {shown}"]
         rows += [("", "", line) for line in lines]
     return "\n".join([table(rows), *accuracy_words.of_result(result)])
+
+
+def _lacking(result: SweepResult, variant: int) -> list[str]:
+    """Which summaries a variant lacks; no line if it has none."""
+    lacking = [name for name in result.summaries if not np.isfinite(result.columns[name][variant])]
+    return lacks_lines(lacking) if len(lacking) < len(result.summaries) else []
 
 
 def _blame(result: SweepResult, verdict: engine.Verdict) -> list[str]:
@@ -145,8 +154,9 @@ def variant_text(result: SweepResult, variant: int, every: bool = False) -> str:
     """
     verdict = engine.Verdict(int(result.columns["status"][variant]))
     given = [(name, "=", value_text(result, name, variant)) for name in shown_parameters(result, every)]
-    parts = f"variant {variant}: {verdict.sentence}", table(given, "  "), _summaries_text(result, variant, every)
-    return "\n".join(filter(None, parts))
+    parts = [f"variant {variant}: {verdict.sentence}", table(given, "  ")]
+    parts += _lacking(result, variant) if verdict == engine.Verdict.NOT_FINITE else []
+    return "\n".join(filter(None, [*parts, _summaries_text(result, variant, every)]))
 
 
 def _summaries_text(result: SweepResult, variant: int, every: bool) -> str:

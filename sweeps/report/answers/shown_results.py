@@ -9,6 +9,9 @@ from sweeps.study.default_summaries import answers, default_summaries
 from sweeps.study.study_content import ReadyMachine
 from sweeps.study.study_text import Best
 
+# Undefined results that are named.
+MOST_LACKING = 4
+
 
 def shown_parameters(result: SweepResult, every: bool = False) -> tuple[str, ...]:
     """Parameters to show: numbers of the machine, variables, and whatever a condition limits.
@@ -66,6 +69,12 @@ def hidden_text(result: SweepResult, every: bool = False) -> list[str]:
     hidden = len(result.parameters) + len(result.summaries)
     hidden -= len(shown_parameters(result, every)) + len(shown_summaries(result, every))
     return [f"{hidden} more with `sweeps show {result.path} --all`."] if hidden else []
+
+
+def lacks_lines(names: Sequence[str]) -> list[str]:
+    """A line on the results that are infinite or undefined, if there are any."""
+    more = f" and {len(names) - MOST_LACKING} more" if len(names) > MOST_LACKING else ""
+    return [f"lacks {', '.join(names[:MOST_LACKING])}{more}"] if names else []
 
 
 def _in_conditions(result: SweepResult) -> Iterator[str]:

@@ -1,6 +1,5 @@
 """`sweeps check`, `sweeps show` and `sweeps export`: what they tell before a run and after it."""
 
-import ast
 import csv
 import itertools
 import re
@@ -10,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 from commands import STUDY, done, refused, said
 from each_case import each
-from press_texts import PRESS
+from press_texts import PRESS, slider_crank_text
 from slips import changed
 
 from engine import order_groups
@@ -102,12 +101,19 @@ def test_check_of_a_governor__compiles_no_motion(press_folder, monkeypatch):
     assert "followed by `sweeps run`" in told
 
 
-def test_check_source__is_python_to_read(press_folder):
+def test_check_source__shows_names_to_read(press_folder):
     answer = done("check", "study.toml", "--source")
-    module = ast.parse(answer)
-    assert {node.name for node in module.body if isinstance(node, ast.FunctionDef)} == {"fill"}
-    assert "# curves\n" in answer
-    assert "rrp_position(" in answer
+    assert "\n; curves\n; All curves, over a panel.\n" in answer
+    assert "call i32 @rrp_position(" in answer
+    assert "%rod_direction_x.1 = load double" in answer
+
+
+def test_check_of_a_load_without_a_value__names_it_and_where(press_folder):
+    # With the slide at 160 mm, crank of 50 mm and rod of 200 mm: cos φ = (160² + 50² − 200²)/(2·160·50), φ = 138.05°.
+    load = 'force = "100 N * sqrt((ram.slide - 160 mm) / 1 m)"'
+    Path("press.toml").write_text(f'{slider_crank_text()}[forces.push]\non = "B"\ntype = "formula"\n{load}\n')
+    answer = done("check", "press.toml")
+    assert "push.moment, the reduced moment of push, is infinite or undefined, first at 138.5 °" in answer
 
 
 # show
