@@ -79,8 +79,8 @@ class _ListedFlags(Flags):
 def _remember_operators() -> None:
     """Make Numba remember the signatures of calls of its own functions with positional arguments.
 
-    It searches all candidates again when it emits the instructions of an `a * b`: a fifth of the time to compile a
-    printed function.
+    It searches all candidates again when it emits the instructions of an `a * b`: a fifth of the time to compile
+    arithmetic.
     """
     search = types.Function.get_call_type
 
@@ -101,7 +101,7 @@ _remember_operators()
 class _RememberedCalls(Context):
     """Numba's typing context, which remembers the signature of each call of a function with positional arguments.
 
-    Numba itself searches all candidates again at every `a * b`, a seventh of the time to compile a printed function.
+    Numba itself searches all candidates again at every `a * b`, a seventh of the time to compile arithmetic.
     """
 
     def __init__(self, context: Context) -> None:
