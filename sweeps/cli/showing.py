@@ -174,7 +174,8 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
     if file is not None:
         rows = needed.engine_rows(needed.machine_of(file, variant).scene)
         if not rows:
-            raise InputError.of(file, 'has no engine; add [elements.NAME] with type = "engine"', key="elements")
+            mend = f'add [elements.NAME] with type = "engine"; for a mechanism, `sweeps plot {file} --hodograph`'
+            raise InputError.of(file, f"has no engine; {mend}", key="elements")
     shared.tell(needed.order_table(rows))
     if out is not None:
         needed.save(needed.order_picture(rows), out)

@@ -446,7 +446,9 @@ def _existing(path: Path) -> Path:
         part = part_path(path)
         if part.exists():
             raise StoreError(f"{path} is not finished: run its sweep again to resume, or see {part}.")
-        raise StoreError(f"cannot read {path}: there is no such file. Results are .h5 files, made by `sweeps run`.")
+        near = [str(other) for other in sorted(path.parent.glob(f"{path.stem}*.h5"))]
+        mend = f"There is {' and '.join(near)}." if near else "Results are .h5 files, made by `sweeps run`."
+        raise StoreError(f"cannot read {path}: there is no such file. {mend}")
     if not path.is_file():
         # Opening a pipe would block.
         raise StoreError(f"cannot read {path}: it is a device or a pipe, not a sweep result.")
