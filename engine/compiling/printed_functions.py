@@ -1,5 +1,6 @@
 """Machine code of printed functions: translated by LLVM together with the laws that they call, or from the cache."""
 
+from collections.abc import Callable
 from functools import cache
 
 import llvmlite.binding as llvm
@@ -99,12 +100,13 @@ def _library(code: PrintedCode) -> CodeLibrary:
     return library
 
 
-def _compiled(law: Law, arguments: tuple[int | str, ...]) -> CompileResult:
-    """A law for its arguments, as in `PrintedCode`."""
+def _compiled(law: Callable, arguments: tuple[int | str, ...]) -> CompileResult:
+    """A law, or a function that only compiled code calls, for its arguments as in `PrintedCode`."""
+    function = law.compiled if isinstance(law, Law) else law
     own = {0: (types.float64,), MEMORY: (_LINE,), NUMBERS: (Row, types.intp, types.intp)}
     kinds = [kind for of in arguments for kind in own.get(of) or (types.UniTuple(types.float64, of),)]
-    law.compiled.compile(tuple(kinds))
-    made = law.compiled.overloads[tuple(kinds)]
+    function.compile(tuple(kinds))
+    made = function.overloads[tuple(kinds)]
     results = made.signature.return_type
     if results != types.float64 and getattr(results, "dtype", None) != types.float64:
         raise TypeError(f"{law.py_func.__name__} returns {results}, not numbers")
