@@ -84,7 +84,14 @@ def _library(code: PrintedCode) -> CodeLibrary:
     kept = files and files.load(key)
     if kept:
         return codegen.unserialize_library(kept)
-    library = codegen.create_library(_name_of(code))
+    library = _translated(code)
+    if files:
+        files.save(key, library.serialize_using_object_code())
+    return library
+
+
+def _translated(code: PrintedCode) -> CodeLibrary:
+    library = cpu_target.target_context.codegen().create_library(_name_of(code))
     library.enable_object_caching()
     module = llvm.parse_assembly(code.text)
     module.triple = llvm.get_process_triple()
@@ -95,8 +102,6 @@ def _library(code: PrintedCode) -> CodeLibrary:
         library.add_linking_library(made.library)
     library.add_llvm_module(module)
     library.finalize()
-    if files:
-        files.save(key, library.serialize_using_object_code())
     return library
 
 
