@@ -61,7 +61,7 @@ def test_press_with_every_action__newton_euler():
     # makes a force of it, and reactions are at most some ten times a force on the ram.
     ends = (2 * math.pi / 360) ** 4 / 384 * 20 * 2000
     # Each of these lies well between the positions at which resistances change their sign.
-    some = slice(5, None, 24)
+    some = slice(5, None, 48)
     for variant in variants_of(PRESS, BOTH_WAYS):
         machine, rows = moving(variant, fields, 360)
         found, q = {field: row[some] for field, row in rows.items()}, machine.q[some]
@@ -95,14 +95,3 @@ def test_one_pair_of_the_last_group__leaves_out_earlier_groups():
     machine = Machine(scene, fields=["drive.second.reaction"])
     assert machine.computed["pair drive.second"] == ["reaction"]
     assert not {f"pair {name}" for name in ("input", "bars.first", "bars.second", "bars.inner")} & set(machine.computed)
-
-
-def test_single_precision__near_double():
-    scene = Scene.model_validate(press(bodies=bodies()))
-    fields = ["input.reaction", "bars.inner.reaction_x", "drive.second.reaction_moment", "frame.reaction_moment"]
-    single, double = (Machine(scene, fields=fields, positions=48, dtype=kind) for kind in (np.float32, np.float64))
-    rough, fine = single.evaluate({}).fields, double.evaluate({}).fields
-    for field in fields:
-        # Some hundred roundings, grown by 1/sine: transmission angles stay above 0.2 rad here.
-        scale = np.abs(fine[field]).max() + 1e-3
-        assert np.abs(rough[field] - fine[field]).max() < 500 * np.finfo(np.float32).eps * scale, field

@@ -123,7 +123,7 @@ def loads_are_in_equilibrium(machine: dict, columns: tuple[str, ...]) -> History
     bare |= {"moments": {}, "forces": {}, "flywheel": None}
     bare = Scene.model_validate({key: value for key, value in bare.items() if value is not None})
     for name in dict.fromkeys(seen.regime):
-        some = np.flatnonzero(seen.regime == name)[::29]
+        some = np.flatnonzero(seen.regime == name)[::59]
         q, omega, epsilon = seen.angle[some], seen.speed[some], seen.acceleration[some]
         found = {key: seen.loads_on_pairs[key][some] for key in columns}
         if "frame.reaction_moment" in found:
