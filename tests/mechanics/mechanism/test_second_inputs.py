@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from driving_cams import asked, changed
 from each_case import refusals
-from geared_links import CRANK
-from machines import rrr
+from test_crank_driven_inputs import FIVE_BAR as DRIVEN
 
 from engine import Machine, Scene
 from engine.machine.results import AskError
@@ -13,24 +12,9 @@ from engine.scene.structure.ordering import order
 
 EPS = np.finfo(float).eps
 HARMONICS = {"one": {"order": 1, "cosine": 0.2, "sine": -0.3}, "three": {"order": 3, "cosine": 0.04, "sine": 0.05}}
-FIVE_BAR = {
-    "gravity": "9.81 m/s2",
-    "points": {
-        "O": {"x": 0, "y": 0},
-        "C": {"x": 0.2, "y": 0.02},
-        "D": {"link": "second", "x": 0.04, "y": 0.01},
-        "H": {"x": 0.05, "y": -0.2},
-    },
-    "input": CRANK,
-    "inputs": {"second": {"type": "crank", "pivot": "C", "ratio": -1, "phase": 0.5, "harmonics": HARMONICS}},
-    "groups": {"arms": rrr("B", ("left", "A", 0.19), ("right", "D", 0.17))},
-    "springs": {"s": {"between": ("B", "H"), "stiffness": 100.0}},
-    "bodies": {
-        "left_body": {"link": "left", "mass": 0.7, "x": 0.09, "y": 0.01, "inertia": 0.002},
-        "right_body": {"link": "right", "mass": 0.8, "x": 0.08, "inertia": 0.003},
-        "second_body": {"link": "second", "mass": 1.5, "x": 0.01, "y": 0.02, "inertia": 0.002},
-    },
-}
+FIVE_BAR = changed(
+    DRIVEN, moments=None, flywheel=None, regimes=None, inputs__second__drive=None, inputs__second__harmonics=HARMONICS
+)
 
 
 def test_friction__is_borne_by_both_drives():
