@@ -156,9 +156,9 @@ def test_shaft_too_stiff_for_its_time__is_refused_with_its_natural_frequency(mot
     assert rigid == pytest.approx([motor_moment(motor, 0.0) * 3.0 / 3.5] * 3, rel=1e-14)
 
 
-def test_many_vibrations__keep_their_error_estimates():
-    """The stiffest vibrates by a tenth of the radians that are followed at all."""
-    k = np.array([1e4, (0.1 * MOST_RADIANS) ** 2 * 0.5 * 3.0 / 3.5])
+def test_most_vibrations_that_are_followed__keep_their_error_estimates():
+    """The stiffest vibrates by nearly as many radians as are followed at all."""
+    k = np.array([1e4, 0.999 * MOST_RADIANS**2 * 0.5 * 3.0 / 3.5])
     drive = DRIVE | {"motor": LINE, "backlash": 0.0, "load_moment": 0.0, "time": 1.0}
     names = "it.motor_speed", "it.load_speed"
     found, outcome = asked({"it": drive}, *names, it__stiffness=k)
