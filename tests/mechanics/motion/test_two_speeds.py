@@ -513,8 +513,11 @@ def test_steady_motion_through_a_fluid__is_what_a_run_comes_to():
     loads = "drive.inner.reaction.max input_moment.min acceleration.max frame.reaction_moment.max"
     names = f"{names} {loads}"
     fields = "work.speed work.instant work.kinetic_energy"
-    found = ask(scene, f"{of('work', names)} {of('last', names)} work.return_residual work.multiplier", fields=fields)
+    own = of("work", "return_residual multiplier speed_fluctuation")
+    found = ask(scene, f"{of('work', names)} {of('last', names)} {own}", fields=fields)
     assert found.status == [Verdict.OK]
+    low, high = found["work.speed_min"], found["work.speed_max"]
+    assert found["work.speed_fluctuation"] == pytest.approx(2.0 * (high - low) / (high + low), rel=1e-12)
     assert abs(found["work.multiplier"]) < 1e-6
     for name in names.split():
         figure = found.figure(f"work.{name}") + found.figure(f"last.{name}")
