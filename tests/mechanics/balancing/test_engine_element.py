@@ -3,14 +3,9 @@
 import math
 import re
 
-import mpmath
 import numpy as np
 import pytest
 from each_case import refusals
-from engine_samples import few
-from hypothesis import given
-from hypothesis import strategies as st
-from mpmath import mpf
 
 from engine import ElementsAlone, Scene, Verdict
 from engine.elements.engines.harmonics import piston_harmonics
@@ -38,26 +33,6 @@ def asked(element, names, **varied):
     scene = Scene.model_validate({"elements": {"it": element}})
     paths = {f"elements.it.{key}": np.atleast_1d(values) for key, values in varied.items()}
     return ElementsAlone(scene, [f"it.{name}" for name in names], varied=paths).evaluate(paths)
-
-
-@few
-@given(st.floats(0.2, 3.0), st.floats(0.2, 0.8))
-def test_element_of_a_v_twin__has_the_ellipse_of_the_closed_form(angle, share):
-    names = ("primary_force", "primary_force_least", "secondary_force", "secondary_force_least")
-    outcome = asked(TWIN, names, bank_angle=angle, balanced_reciprocating=share)
-    with mpmath.workdps(30):
-        m = mpf("0.4") + mpf("0.45") * 40 / 130
-        pull = m * mpf("0.04") * (6000 * mpmath.pi / 30) ** 2
-        a2 = pull * mpf(float(piston_harmonics(0.04 / 0.13, (2,)).real[0]))
-        half = mpf(angle) / 2
-        forward, backward = pull * abs(1 - 2 * mpf(share)), pull * abs(mpmath.cos(2 * half))
-        p, q = a2 * abs(mpmath.cos(half)), a2 * abs(mpmath.cos(3 * half))
-        exact = [forward + backward, abs(forward - backward), p + q, abs(p - q)]
-    for name, value in zip(names, exact, strict=True):
-        error = float(outcome.errors[f"it.{name}"][0])
-        found = float(outcome.summaries[f"it.{name}"][0])
-        # The stated error estimate holds; it has room for what counts as balanced.
-        assert abs(found - float(value)) <= error
 
 
 def test_elements_of_all_layouts__are_evaluated_in_a_scene_from_text():

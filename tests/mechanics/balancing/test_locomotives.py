@@ -27,24 +27,6 @@ INSIDE = {
 GREATEST = ("tractive_variation", "swaying_couple", "left_hammer_blow", "right_hammer_blow")
 
 
-def test_locomotive__is_that_of_the_textbook():
-    left, right, angle, other, tractive, swaying, blow = one(
-        INSIDE, *(f"{side}_balance_{of}" for of in ("mass", "angle") for side in ("left", "right")), *GREATEST[:3]
-    )
-    # The book draws its polygons: 105 kg at 201° and 249°, ±25 127 N, 8797 N m.
-    assert left == pytest.approx(right, rel=1e-13) == pytest.approx(105, abs=1)
-    assert np.degrees([angle, other]) + 360 == pytest.approx([201, 249], abs=1.5)
-    assert tractive == pytest.approx(25_127, rel=1e-3)
-    assert swaying == pytest.approx(8797, rel=1e-3)
-    pin = 180 * 0.3 * (10 * math.pi) ** 2
-    near, far = (1.5 + 0.7) / 3.0, (1.5 - 0.7) / 3.0
-    assert tractive == pytest.approx(math.sqrt(2) / 3 * pin, rel=1e-13)
-    assert swaying == pytest.approx(0.7 / math.sqrt(2) / 3 * pin, rel=1e-13)
-    assert left == pytest.approx(270 * 0.3 / 0.6 * math.hypot(near, far), rel=1e-13)
-    assert blow == pytest.approx(2 / 3 * pin * math.hypot(near, far), rel=1e-13)
-    assert angle == pytest.approx(math.atan2(-far, -near), rel=1e-13)
-
-
 @pytest.mark.parametrize("cylinders", [3, 4])
 def test_evenly_spaced_throws__vary_the_traction_by_rounding_only(cylinders):
     ((variation, error),) = figures(INSIDE | {"cylinders": cylinders}, "tractive_variation")

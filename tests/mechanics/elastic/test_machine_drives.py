@@ -189,9 +189,10 @@ def test_power__is_balanced_over_the_cycle_and_error_figures_hold(machine):
     assert (values["motor_power"][found] > values["damping_power"][found]).all()
     assert (values["damping_power"][found] >= 0.0).all()
     # Variants don't depend on their neighbours.
-    _, others, _ = answers(machine, *(row[::-1] for row in numbers))
+    chosen = [7, 2, 4]
+    _, some, _ = answers(machine, *(row[chosen] for row in numbers))
     for name, row in values.items():
-        np.testing.assert_array_equal(row, others[name][::-1], err_msg=name)
+        np.testing.assert_array_equal(row[chosen], some[name], err_msg=name)
         assert np.isfinite(errors[name][found]).all(), name
 
 

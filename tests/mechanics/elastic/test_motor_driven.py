@@ -134,7 +134,7 @@ def test_stiff_shaft__turns_as_a_rigid_one_in_the_end(motor):
     rigid = scipy.integrate.solve_ivp(
         lambda t, w: (motor_moment(motor, w[0]) - 10.0) / 3.5, (0, 2), [0], "DOP853", rtol=1e-12, max_step=1e-3
     )
-    k, ratio = (grid.ravel() for grid in np.meshgrid([1e6, 1e7], [0.0, 0.1, 1.5]))
+    k, ratio = (grid.ravel() for grid in np.meshgrid([1e6], [0.0, 0.1, 1.5]))
     names = "it.motor_speed", "it.load_speed"
     speeds, outcome = asked({"it": DRIVE | given}, *names, it__stiffness=k, it__damping_ratio=ratio)
     assert (outcome.status == Verdict.OK).all()

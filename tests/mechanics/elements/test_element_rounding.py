@@ -139,7 +139,7 @@ LAYOUTS = [
 
 
 @pytest.mark.parametrize("layout", LAYOUTS, ids=lambda keys: f"{keys['layout']} {keys['cylinders']}")
-@pytest.mark.parametrize("rod", [0.0400004, 0.09, 0.14, 0.26])
+@pytest.mark.parametrize("rod", [0.0400004, 0.14])
 def test_figures_of_an_engine__cover_the_rounding_of_all_its_numbers(layout, rod):
     rod += layout.get("gudgeon_offset", 0.0)
     for name, (found, error, moved) in figures(ENGINE | layout | {"rod": rod}).items():

@@ -121,15 +121,6 @@ def test_incline__starts_and_stays_by_its_static_friction():
     assert one(INCLINE, "down_force")[0] < 0
 
 
-@pytest.mark.parametrize(("contact", "factor"), [("line", 1.0), ("worn in", 4 / math.pi), ("new", math.pi / 2)])
-def test_journal__has_the_factor_of_its_contact(contact, factor):
-    circle, moment, power = one(
-        JOURNAL, "friction_circle", "friction_moment", "friction_power", contact=contact, speed=-30.0
-    )
-    assert_allclose(circle, factor * 0.025 * math.sin(math.atan(0.1)), rtol=8 * EPS)
-    assert_allclose((moment, power), (2e3 * circle, 2e3 * circle * 30.0), rtol=4 * EPS)
-
-
 def test_guide__of_each_form_has_its_friction():
     names = ("effective_friction", "drive_force", "friction_force", "front_edge_force", "rear_edge_force", "tilts")
     flat = dict(zip(names, one(GUIDE, *names), strict=True))

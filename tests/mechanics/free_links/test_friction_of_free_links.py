@@ -4,6 +4,8 @@ ROUNDINGS: reactions are sums of some ten products and quotients of numbers of t
 quality of transmission and the margin against jamming of these machines magnify that some tens of times.
 """
 
+from functools import cache
+
 import numpy as np
 import pytest
 from free_link_scenes import AS_FREE_LINKS, KINDS, dyads_twice, free_link_scene
@@ -16,6 +18,7 @@ ROUNDINGS = 1000
 Q = np.linspace(0.1, 6.1, 9)
 
 
+@cache
 def of_every_kind(kind: str) -> ReactionValues:
     return ReactionValues(in_all_pairs(free_link_scene(kind).model_dump(exclude_unset=True), 3, 0.2))
 

@@ -1,4 +1,4 @@
-"""Governors in equilibrium: against virtual work with many digits, closed forms and worked examples."""
+"""Governors in equilibrium: against virtual work with many digits."""
 
 import math
 
@@ -15,7 +15,6 @@ from numpy.testing import assert_allclose
 from engine import Scene, Verdict
 
 EPS = np.finfo(float).eps
-RPM = 30 / math.pi
 some = settings(deadline=None, max_examples=15)
 
 
@@ -152,20 +151,6 @@ def test_bell_cranks__speeds_and_forces_are_those_of_virtual_work(a, b, pivot, l
     with mp.workdps(30):
         margins = [it.margin(inner + (outer - inner) * k / 8) for k in range(9)]
     assert found["least_stability"][0] <= float(min(margins)) + errors["least_stability"][0]
-
-
-# Closed forms
-
-
-# Worked examples of R. S. Khurmi and J. K. Gupta, Theory of Machines, chapter 18, which has answers to a few digits.
-
-
-def test_khurmi_hartnell__spring_between_290_and_310_rpm():
-    # Arms of 120 mm and 80 mm, balls of 2.5 kg, lift of 15 mm: loads of 831 N and 1128 N, 19.8 N/mm.
-    found, _, _ = governor_results(HARTNELL | {"gravity": 0.0})
-    assert found["inner_speed"][0] * RPM == pytest.approx(290, abs=0.3)
-    assert found["outer_speed"][0] * RPM == pytest.approx(310, abs=0.3)
-    assert found["sleeve_lift"][0] == pytest.approx(0.015, rel=1e-12)
 
 
 # Tables

@@ -118,12 +118,6 @@ def test_magnification_near_a_change_point__closed_form(short):
     assert error <= 1e-8 * expected**2
 
 
-def test_magnification__its_error_figure_covers_other_positions():
-    few, many = (Machine(five_dyads(), ["error_magnification"], positions=n).evaluate({}) for n in (24, 768))
-    gap = abs(few.summaries["error_magnification"][0] - many.summaries["error_magnification"][0])
-    assert gap <= few.errors["error_magnification"][0] + many.errors["error_magnification"][0]
-
-
 # Loops
 
 

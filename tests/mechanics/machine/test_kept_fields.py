@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from machines import crank, frame, rrp, rrr
 
-from engine import Machine, MovingMachine, Scene, set_threads
+from engine import Machine, MovingMachine, Scene
 from engine.words.verdicts import Verdict
 
 EPS = np.finfo(float).eps
@@ -32,22 +32,6 @@ VARIED = {"input.length": np.linspace(0.03, 0.05, 150), "bodies.rod.mass": np.li
 def everything(outcome: object, chosen: object = slice(None)) -> list[bytes]:
     parts = outcome.summaries, outcome.errors, outcome.fields
     return [rows[chosen].tobytes() for part in parts for rows in part.values()]
-
-
-def test_fields__are_the_same_to_the_last_bit_on_any_threads_and_wherever_a_variant_lies():
-    machine = Machine(four_bar(), ["excess_work"], FIELDS, VARIED, 90)
-    try:
-        found = []
-        for count in (1, 2, 5):
-            set_threads(count)
-            whole = machine.evaluate(VARIED)
-            found.append(everything(whole))
-    finally:
-        set_threads(0)
-    assert found[0] == found[1] == found[2]
-    for chosen in ([149, 3], list(range(60, 70))):
-        part = machine.evaluate({path: values[chosen] for path, values in VARIED.items()})
-        assert everything(part) == everything(whole, chosen)
 
 
 def test_part_of_a_buffer__gets_the_same_bits_and_nothing_is_left_of_what_it_held():

@@ -16,6 +16,7 @@ from engine.scene.masses import body_inertia
 from engine.scene.scene import Numbers, scene_numbers
 
 DYNAMICS = ["reduced_inertia", "reduced_inertia_phi", "gravity.moment", "input_moment"]
+DYNAMICS += ["shaking_force_x", "shaking_force_y", "shaking_moment"]
 
 
 def with_points(scene):

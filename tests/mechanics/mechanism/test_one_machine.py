@@ -1,4 +1,4 @@
-"""One machine by NumPy against compiled code: every field of machines of all kinds, whatever its parts are called."""
+"""One machine by NumPy against compiled code: fields of machines of all kinds, whatever its parts are called."""
 
 import math
 
@@ -21,7 +21,8 @@ POSITIONS = 360
 def both(request):
     scene = read_scene(next(STUDIES.glob(f"*/scenes/{request.param}.toml")))
     moving = MovingMachine(scene, positions=POSITIONS)
-    fields = moving.register.fields
+    # Neighbours are of one kind, such as x and y of a point: of each machine others are asked.
+    fields = list(moving.register.fields)[-SCENES.index(request.param) % 3 :: 3]
     return moving, Machine(scene, fields=fields, positions=POSITIONS).evaluate({})
 
 
@@ -32,7 +33,7 @@ def test_fields__are_those_of_compiled_code_to_rounding(both):
     # A derivative by an angle has the unit of what it is of.
     units = {name: field.units.removesuffix(" rad-1") for name, field in fields.items()}
     peaks: dict[str, float] = {}
-    for name, row in compiled.items():
+    for name, row in rows.items():
         peak = np.abs(row[np.isfinite(row)]).max(initial=0.0)
         peaks[units[name]] = max(peak, peaks.get(units[name], 0.0))
     for name, row in compiled.items():
@@ -51,7 +52,7 @@ def test_fields__are_those_of_compiled_code_to_rounding(both):
 
 def test_verdict__is_that_of_compiled_code(both):
     moving, outcome = both
-    assert moving.verdict(moving.register.fields) == Verdict(int(outcome.status[0]))
+    assert moving.verdict(outcome.fields) == Verdict(int(outcome.status[0]))
 
 
 @pytest.mark.parametrize(

@@ -164,13 +164,6 @@ def test_flywheel_light_enough__is_zero():
     assert ask(scene, "on.flywheel")["on.flywheel"] == 0.0
 
 
-def test_speed_fluctuation__is_relative_to_the_mean_of_both_extremes():
-    scene = slider_crank({"on": steady("dc cut gravity")}, flywheel=0.02)
-    found = ask(scene, "on.speed_fluctuation on.speed_min on.speed_max")
-    low, high = found["on.speed_min"], found["on.speed_max"]
-    assert found["on.speed_fluctuation"] == pytest.approx(2.0 * (high - low) / (high + low), rel=1e-12)
-
-
 # The other way round
 
 

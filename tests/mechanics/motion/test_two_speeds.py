@@ -96,22 +96,6 @@ def test_two_rotating_masses__come_to_one_speed_with_the_heat_of_the_closed_form
     assert np.abs(found.values["go.work_residual"]).max() < 1e-10
 
 
-def test_clutch_alone__makes_the_heat_of_an_inelastic_impact():
-    """Without outer moments ½ I₁I₂/(I₁+I₂) Δω², however the clutch is engaged."""
-    go = run("", from_speed=3.0, from_shaft_speed=60.0, lock_up=True)
-    own = RATIO**2 * SHAFT_INERTIA
-    slip, both = 60.0 / RATIO - 3.0, 0.4 * own / (0.4 + own)
-    # The last one's capacity grows evenly.
-    for engaging in ({"over_time": [0.0, 0.1, 0.3], "share": [0.2, 0.1, 1.0]}, {"engagement": 0.2}):
-        found = ask(coupled(rotor({"go": go}), **engaging), of("go", NAMES))
-        assert found["go.clutch_heat"] == pytest.approx(0.5 * both * slip**2, rel=1e-10)
-        speed = (0.4 * 3.0 + own * 60.0 / RATIO) / (0.4 + own)
-        assert found["go.clutch_lock_up_speed"] == pytest.approx(speed, rel=1e-10)
-        assert found["go.motor_shaft_final_speed"] == pytest.approx(RATIO * speed, rel=1e-10)
-    # Of a capacity that grows evenly the moment's integral is ½ C t²/T: the impulse both sides need.
-    assert found["go.time"] == pytest.approx(math.sqrt(2 * 0.2 * both * slip / (4.0 * RATIO)), rel=1e-10)
-
-
 # Against an independent simulation
 
 
@@ -529,8 +513,11 @@ def test_steady_motion_through_a_fluid__is_what_a_run_comes_to():
     loads = "drive.inner.reaction.max input_moment.min acceleration.max frame.reaction_moment.max"
     names = f"{names} {loads}"
     fields = "work.speed work.instant work.kinetic_energy"
-    found = ask(scene, f"{of('work', names)} {of('last', names)} work.return_residual work.multiplier", fields=fields)
+    own = of("work", "return_residual multiplier speed_fluctuation")
+    found = ask(scene, f"{of('work', names)} {of('last', names)} {own}", fields=fields)
     assert found.status == [Verdict.OK]
+    low, high = found["work.speed_min"], found["work.speed_max"]
+    assert found["work.speed_fluctuation"] == pytest.approx(2.0 * (high - low) / (high + low), rel=1e-12)
     assert abs(found["work.multiplier"]) < 1e-6
     for name in names.split():
         figure = found.figure(f"work.{name}") + found.figure(f"last.{name}")

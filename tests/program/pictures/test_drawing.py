@@ -56,15 +56,6 @@ def is_parallel(u, v):
     return abs((u.conjugate() * v).imag) < EXACT
 
 
-def test_joints_of_slider_crank__closed_form():
-    phi = math.pi / 3
-    drawn = primitives(slider_crank(), phi)
-    pin = 0.05 * complex(math.cos(phi), math.sin(phi))
-    assert abs(circle(drawn, "O").points[0]) < EXACT
-    assert abs(circle(drawn, "A").points[0] - pin) < EXACT
-    assert abs(circle(drawn, "B").points[0] - (pin.real + math.sqrt(0.2**2 - pin.imag**2))) < EXACT
-
-
 @pytest.mark.parametrize("mode", [1, -1])
 def test_stand__on_the_side_where_its_link_is_not(mode):
     """The rocker of a four-bar stays above its pivot or below it, by the mode of its group."""

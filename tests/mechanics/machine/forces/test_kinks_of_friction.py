@@ -154,16 +154,3 @@ def test_friction__is_right_between_its_kinks_and_takes_few_panels(name):
     # No panel is longer than a fifth of the turn, and beside kinks there are one or two more to each piece.
     panels = machine._measuring(machine._measuring.numbers(Numbers(scene_numbers(scene), {}), 1)).outcome.panels[0]
     assert panels <= 5 + 2 * len(exact.pieces())
-
-
-def test_cases__have_the_kinks_they_are_for():
-    pieces = {name: Rubbing(*numbers).pieces() for name, numbers in CASES.items()}
-    # The ram's dead centres; beside them where the rod lies along the guide, where it is neither pushed nor pulled, and
-    # where the ram begins and ceases to tilt.
-    assert [len(pieces[name]) for name in ("in line", "guide off the axis")] == [2, 5]
-    for name in CASES:
-        exact = Rubbing(*CASES[name])
-        signs = {math.copysign(1.0, exact.thrust(phi)) for phi in np.linspace(0, 6, 200)}
-        assert (len(signs) == 2) == ("pull" in name)
-        tilts = {exact.by_normal(phi) < exact.tilt for phi in np.linspace(0, 6, 200)}
-        assert (len(tilts) == 2) == ("tilted" in name)

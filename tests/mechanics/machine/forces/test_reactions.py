@@ -9,14 +9,11 @@ import numpy as np
 import pytest
 from drawn_machines import geared_five_bar, quick_return, scotch_yoke, sliding_input
 from loaded_machines import asked, loaded
-from machines import chain, compare, crank, frame, moving, variants_of
+from machines import chain, compare, moving, variants_of
 from newton_euler import reactions
-from oracle import EPS
 from press import actions, bodies, press
 
 from engine import Machine, MovingMachine, Scene
-
-CHECKS = ("input_moment_disagreement", "equilibrium_residual")
 
 
 def rows_of(scene: Scene, q: np.ndarray) -> dict[str, np.ndarray]:
@@ -64,7 +61,7 @@ def test_press_with_every_action__newton_euler():
     # makes a force of it, and reactions are at most some ten times a force on the ram.
     ends = (2 * math.pi / 360) ** 4 / 384 * 20 * 2000
     # Each of these lies well between the positions at which resistances change their sign.
-    some = slice(5, None, 24)
+    some = slice(5, None, 48)
     for variant in variants_of(PRESS, BOTH_WAYS):
         machine, rows = moving(variant, fields, 360)
         found, q = {field: row[some] for field, row in rows.items()}, machine.q[some]
@@ -80,26 +77,7 @@ def test_piston_in_a_slot__cylinder_is_borne_by_the_rocker():
 # Checks that the engine makes itself
 
 
-def test_checks_of_a_machine_without_loads__zero():
-    scene = {**chain(0, 1, True), "gravity": 0.0}
-    outcome = Machine(Scene.model_validate(scene), CHECKS, positions=16).evaluate({})
-    assert [outcome.summaries[name][0] for name in CHECKS] == [0.0, 0.0]
-
-
 # Closed forms and published problems
-
-
-def test_rotor_off_its_axis__published_force():
-    # A worked example of courses on balancing: a rotor of 10 kg, 0.1 mm off its axis, at 1000 rad/s loads it by 1000 N.
-    scene = {
-        "points": {"O": frame(0.0, 0.0)},
-        "input": crank(speed=1000.0),
-        "bodies": {"rotor": {"link": "crank", "mass": 10.0, "x": 1e-4, "inertia": 0.2}},
-    }
-    machine = Machine(Scene.model_validate(scene), ["input.reaction.peak"], ["input.reaction_along"], positions=16)
-    outcome = machine.evaluate({})
-    assert outcome.summaries["input.reaction.peak"][0] == pytest.approx(1000.0, rel=8 * EPS)
-    np.testing.assert_allclose(outcome.fields["input.reaction_along"], -1000.0, rtol=8 * EPS)
 
 
 # What is asked
@@ -117,14 +95,3 @@ def test_one_pair_of_the_last_group__leaves_out_earlier_groups():
     machine = Machine(scene, fields=["drive.second.reaction"])
     assert machine.computed["pair drive.second"] == ["reaction"]
     assert not {f"pair {name}" for name in ("input", "bars.first", "bars.second", "bars.inner")} & set(machine.computed)
-
-
-def test_single_precision__near_double():
-    scene = Scene.model_validate(press(bodies=bodies()))
-    fields = ["input.reaction", "bars.inner.reaction_x", "drive.second.reaction_moment", "frame.reaction_moment"]
-    single, double = (Machine(scene, fields=fields, positions=48, dtype=kind) for kind in (np.float32, np.float64))
-    rough, fine = single.evaluate({}).fields, double.evaluate({}).fields
-    for field in fields:
-        # Some hundred roundings, grown by 1/sine: transmission angles stay above 0.2 rad here.
-        scale = np.abs(fine[field]).max() + 1e-3
-        assert np.abs(rough[field] - fine[field]).max() < 500 * np.finfo(np.float32).eps * scale, field

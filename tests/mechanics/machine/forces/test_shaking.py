@@ -84,17 +84,6 @@ test_point_of_the_moment__is_on_the_frame = refusals(
 )
 
 
-def test_replaced_body__shakes_as_its_point_masses():
-    scene = six_bar()
-    scene["bodies"]["b"]["replace"] = {"type": "dynamic", "at": ["A"]}
-    _, replaced = moving(scene, SHAKING, 32)
-    _, whole = moving(six_bar(), SHAKING, 32)
-    # A dynamic replacement keeps the body's inertia but for the rounding of its numbers.
-    for field in SHAKING:
-        row = whole[field]
-        np.testing.assert_allclose(replaced[field], row, rtol=0, atol=256 * EPS * np.abs(row).max())
-
-
 def test_sliding_input__shakes_about_its_guide():
     scene = {
         "points": {"D": frame(1.2, 0.9)},

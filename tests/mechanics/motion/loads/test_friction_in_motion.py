@@ -195,7 +195,8 @@ def test_steady_motion__is_in_balance_at_every_instant_and_without_friction_what
 def test_steady_motion_in_a_batch__has_the_same_bits_alone():
     """Steps are recorded together: their further stages must leave nothing behind for a lane whose step is refused.
 
-    Each evaluation takes seconds: steady running is sought by hundreds of steps with friction.
+    Of eight variants the sixth showed it; a batch of three or four shows nothing. Each evaluation takes seconds: steady
+    running is sought by hundreds of steps with friction.
     """
     asked, count, one = (["on.speed_min", "on.motor_work", "on.friction_moment.rms"], ["on.speed"]), 8, 5
     varied = {"bodies.ram_body.mass": np.geomspace(0.3, 30.0, count)}

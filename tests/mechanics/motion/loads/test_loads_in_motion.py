@@ -1,52 +1,32 @@
-"""Loads on the pairs at true motion: against the equations of Newton and Euler, balances, limits and closed forms.
+"""Loads on the pairs in steady motion: balances, limits and closed forms at a machine's own speed."""
 
-Speeds and accelerations are the machine's own; the equation of motion they come from has tests of its own, and here
-the moment that Newton's equations need on the input is held against the motor's characteristic, worked out by hand.
-"""
-
-import copy
 import math
 
 import numpy as np
 import pytest
-from machines import compare
 from motion_scenes import ECCENTRIC_MASS, MOMENTS, RAM_MASS, Found, ask, slider_crank, steady
-from newton_euler import reactions
 from oracle import EPS
-from press import actions, bodies, press
+from test_loads_in_runs import COLUMNS, PAIRS
 
 from engine import Machine, Scene, Verdict
 from engine.quantities.quantity import STATISTICS
-from engine.scene.pairs import pairs
 from sweeps.report.readings import readings_at
 from sweeps.study.bundled import STUDIES
 from sweeps.text.scene_text import read_scene
 
-MOTOR = {"type": "dc_motor", "on": "motor_shaft", "no_load_speed": 80.0, "stall_moment": 4000.0}
-PARTS = {"revolute": ("reaction_x", "reaction_y"), "prismatic": ("reaction", "reaction_moment")}
-FRAME = ("frame.reaction_x", "frame.reaction_y", "frame.reaction_moment")
 SHAKING = ("shaking_force", "shaking_force_x", "shaking_force_y", "shaking_moment")
-
-
-def loads_of(scene: dict) -> list[str]:
-    """Loads on all pairs and on the frame."""
-    found = [f"{pair.name}.{part}" for pair in pairs(Scene.model_validate(scene)) for part in PARTS[pair.kind]]
-    return [*found, *FRAME]
-
-
-# Of the slider-crank of `motion_scenes` always the same is asked: all machines then share their kernels.
-PAIRS = ("input.reaction", "drive.first.reaction", "drive.inner.reaction", "drive.second.reaction")
-LOADS = (*loads_of(slider_crank({})), *PAIRS[:3], *SHAKING, "input_moment_by_equilibrium")
+# Always the same is asked: all machines then share their kernels.
+LOADS = (*COLUMNS, *PAIRS[:3], *SHAKING, "input_moment_by_equilibrium")
 FIELDS = (*LOADS, "input_moment", "speed", "acceleration", "motor_moment")
 
 
-def settled(only: str, positions: int = 240, changes: dict | None = None, more: str = "", **scene: object) -> Found:
+def settled(only: str, changes: dict | None = None, accuracy: float | None = None, **scene: object) -> Found:
     """Loads on the slider-crank in steady motion, with the statistics of the loads on its pairs."""
     regime = steady(only)
     machine = slider_crank({"on": regime}, **scene) | (changes or {})
     rows = (*PAIRS, "shaking_force", "input_moment", "speed")
     names = [f"on.{row}.{statistic}" for row in rows for statistic in STATISTICS]
-    return ask(machine, f"{' '.join(names)} {more}", positions, " ".join(f"on.{field}" for field in FIELDS))
+    return ask(machine, " ".join(names), 240, " ".join(f"on.{field}" for field in FIELDS), accuracy=accuracy)
 
 
 def rows_of(found: Found) -> dict[str, np.ndarray]:
@@ -58,66 +38,6 @@ def rows_of(found: Found) -> dict[str, np.ndarray]:
 def numbers_of(found: Found) -> list[str]:
     """Statistics that aren't places: of two that are nearly as great, either may be the place of the greatest."""
     return [name for name in found.values if not name.endswith("_at")]
-
-
-def without(scene: dict, names: set[str]) -> dict:
-    """A scene without some of its actions and motors, and without regimes."""
-    scene = copy.deepcopy(scene)
-    for table in ("forces", "moments", "springs", "cylinders"):
-        scene[table] = {name: part for name, part in scene.get(table, {}).items() if name not in names}
-    scene.pop("regimes")
-    return scene
-
-
-# Against Newton and Euler
-
-
-@pytest.fixture(scope="module")
-def pressed() -> tuple[dict, dict]:
-    """A press with every action in steady motion, turning backwards; its scene without the motor, its rows."""
-    parts = actions()
-    parts["moments"]["motor"] = MOTOR
-    scene = press(bodies=bodies(), **parts) | {"flywheel": {"inertia": 2.0}, "gravity": 9.81}
-    scene["input"]["speed"] = -3.0
-    scene["regimes"] = {"on": {"type": "steady"}}
-    fields = [*loads_of(scene), "input_moment_by_equilibrium", "input_moment", "speed", "acceleration", "motor_moment"]
-    found = ask(scene, "on.speed_fluctuation", 360, " ".join(f"on.{field}" for field in fields))
-    assert found["on.speed_fluctuation"] > 0.02
-    return without(scene, {"motor"}), rows_of(found)
-
-
-def expected_rows(scene: Scene, rows: dict, some: slice) -> dict[str, np.ndarray]:
-    """Reactions by Newton and Euler at the machine's own ω and ε."""
-    q = np.arange(360) * math.pi / 180
-    omega = rows["speed"] * math.copysign(1.0, scene.input.speed)
-    found = reactions(scene, q[some], omega[some], rows["acceleration"][some])
-    found["input_moment_by_equilibrium"] = found["input_moment"]
-    # The flywheel on the crank: what it takes turns the frame.
-    found["frame.reaction_moment"] = found["frame.reaction_moment"] - 2.0 * rows["acceleration"][some]
-    return found
-
-
-def test_press_with_every_action__newton_euler_at_its_speed_and_acceleration(pressed):
-    scene, rows = pressed
-    # Each of these lies well between the positions at which resistances change their sign.
-    some = slice(5, None, 24)
-    found = {name: rows[name][some] for name in (*loads_of(scene), "input_moment", "input_moment_by_equilibrium")}
-    compare(found, scene, lambda of: expected_rows(of, rows, some))
-
-
-def test_press_with_every_action__power_of_motor_loads_and_inertia_is_in_balance(pressed):
-    scene, rows = pressed
-    # The motor's line through its two points, on a shaft that turns six times as fast; a flywheel of 2 kg·m².
-    way = math.copysign(1.0, scene["input"]["speed"])
-    motor = 6 * way * MOTOR["stall_moment"] * (1 - 6 * rows["speed"] / MOTOR["no_load_speed"])
-    given = motor - 2.0 * rows["acceleration"]
-    some = slice(5, None, 24)
-    needed = expected_rows(Scene.model_validate(scene), rows, some)["input_moment"].astype(float)
-    # The motor's moment is a small difference: its stall moment, a hundred times what the speed leaves of it.
-    room = 1000 * EPS * 6 * MOTOR["stall_moment"]
-    np.testing.assert_allclose(given[some], needed, rtol=0, atol=room)
-    np.testing.assert_allclose(rows["input_moment"], given, rtol=0, atol=room)
-    np.testing.assert_allclose(rows["input_moment_by_equilibrium"], given, rtol=0, atol=room)
 
 
 @pytest.mark.parametrize("speed", [10.0, -10.0])
@@ -166,20 +86,13 @@ def test_brake_left_on__is_borne_by_the_frame():
 # Statistics and their error estimates
 
 
-@pytest.mark.parametrize("only", ["dc cut gravity fan", "induction rub gravity cut"])
-def test_error_figures__cover_what_more_positions_change(only):
-    flywheel = 0.02 if only.startswith("dc") else 2.0
-    best = settled(only, 1440, flywheel=flywheel)
-    for positions in (60, 120, 240):
-        found = settled(only, positions, flywheel=flywheel)
-        for name in numbers_of(found):
-            assert abs(found[name] - best[name]) <= found.figure(name) + best.figure(name), (name, positions)
-
-
-@pytest.mark.parametrize("steeper", [1e2, 1e6])
-def test_error_figures_with_a_steep_motor__cover_what_more_positions_change(steeper):
-    stall = MOMENTS["dc"]["stall_moment"] * steeper
-    rough, fine = (settled("dc cut gravity fan", n, flywheel=0.02, dc={"stall_moment": stall}) for n in (60, 960))
+@pytest.mark.parametrize(
+    ("only", "flywheel", "steeper"),
+    [("dc cut gravity fan", 0.02, 1.0), ("dc cut gravity fan", 0.02, 1e4), ("induction rub gravity cut", 2.0, 1.0)],
+)
+def test_error_figures__cover_what_little_accuracy_misses(only, flywheel, steeper):
+    motor = {"stall_moment": MOMENTS["dc"]["stall_moment"] * steeper}
+    rough, fine = (settled(only, accuracy=each, flywheel=flywheel, dc=motor) for each in (1e-3, 1e-10))
     for name in numbers_of(rough):
         assert abs(rough[name] - fine[name]) <= rough.figure(name) + fine.figure(name), name
 
