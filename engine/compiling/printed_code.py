@@ -1,9 +1,9 @@
 """Functions printed as LLVM's instructions: what is printed, and how compiled code passes arrays to them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
-# Arguments of laws that are neither a float nor a tuple of floats; for these, their number of floats, 0 or more.
+# Arguments of laws that are neither a float nor a tuple of floats.
 MEMORY, NUMBERS = "all tables", "numbers of the variant"
 _ARGUMENTS = {MEMORY: "ptr, ptr, i64, i64, ptr, i64, i64", NUMBERS: "ptr, i64, i64"}
 # Types of the numbers in the rows.
@@ -60,6 +60,29 @@ declare i64 @llvm.smin.i64(i64, i64)
 """
 
 
+class Call(NamedTuple):
+    """A law that a function calls.
+
+    Attributes
+    ----------
+    name : str
+        By which it is called; a law has one for each set of types of its arguments.
+    law : callable
+    arguments : tuple of int or str
+        The number of floats of an argument that is a tuple, 0 for a float, MEMORY or NUMBERS.
+    """
+
+    name: str
+    law: Callable
+    arguments: tuple[int | str, ...]
+
+    @property
+    def declaration(self) -> str:
+        """The law as Numba compiles it: with pointers to its results and to an exception, which no law raises."""
+        types = [", ".join(["double"] * (of or 1)) if isinstance(of, int) else _ARGUMENTS[of] for of in self.arguments]
+        return f"declare i32 @{self.name}({', '.join(['ptr, ptr', *types])})\n"
+
+
 class PrintedCode(NamedTuple):
     """A printed function.
 
@@ -68,25 +91,18 @@ class PrintedCode(NamedTuple):
     kind : {"tile", "float64", "float32"}
         Whether it fills a tile, positions by lanes, or the rows of one variant, stored as such numbers.
     text : str
-        A module with the function `fill`; it calls each law by its name.
-    calls : tuple of (callable, tuple)
-        These laws with their arguments: the number of floats in each that is a tuple, 0 for a float, MEMORY or NUMBERS.
+        A module with the function `fill`.
+    calls : tuple of Call
     """
 
     kind: str
     text: str
-    calls: tuple[tuple[Callable, tuple[int | str, ...]], ...]
+    calls: tuple[Call, ...]
 
     @classmethod
-    def of(cls, kind: str, doc: str, lines: list[str], calls: dict[Callable, tuple[int | str, ...]]) -> "PrintedCode":
+    def of(cls, kind: str, doc: str, lines: list[str], calls: Iterable[Call]) -> "PrintedCode":
         """The function whose loops are given, described by `doc`."""
         head = _TILE if kind == "tile" else _ROWS.replace("KIND", STORED[kind])
         body = "\n".join(line if line.endswith(":") else f"  {line}" for line in lines)
-        declared = "\n".join(_declared(*call) for call in calls.items())
-        return cls(kind, f"; {doc}\n{_TYPES}{head}{_PASSED}{body}\n{_TAIL}{declared}\n", tuple(calls.items()))
-
-
-def _declared(law: Callable, arguments: tuple[int | str, ...]) -> str:
-    """Declare a law as Numba compiles it: with pointers to its results and to an exception, which no law raises."""
-    types = [", ".join(["double"] * (of or 1)) if isinstance(of, int) else _ARGUMENTS[of] for of in arguments]
-    return f"declare i32 @{law.py_func.__name__}({', '.join(['ptr, ptr', *types])})"
+        declared = "".join(call.declaration for call in calls)
+        return cls(kind, f"; {doc}\n{_TYPES}{head}{_PASSED}{body}\n{_TAIL}{declared}", tuple(calls))

@@ -1,6 +1,5 @@
 """Machine code of printed functions: translated by LLVM together with the laws that they call, or from the cache."""
 
-from collections.abc import Callable
 from functools import cache
 
 import llvmlite.binding as llvm
@@ -16,12 +15,12 @@ from numba.core.typing import Signature
 from engine.compiling.blocks import Row
 from engine.compiling.decorators import Law
 from engine.compiling.kept_code import compiling, kept_files
-from engine.compiling.printed_code import MEMORY, NUMBERS, PrintedCode
+from engine.compiling.printed_code import MEMORY, NUMBERS, Call, PrintedCode
 from engine.compiling.sources import digest_of_printed
 
 _LINE, _MATRIX = types.float64[::1], types.float64[:, ::1]
 # Where there is nothing to fill.
-_NOTHING = PrintedCode.of("tile", "Nothing.", [], {})
+_NOTHING = PrintedCode.of("tile", "Nothing.", [], ())
 
 
 class PrintedFunction(types.WrapperAddressProtocol):
@@ -96,23 +95,23 @@ def _translated(code: PrintedCode) -> CodeLibrary:
     module = llvm.parse_assembly(code.text)
     module.triple = llvm.get_process_triple()
     module.get_function("fill").name = _name_of(code)
-    for law, arguments in code.calls:
-        made = _compiled(law, arguments)
-        module.get_function(law.py_func.__name__).name = made.fndesc.llvm_func_name
+    for call in code.calls:
+        made = _compiled(call)
+        module.get_function(call.name).name = made.fndesc.llvm_func_name
         library.add_linking_library(made.library)
     library.add_llvm_module(module)
     library.finalize()
     return library
 
 
-def _compiled(law: Callable, arguments: tuple[int | str, ...]) -> CompileResult:
-    """A law, or a function that only compiled code calls, for its arguments as in `PrintedCode`."""
-    function = law.compiled if isinstance(law, Law) else law
+def _compiled(call: Call) -> CompileResult:
+    """A law, or a function that only compiled code calls, for the types of its arguments."""
+    function = call.law.compiled if isinstance(call.law, Law) else call.law
     own = {0: (types.float64,), MEMORY: (_LINE,), NUMBERS: (Row, types.intp, types.intp)}
-    kinds = [kind for of in arguments for kind in own.get(of) or (types.UniTuple(types.float64, of),)]
+    kinds = [kind for of in call.arguments for kind in own.get(of) or (types.UniTuple(types.float64, of),)]
     function.compile(tuple(kinds))
     made = function.overloads[tuple(kinds)]
     results = made.signature.return_type
     if results != types.float64 and getattr(results, "dtype", None) != types.float64:
-        raise TypeError(f"{law.py_func.__name__} returns {results}, not numbers")
+        raise TypeError(f"{call.name} returns {results}, not numbers")
     return made

@@ -87,7 +87,7 @@ def digest_of_printed(code: PrintedCode) -> str:
     ----------
     code : PrintedCode
     """
-    called = (law.py_func.__module__ for law, _ in code.calls)
+    called = (call.law.py_func.__module__ for call in code.calls)
     return _digest(frozenset().union(*map(_reached, called)), code.text)
 
 

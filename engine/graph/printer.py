@@ -10,11 +10,11 @@ lanes or positions by one instruction without proving that it may.
 """
 
 import struct
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from engine.compiling.blocks import LANES
 from engine.compiling.decorators import RULES
-from engine.compiling.printed_code import MEMORY, NUMBERS, STORED, PrintedCode
+from engine.compiling.printed_code import MEMORY, NUMBERS, STORED, Call, PrintedCode
 from engine.graph.nodes import (
     Application,
     Constant,
@@ -76,8 +76,8 @@ class Instructions:
     tables : list of NumberTable
     positions : list of Position
         Those that are read.
-    calls : dict of callable to tuple of int
-        Laws that are called, with their arguments as in `PrintedCode`.
+    calls : dict of (callable, tuple) to Call
+        Calls of the whole function, by law and arguments.
     rooms : list of str
         Instructions that make room for the results of laws.
     """
@@ -97,9 +97,9 @@ class Instructions:
         self.reads: list[Node] = []
         self.tables: list[NumberTable] = []
         self.positions: list[Position] = []
-        self.calls: dict[Callable, tuple] = {}
         self.rooms: list[str] = []
         self._counts: dict[str, int] = before._counts if before else {}
+        self.calls: dict[tuple, Call] = before.calls if before else {}
         for node in reached(outputs, self._is_leaf):
             self._write(node)
 
@@ -148,15 +148,19 @@ class Instructions:
 
     def _name(self, node: Node) -> str:
         wanted = "".join(c if c.isascii() and c.isalnum() else "_" for c in node.label).strip("_")
-        wanted = wanted if wanted[:1].isalpha() and len(wanted) <= 40 else "x"
-        self._counts[wanted] = count = self._counts.get(wanted, 0) + 1
-        return f"%{wanted}.{count}"
+        return f"%{self._numbered(wanted if wanted[:1].isalpha() and len(wanted) <= 40 else 'x')}"
+
+    def _numbered(self, name: str) -> str:
+        self._counts[name] = count = self._counts.get(name, 0) + 1
+        return f"{name}.{count}"
 
     def _call(self, node: Application, room: str) -> None:
         self.rooms.append(f"{room} = alloca [{node.graph.results_of(node.law) or 1} x double]")
         kinds, given = {TableMemory: MEMORY, NumberTable: NUMBERS}, [f"ptr {room}", "ptr %.exception"]
         arguments = zip(node.sizes, node.arguments(node.operands), strict=True)
-        self.calls[node.law] = tuple(kinds.get(type(operand), size) for size, operand in arguments)
+        called = node.law, tuple(kinds.get(type(operand), size) for size, operand in arguments)
+        if called not in self.calls:
+            self.calls[called] = Call(self._numbered(name_of(node.law)), *called)
         for operand in node.operands:
             if isinstance(operand, TableMemory):
                 given.append("ptr null, ptr null, i64 %.size, i64 8, ptr %.T, i64 %.size, i64 8")
@@ -164,7 +168,7 @@ class Instructions:
                 given.append(f"ptr %.p, i64 {self.operands[operand]}, i64 {self._apart}")
             else:
                 given.append(f"double {self.operands[operand]}")
-        self.lines.append(f"call i32 @{name_of(node.law)}({', '.join(given)}), {_APART}")
+        self.lines.append(f"call i32 @{self.calls[called].name}({', '.join(given)}), {_APART}")
 
     def _sum(self, node: Sum) -> str:
         """Add the products of a sum from the first to the last."""
@@ -259,7 +263,6 @@ class _Function:
         self._places = {node: f"%.looked_up{i}" for i, node in enumerate(looked_up)}
         self.rooms = [f"{place} = alloca [{room} x double], align 64" for place in self._places.values()]
         self.rooms += [*self.before.rooms, *self.body.rooms, "%.exception = alloca ptr"]
-        self.calls = self.before.calls | self.body.calls
 
     def numbers(self, part: Instructions, *lane: str) -> list[str]:
         """Read the numbers of the variant, of a lane if one is given."""
@@ -330,7 +333,7 @@ def in_lanes(
     lines = [*function.rooms, *_rows_at(len(outputs), distance)]
     at = [f"%.first = mul nsw i64 %.position, {LANES}", *function.loops(LANES, True)]
     lines += _loop("position", 1 if positions == 1 else "%.positions", at)
-    return PrintedCode.of("tile", doc, lines, function.calls)
+    return PrintedCode.of("tile", doc, lines, function.body.calls.values())
 
 
 def over_positions(outputs: Sequence[Node], rows: Mapping[Node, int], stored: str) -> PrintedCode:
@@ -350,12 +353,12 @@ def over_positions(outputs: Sequence[Node], rows: Mapping[Node, int], stored: st
     lines += [*function.numbers(function.before), *function.numbers(function.body)]
     if not function.before.outputs:
         lines += ["%.first = add i64 0, 0", *function.loops("%.positions", False, kind)]
-        return PrintedCode.of(stored, "Rows over the positions of one variant.", lines, function.calls)
+        return PrintedCode.of(stored, "Rows over the positions of one variant.", lines, function.body.calls.values())
     at = [f"%.first = mul nsw i64 %.chunk, {CHUNK}", "%.left = sub nsw i64 %.positions, %.first"]
     at += [f"%.count = call i64 @llvm.smin.i64(i64 %.left, i64 {CHUNK})", *function.loops("%.count", False, kind)]
     lines += [f"%.rounded = add nsw i64 %.positions, {CHUNK - 1}", f"%.chunks = sdiv i64 %.rounded, {CHUNK}"]
     lines += _loop("chunk", "%.chunks", at)
-    return PrintedCode.of(stored, "Rows over the positions of one variant.", lines, function.calls)
+    return PrintedCode.of(stored, "Rows over the positions of one variant.", lines, function.body.calls.values())
 
 
 def _rows_at(count: int, distance: int | str, kind: str = "double") -> list[str]:

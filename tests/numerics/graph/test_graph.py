@@ -186,6 +186,26 @@ def places(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return nodes, np.cos(nodes), np.sin(nodes)
 
 
+@scalar
+def total(terms: tuple[float, ...]) -> float:
+    found = 0.0
+    for term in terms:
+        found += term
+    return found
+
+
+def test_law__may_take_tuples_of_several_lengths_in_one_function():
+    g = Graph()
+    a, b = g.number("a"), g.number("b")
+    asked = [g.apply(total, (a, g.cos_q)), g.apply(total, (a, b, g.sin_q)), g.apply(total, (b, g.q))]
+    functions, numbers = prepared(g, asked)
+    q = np.linspace(0, 3, PANEL_POSITIONS * LANES).reshape(PANEL_POSITIONS, LANES)
+    tile = np.empty((len(asked), PANEL_POSITIONS, LANES))
+    call_printed(functions.codes["curves"], numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
+    a, b = NUMBERS["a"], NUMBERS["b"]
+    np.testing.assert_allclose(tile, [a + np.cos(q), a + b + np.sin(q), b + q], rtol=1e-14, atol=1e-15)
+
+
 def test_crossings__are_those_of_curves_that_what_is_asked_depends_on():
     g = Graph()
     a = g.number("a")

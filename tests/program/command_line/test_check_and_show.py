@@ -104,7 +104,7 @@ def test_check_of_a_governor__compiles_no_motion(press_folder, monkeypatch):
 def test_check_source__shows_names_to_read(press_folder):
     answer = done("check", "study.toml", "--source")
     assert "\n; curves\n; All curves, over a panel.\n" in answer
-    assert "call i32 @rrp_position(" in answer
+    assert "call i32 @rrp_position." in answer
     assert "%rod_direction_x.1 = load double" in answer
 
 
