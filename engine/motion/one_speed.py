@@ -220,6 +220,7 @@ def along_time(mechanics: Mechanics, asked: frozenset[str], rubs: bool = False) 
         steepness=steepness,
         unknown=unknown,
         gathered=gathered,
+        slopes=(steepness,),
         guards=guards,
         shown=shown_of(inertia, epsilon, moments) | shown,
     )

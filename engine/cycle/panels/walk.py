@@ -102,12 +102,15 @@ class Scales(NamedTuple):
         Maximum difference so far between values at one position from different panels.
     at_begin, at_end : row
         Values at the ends of the panel tried before.
+    level : row
+        Remainder of the panel tried before, if it was of minimum length and its coefficients were level; else 0.
     """
 
     greatest: Row
     rounding: Row
     at_begin: Row
     at_end: Row
+    level: Row
 
 
 class Edge(NamedTuple):
@@ -132,7 +135,9 @@ LAST_ONES = 0.1
 FLOOR, MOST = 1e-7, 200
 # Coefficients are level for a feature narrower than the panel, or for rounding. Rounding is measured: a position shared
 # by two panels is computed from each panel's middle, and values there differ by the rounding of the position's
-# direction and of everything that follows. A remainder up to this multiple of the difference counts as rounding.
+# direction and of everything that follows. A remainder up to this multiple of the difference counts as rounding. Beside
+# φ = 0 the direction has no rounding; there two panels of minimum length in a row, both with level coefficients, show
+# that of what follows.
 LEFT_BY_ROUNDING = 32.0
 # A panel may exceed the wanted length by this fraction, so that no sliver is left before the next edge.
 STRETCH = 1e-9
@@ -280,13 +285,16 @@ def compare_with_tolerance(
     for lane in range(LANES):
         scale = larger(figures.magnitude[lane], scales.greatest[lane])
         scales.greatest[lane] = scale
+        flat, length = figures.flat[lane] > 0.0, walk.end[lane] - walk.begin[lane]
+        level = figures.tail[lane] if flat & is_shortest(length, walk.range[lane]) else 0.0
+        unresolved = smaller(level, scales.level[lane]) if walk.active[lane] > 0.0 else 0.0
+        scales.rounding[lane], scales.level[lane] = larger(unresolved, scales.rounding[lane]), level
         # A remainder that is only rounding says nothing about the panel's length.
         rounding = larger(NOTHING * scale, LEFT_BY_ROUNDING * scales.rounding[lane])
         of_mean = figures.missing[lane] * abs(walk.half[lane]) * (2.0 / walk.range[lane])
         tail = figures.tail[lane] - rounding
         left = smaller(of_mean, tail) if only_integral > 0.0 else tail
         excess = larger(left, 0.0) / larger(tolerance * scale, TINY)
-        flat = figures.flat[lane] > 0.0
         walk.excess[lane] = larger(0.0 if flat else excess, walk.excess[lane])
         walk.level[lane] = larger(excess if flat else 0.0, walk.level[lane])
         broken |= not abs(figures.sum[lane]) < math.inf
@@ -319,6 +327,12 @@ def compare_root(curve: Rows, degree: int, figures: Figures, tolerance: float, s
 
 
 @inlined
+def is_shortest(length: float, whole: float) -> bool:
+    """Whether a panel has the minimum length."""
+    return length <= FLOOR * whole * (1.0 + 2.0 * STRETCH)
+
+
+@inlined
 def root_of_degree(x: float, degree: int) -> float:
     """Return x to the power 1/16, or 1/8 for COARSE."""
     root = math.sqrt(math.sqrt(math.sqrt(x)))
@@ -337,7 +351,7 @@ def judge(longest: float, degree: int, walk: Walk) -> bool:
     for lane in range(LANES):
         begin, end, falling, level = walk.begin[lane], walk.end[lane], walk.excess[lane], walk.level[lane]
         length, active, least = end - begin, walk.active[lane] > 0.0, FLOOR * walk.range[lane]
-        shortest = length <= least * (1.0 + 2.0 * STRETCH)
+        shortest = is_shortest(length, walk.range[lane])
         enough = ((falling <= 1.0) & (level <= 1.0)) | shortest | (walk.taken[lane] >= MOST)
         # Level coefficients within the tolerance are rounding, and say nothing about the panel's length.
         excess = falling if level <= 1.0 else larger(falling, level)

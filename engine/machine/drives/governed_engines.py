@@ -1,7 +1,7 @@
 """A mechanism as the engine of governors: its inertia, and its torques over the cycle."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -12,6 +12,14 @@ from engine.scene.scene import Numbers, Scene
 # Of the mechanism only, without a flywheel.
 MEAN_INERTIA = "reduced_inertia.mean"
 _CYCLE_FIELDS = ("reduced_inertia", "reduced_inertia_phi", "reduced_moment")
+
+
+def _along_motion(outcome: Outcome, numbers: Numbers) -> dict[str, np.ndarray]:
+    """Fields over the angle turned in the direction of motion, in which torques and slopes are positive."""
+    backwards = np.reshape(numbers["input.speed"] < 0.0, (-1, 1))
+    turned = {name: np.roll(rows[:, ::-1], 1, axis=1) for name, rows in outcome.fields.items()}
+    signs = {name: 1.0 if name == _CYCLE_FIELDS[0] else -1.0 for name in turned}
+    return {name: np.where(backwards, signs[name] * turned[name], rows) for name, rows in outcome.fields.items()}
 
 
 class GovernedEngines:
@@ -54,14 +62,14 @@ class GovernedEngines:
             path = f"elements.{name}.engine.inertia"
             found[path] = numbers[path] + mean + numbers.get("flywheel.inertia", 0.0)
             if engine.duration is not None:
-                rows = self._curves(outcome, engine.throttled, mean)
+                rows = self._curves(_along_motion(outcome, numbers), engine.throttled, mean)
                 found |= {f"elements.{name}.{cycle_key(k)}": row for k, row in enumerate(rows)}
         return found
 
-    def _curves(self, outcome: Outcome, throttled: Sequence[str], mean: np.ndarray) -> np.ndarray:
+    def _curves(self, fields: Mapping[str, np.ndarray], throttled: Sequence[str], mean: np.ndarray) -> np.ndarray:
         """Curves of the variants in the governors' order, and the length of the cycle: (numbers, variants)."""
-        inertia, slope, moment = (outcome.fields[name] for name in _CYCLE_FIELDS)
-        driving = sum((outcome.fields[f"{action}.moment"] for action in throttled), np.zeros_like(moment))
+        inertia, slope, moment = (fields[name] for name in _CYCLE_FIELDS)
+        driving = sum((fields[f"{action}.moment"] for action in throttled), np.zeros_like(moment))
         other = moment - driving
         with np.errstate(divide="ignore", invalid="ignore"):
             share = driving / driving.mean(axis=1, keepdims=True) if throttled else np.ones_like(moment)

@@ -15,6 +15,7 @@ from engine.motion.runs.one_speed_run import OneSpeedRuns
 from engine.motion.runs.run_in_angle import TIMES_TO_THE_END, stretch_over_angle
 from engine.motion.runs.run_in_time import BRISK_TO_LOOK, set_off, stretch_over_time
 from engine.motion.runs.run_progress import ADAPTIVE, Ends, RunOutcome, Standing, Stepping
+from engine.stepping.methods import EIGHT, NINE
 
 # A run is abandoned if this number of steps gains neither a cycle nor this fraction of its time.
 MOST_TIME_STEPS, OF_ITS_TIME = 40_000, 0.01
@@ -73,8 +74,11 @@ class _Runs(OneSpeedRuns):
         slow = np.flatnonzero(~self._brisk & ~self.done & (self.facing != 0.0))
         if slow.size:
             self.known[slow], self.changed.omega[slow] = False, 0.0
-            self._brisk[slow], made = stretch_over_time(self, slow)
-            self._steps[slow] += made
+            steep = self.steep[slow] == 1.0
+            for own, method in ((slow[~steep], EIGHT), (slow[steep], NINE)):
+                if own.size:
+                    self._brisk[own], made = stretch_over_time(self, own, method)
+                    self._steps[own] += made
             gained = self.turned > self._reached + self.dynamics.cycle
             gained |= self.time > self._until + OF_ITS_TIME * self.ends.time
             self._reached[gained], self._until[gained] = self.turned[gained], self.time[gained]

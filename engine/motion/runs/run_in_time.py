@@ -8,7 +8,6 @@ from engine.motion.runs.one_speed_run import OneSpeedRuns
 from engine.motion.runs.run_in_angle import TIMES_TO_THE_END
 from engine.motion.runs.run_progress import BELOW, State
 from engine.motion.runs.settled_runs import pass_mark
-from engine.stepping.methods import EIGHT
 from engine.stepping.recorded import RECORDED, made_steps
 from engine.stepping.system import SHOWN, Walks
 from engine.stepping.walk_task import Why
@@ -110,8 +109,10 @@ def _starts_by(runs: OneSpeedRuns, who: np.ndarray, look: np.ndarray) -> np.ndar
     return np.where(started, first, look)
 
 
-def stretch_over_time(runs: OneSpeedRuns, who: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def stretch_over_time(runs: OneSpeedRuns, who: np.ndarray, method: int) -> tuple[np.ndarray, np.ndarray]:
     """Integrate a stretch in time in one direction: to an end of the run, to rest, or until the energy changes slowly.
+
+    It also ends where a motor is so steep that an implicit method is faster.
 
     Returns
     -------
@@ -124,12 +125,13 @@ def stretch_over_time(runs: OneSpeedRuns, who: np.ndarray) -> tuple[np.ndarray, 
     forward, share = facing > 0.0, FADED if runs.dynamics.fades else STILL
     floor = share * np.maximum(runs.fastest[who], np.abs(runs.slowest[who]))
     goal = np.where(forward, _forward_goal(runs, who), _backward_goal(runs, who))
-    gone = _walk(runs, who, goal, floor)
+    gone = _walk(runs, who, method, goal, floor)
     why = gone.why
     if runs.observers and (gone.steps > 0.0).any():
         runs.see(_seen(runs, who, state, gone))
     _take(runs, who, state, gone, goal)
     runs.pace[who] = gone.pace
+    runs.steep[who[why == Why.STEEP]] = 1.0
     runs.end(who, why, goal)
     runs.done[who[why == Why.GOAL]] = True
     runs.arrive(who[(why == Why.RANGE) | (~runs.done[who] & (why != REST) & (runs.ahead(who) <= 0.0))])
@@ -159,8 +161,8 @@ def _backward_goal(runs: OneSpeedRuns, who: np.ndarray) -> np.ndarray:
     return np.maximum(np.where(turned > behind, behind, turned - cycle), -runs.ends.most_turned[who])
 
 
-def _walk(runs: OneSpeedRuns, who: np.ndarray, goal: np.ndarray, floor: np.ndarray) -> Walks:
-    """Walk in time, up to a given angle turned."""
+def _walk(runs: OneSpeedRuns, who: np.ndarray, method: int, goal: np.ndarray, floor: np.ndarray) -> Walks:
+    """Walk in time by a method, up to a given angle turned."""
     dynamics, state, facing = runs.dynamics, runs.part(who), runs.facing[who]
     system, brisk = dynamics.by_time, TIMES_TO_THE_END if runs.to_the_end else BRISK_TO_LOOK
     ways = (dynamics.moving(system, runs.variants, way)[:, who] for way in (1.0, -1.0))
@@ -180,7 +182,7 @@ def _walk(runs: OneSpeedRuns, who: np.ndarray, goal: np.ndarray, floor: np.ndarr
     states = np.zeros((len(system.rates), who.size))
     states[TURNED], states[SPEED] = state.turned, np.abs(state.omega)
     recorded = RECORDED if runs.observers else 0
-    task = system.task(dynamics.cycle, EIGHT, extremes=runs.finds_extremes, longer=runs.longer)
+    task = system.task(dynamics.cycle, method, extremes=runs.finds_extremes, longer=runs.longer)
     return system.run(task, numbers, edges, runs.variants.instants[:, who], lanes, states, recorded=recorded)
 
 

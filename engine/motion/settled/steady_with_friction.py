@@ -57,7 +57,7 @@ def _settled(dynamics: Dynamics, variants: Variants, longer: float, watch: Watch
 def _measured(dynamics: Dynamics, variants: Variants, found: Returned, longer: float, watch: Watch | None) -> Steady:
     """The cycle from the speeds found, with all requested results."""
     count = variants.count
-    rows, works = np.full((7, count), np.nan), np.full((len(CHANNELS) + 1, count), np.nan)
+    rows, works = np.full((8, count), np.nan), np.full((len(CHANNELS) + 1, count), np.nan)
     good = np.flatnonzero(found.verdict == Verdict.OK)
     if good.size:
         part, zero = variants.some(good), np.zeros(good.size)
@@ -65,12 +65,13 @@ def _measured(dynamics: Dynamics, variants: Variants, found: Returned, longer: f
         outcome = _cycle(dynamics, part, omega, longer, () if watch is None else watch(good))
         state, energy = outcome.state, 0.5 * dynamics.inertia(part, zero) * omega**2
         residual = np.abs(outcome.ended - energy) / energy
-        own = (energy, outcome.ended, residual, state.time, outcome.slowest, outcome.fastest, state.squares)
+        extremes = outcome.slowest, outcome.fastest
+        own = energy, outcome.ended, residual, state.time, *extremes, state.squares, outcome.steep
         rows[:, good], works[:, good] = own, state.works
-    begun, ended, residual, period, slowest, fastest, squares = rows
+    begun, ended, residual, period, slowest, fastest, squares, steep = rows
     fluctuation = 2.0 * (fastest - slowest) / (fastest + slowest)
     own = begun, ended, found.multiplier, residual, period, slowest, fastest, fluctuation, squares, works
-    return Steady(found.verdict, *own, np.zeros(count))
+    return Steady(found.verdict, *own, steep)
 
 
 def _cycle(

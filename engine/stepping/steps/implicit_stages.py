@@ -61,11 +61,13 @@ def find_stages(printed: Printed, task: WalkTask, room: Room) -> None:
                     for lane in range(LANES):
                         equations[at, lane] += task.matrix[s, r] * own.length[lane] * k[r * width + q, lane]
         eliminate(count, equations)
+        # Along time, all stages of the first iteration are at the angle of the step's start.
+        unsure = math.inf if task.along_time and turn == 0 else 0.0
         pending = False
         for lane in range(LANES):
             # Converged lanes stay as they are while others iterate.
             own.able[lane] = 1.0 if worst[lane] > FOUND_TO else 0.0
-            worst[lane] = 0.0 if worst[lane] > FOUND_TO else worst[lane]
+            worst[lane] = unsure if worst[lane] > FOUND_TO else worst[lane]
         for s in range(stages):
             for i in range(each):
                 at, q = (s * each + i) * (count + 1) + count, found + s * states + first + 2 * i

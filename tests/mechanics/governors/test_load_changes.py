@@ -201,6 +201,20 @@ def test_machine_with_its_true_inertia_and_moments__is_what_another_method_finds
     assert value["hunting"] > 0.01
 
 
+def test_machine_in_a_mirror__is_governed_alike():
+    """It turns backwards, and its weight points up."""
+    names, parts = ["it.highest_speed", "it.lowest_speed", "it.hunting"], crank_engine()
+    steam = parts["moments"]["steam"]
+    moment = [-m for m in [*steam["moment"][:1], *reversed(steam["moment"][1:])]]
+    mirrored = parts | {"gravity": 0.0, "base": {"acceleration_y": -9.81}, "guides": {"way": {"angle": -math.pi / 2}}}
+    mirrored |= {"input": parts["input"] | {"speed": -18.0}, "moments": {"steam": steam | {"moment": moment}}}
+    one, other = (made_ready(Scene.model_validate(each), names).evaluate({}) for each in (parts, mirrored))
+    assert other.status[0] == Verdict.OK
+    for name in names:
+        room = one.errors[name][0] + other.errors[name][0]
+        assert other.summaries[name][0] == pytest.approx(one.summaries[name][0], rel=0, abs=room), name
+
+
 def test_machine_whose_throttled_actions_do_not_drive__is_undefined():
     parts = crank_engine()
     parts["moments"]["steam"]["moment"] = [-m for m in parts["moments"]["steam"]["moment"]]

@@ -7,6 +7,7 @@ import mpmath
 import numpy as np
 import pytest
 from machines import crank, frame, rpp, rrp, rrr, slider_crank
+from noncircular_wheels import ELLIPSES
 
 from engine import Machine, Scene
 from engine.compiling.running import mean_of_rows, sum_of_rows
@@ -110,6 +111,18 @@ def test_what_vanishes_by_nature__reaches_the_accuracy():
         assert found.summaries["accuracy_reached"][0] == 1.0
         zeros = [name for name in names if not name.endswith("stroke_low")]
         assert all(abs(found.summaries[name][0]) < 1e-9 for name in zeros)
+
+
+def test_force_that_is_only_rounding__leaves_others_their_accuracy():
+    """A rod without mass has no force across it, beside φ = 0 to the same bits from whichever panel."""
+    names, scene = ["input.unloaded_arc_of_crank", "input.reaction.mean"], Scene.model_validate(ELLIPSES)
+    alone, beside = (
+        Machine(scene, [*names, *more]).evaluate({}) for more in ((), ("drive.first.reaction_across.max",))
+    )
+    for name in names:
+        error = beside.errors[name][0]
+        assert abs(beside.summaries[name][0] - alone.summaries[name][0]) <= error + alone.errors[name][0]
+        assert error <= 1e-7 * beside.summaries[name][0]
 
 
 RODS = np.random.default_rng(5).uniform(1.2, 6.0, 128)

@@ -192,6 +192,20 @@ def test_steady_motion__is_in_balance_at_every_instant_and_without_friction_what
     np.testing.assert_allclose(found[1e-12].fields["on.speed"], smooth.fields["on.speed"], rtol=0, atol=room + within)
 
 
+def test_motor_of_any_steepness__turns_a_rubbing_machine_as_at_constant_speed():
+    """Explicit steps would have to be as short as its time constant, of which a turn has millions."""
+    scene = rubbing({"on": steady("dc gravity")}, flywheel=0.0, speed=MOMENTS["dc"]["no_load_speed"])
+    scene |= {"forces": {}, "moments": {"dc": MOMENTS["dc"] | {"stall_moment": 1e8}}}
+    scene["regimes"]["on"]["off"] = []
+    found = ask(scene, "on.harmful_work on.implicit_steps friction_moment.mean")
+    assert found["on.implicit_steps"] == 1.0
+    # The speed gives way by some 1e-7 of it.
+    work, off = -2.0 * math.pi * found["friction_moment.mean"], found.figure("on.harmful_work")
+    assert found["on.harmful_work"] == pytest.approx(work, rel=1e-6, abs=off)
+    # Steps are judged by the speed, which a steep motor holds whatever the pairs take.
+    assert off <= 1e-3 * work
+
+
 def test_steady_motion_in_a_batch__has_the_same_bits_alone():
     """Steps are recorded together: their further stages must leave nothing behind for a lane whose step is refused.
 

@@ -141,3 +141,17 @@ def test_kink_of_a_load_on_a_steep_motor__is_followed_to_the_extremes_behind_it(
         assert (np.abs(found.values["on.speed_max"] - tops) <= error + 1e-12 * tops).all()
         # The tolerance of steps is relative to the load's work, a thousand times the energy here.
         assert (error <= 1e-6 * tops).all()
+
+
+@pytest.mark.parametrize("stall", [2e3, 2e6])
+def test_steep_motor_over_time__goes_as_over_the_angle(stall):
+    """Steps also begin at extremes of the speed, where nothing but the angle moves the stages on."""
+    names, regime = "go.angle go.final_speed go.speed_max go.motor_work", {"from_speed": 98.0, "time": 0.1}
+    angle, time = (
+        ask(slider_crank({"go": run("dc oil" + more, **regime)}, dc={"stall_moment": stall}), names)
+        for more in ("", " nothing")
+    )
+    for name in names.split():
+        assert abs(time[name] - angle[name]) <= 3 * (time.figure(name) + angle.figure(name)), name
+        # Steps in time are judged by the speed, not by the torque, which is steeper.
+        assert time.figure(name) <= (1e-6 if name == "go.motor_work" else 1e-9) * time[name], name
