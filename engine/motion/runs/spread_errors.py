@@ -43,5 +43,7 @@ def spread_errors(
             alone[i] = rows[i]
             changed = results_of(motion.shifted(nothing._replace(**{name: alone})))
             for result, value in known.items():
-                off[result] += np.abs(changed[result] - value)
+                change = np.abs(changed[result] - value)
+                # A result that a number's error makes undefined may be anything.
+                off[result] += np.where(np.isnan(change) & np.isfinite(value), np.inf, change)
     return off

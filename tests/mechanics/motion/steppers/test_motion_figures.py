@@ -1,11 +1,14 @@
 """Error figures of motion are honest; answers don't depend on threads or on the company of other variants."""
 
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 from motion_scenes import ask, run, slider_crank, steady
 
 from engine import Verdict
 from engine.compiling.threads import set_threads
+from engine.motion.runs.spread_errors import spread_errors
 
 REGIMES = {
     "start": run("dc fan gravity", speed=35.0),
@@ -131,3 +134,21 @@ def test_threads_and_company__change_nothing_to_the_last_bit(one_thread):
     for chosen in (slice(None), [0], [5, 60, 3]):
         some = {path: values[chosen] for path, values in machines.items()}
         assert not differing(together, ask(scene, " ".join(NAMES), 60, varied=some), chosen)
+
+
+class Efficient(NamedTuple):
+    """A motion with a useful work, whose efficiency is undefined where that is negative."""
+
+    work: np.ndarray
+
+    def shifted(self, errors: "Efficient") -> "Efficient":
+        return Efficient(self.work + errors.work)
+
+    def results(self) -> dict[str, np.ndarray]:
+        return {"efficiency": np.where(self.work >= 0.0, self.work / 8.0, np.nan)}
+
+
+def test_result_that_an_error_makes_undefined__may_be_anything():
+    motion, errors = Efficient(np.array([1.0, 1e-12, -1.0])), Efficient(np.array([0.5, -2e-12, 0.5]))
+    found = spread_errors(motion, errors, Efficient.results, lambda name: True)["efficiency"]
+    np.testing.assert_array_equal(found, [0.0625, np.inf, np.nan])
