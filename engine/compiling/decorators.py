@@ -53,7 +53,7 @@ class Law:
     @cached_property
     def compiled(self) -> Callable:
         """The function compiled by Numba."""
-        return _kept(self.py_func, self._rules, forceinline=True)
+        return _kept(self.py_func, self._rules, forceinline=True, no_cpython_wrapper=True, **_plain())
 
     @property
     def _numba_type_(self) -> object:
