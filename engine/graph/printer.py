@@ -2,8 +2,8 @@
 
 There are two orders of loops. Functions in lanes fill a tile of positions × lanes, with one variant in each lane;
 summaries are computed from them. Functions over positions fill the rows of one variant after another; kept fields are
-computed from them. Laws are compiled by Numba; inferring the types of what is printed here would take it longer than
-all else, as thousands of names are numbers.
+computed from them. Numba compiles the laws, but not what is printed here: it would spend most of its time on finding
+that thousands of names are numbers.
 
 Rows don't overlap and no position depends on another, so the loops are declared parallel: the compiler computes several
 lanes or positions by one instruction without proving that it may.

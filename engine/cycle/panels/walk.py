@@ -135,9 +135,9 @@ LAST_ONES = 0.1
 FLOOR, MOST = 1e-7, 200
 # Coefficients are level for a feature narrower than the panel, or for rounding. Rounding is measured: a position shared
 # by two panels is computed from each panel's middle, and values there differ by the rounding of the position's
-# direction and of everything that follows. A remainder up to this multiple of the difference counts as rounding. Beside
-# φ = 0 the direction has no rounding; there two panels of minimum length in a row, both with level coefficients, show
-# that of what follows.
+# direction and of everything that follows. A remainder up to this multiple of the difference counts as rounding. Near
+# φ = 0 the direction is exact, so the difference is 0: there the remainder itself is taken for rounding if two
+# successive panels of minimum length have level coefficients.
 LEFT_BY_ROUNDING = 32.0
 # A panel may exceed the wanted length by this fraction, so that no sliver is left before the next edge.
 STRETCH = 1e-9
