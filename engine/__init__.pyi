@@ -14,7 +14,7 @@ from engine.elements.bodies.wound_flywheel import wound_stresses
 from engine.elements.cams.cam import CamElement
 from engine.elements.cams.cam_curves import CamCurves, cam_curves
 from engine.elements.compliances.compliance import ComplianceElement
-from engine.elements.element import Element, ElementResult, Rank, element_kinds
+from engine.elements.element import Element, element_kinds
 from engine.elements.engines.engine import SHOWN_ORDERS, EngineElement, shaken, torque_orders
 from engine.elements.engines.engine_layout import (
     Engine,
@@ -119,7 +119,7 @@ from engine.parts.skeleton import (
 )
 from engine.parts.skeleton import Number as PlainNumber
 from engine.parts.skeleton import Part as ScenePart
-from engine.quantities.quantity import STATISTICS, InputUnits, Quantity, drive_words, has_cycle
+from engine.quantities.register import InputUnits, drive_words
 from engine.scene.attachments import guide_of, places_on
 from engine.scene.names import definitions as definitions_of_names
 from engine.scene.pairs import Pair, holder_of, mesh_driver
@@ -164,6 +164,7 @@ from engine.units.reading import (
 from engine.units.standard_sizes import STANDARD_SIZES
 from engine.warnings import is_warning
 from engine.warnings.kinds import KINDS as WARNING_KINDS
+from engine.words.quantity import STATISTICS, Quantity, Rank
 from engine.words.verdicts import Verdict
 
 __version__: str
@@ -206,7 +207,6 @@ __all__ = [
     "DriveRun",
     "DrivingCam",
     "Element",
-    "ElementResult",
     "ElementsAlone",
     "Engine",
     "EngineElement",
@@ -326,7 +326,6 @@ __all__ = [
     "group_links",
     "guide_edge_forces",
     "guide_of",
-    "has_cycle",
     "history",
     "history_fields",
     "holder_of",

@@ -9,7 +9,6 @@ An element is separate from the mechanism, if there is one: it has its own load,
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from enum import IntEnum
 from functools import cache, cached_property
 from importlib import import_module
 from pathlib import Path
@@ -26,6 +25,7 @@ from engine.elements.panels import Curve, Mark, Panel, PanelAxis, bounded
 from engine.laws.rounding import EPS, NUDGE
 from engine.parts.skeleton import Part
 from engine.units.dimensions import described
+from engine.words.quantity import Quantity
 from engine.words.verdicts import Verdict
 
 Numbers = Mapping[str, np.ndarray]
@@ -39,49 +39,17 @@ ROUNDING = 16
 PLACES, _MOST_PANELS = 201, 4
 
 
-class Rank(IntEnum):
-    """Importance of a result to the engineer: a main result, a further one, or a check of the others."""
-
-    ANSWER = 0
-    FURTHER = 1
-    CHECK = 2
-
-
-class ElementResult(NamedTuple):
-    """A result of a law: name, meaning, unit, and whether it may be undefined.
-
-    A result that is `exact` (yes or no) has no error estimate.
-    """
-
-    name: str
-    long_name: str
-    units: str
-    may_be_undefined: bool = False
-    exact: bool = False
-    rank: Rank = Rank.ANSWER
-
-
-def further(*given: Any, **others: Any) -> ElementResult:
-    """A result that is not a main one; parameters as for `ElementResult`."""
-    return ElementResult(*given, rank=Rank.FURTHER, **others)
-
-
-def check_result(*given: Any, **others: Any) -> ElementResult:
-    """A result that checks the others; parameters as for `ElementResult`."""
-    return ElementResult(*given, rank=Rank.CHECK, **others)
-
-
-def named_in_order(results: Iterable[ElementResult], rows: Iterable[np.ndarray]) -> Columns:
+def named_in_order(results: Iterable[Quantity], rows: Iterable[np.ndarray]) -> Columns:
     """Rows in the order of results, by the names of these."""
     return dict(zip((result.name for result in results), rows, strict=True))
 
 
-def by_name(results: Mapping[ElementResult, np.ndarray]) -> Columns:
+def by_name(results: Mapping[Quantity, np.ndarray]) -> Columns:
     """Rows by the names of their results."""
     return {result.name: row for result, row in results.items()}
 
 
-NamedRows = Iterator[tuple[ElementResult, Measured | np.ndarray]]
+NamedRows = Iterator[tuple[Quantity, Measured | np.ndarray]]
 
 
 class Answers(NamedTuple):
@@ -132,7 +100,7 @@ class Element(Part):
 
     @cached_property
     @np.errstate(all="ignore")
-    def results(self) -> tuple[ElementResult, ...]:
+    def results(self) -> tuple[Quantity, ...]:
         """Results available with the keys given, as named with the element's own numbers."""
         return tuple(result for result, _ in self.named(self.own_numbers()))
 

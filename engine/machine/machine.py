@@ -11,7 +11,7 @@ from engine import elements, machine, motion, warnings
 from engine.compiling.blocks import LANES
 from engine.compiling.threads import on_all_threads, threads
 from engine.cycle.measured import UNKNOWN_ROOT, Measured
-from engine.elements.element import Element, Rank
+from engine.elements.element import Element
 from engine.graph.nodes import Found, Node, Return, reached
 from engine.machine.checks import (
     allowed_share,
@@ -30,10 +30,10 @@ from engine.mechanism.mechanics import Mechanics
 from engine.parts.skeleton import CrankInput
 from engine.quantities.expressions import Angle, Expression, Followed, Speed, Work
 from engine.quantities.machine import register_of
-from engine.quantities.quantity import STATISTICS, Quantity
 from engine.quantities.register import Field, Summary
 from engine.scene import structure
 from engine.scene.scene import Numbers, Scene, scene_numbers
+from engine.words.quantity import STATISTICS, Quantity, Rank
 from engine.words.verdicts import Verdict
 
 # Errors of quantities that vanish identically: differences of two roots.

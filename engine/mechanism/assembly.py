@@ -166,7 +166,7 @@ class Assembly:
     @property
     def has_cycle(self) -> bool:
         """Whether the input turns fully, so that the machine has a closed cycle."""
-        return self.scene.input.turns_fully
+        return self.scene.has_cycle
 
     def turns(self, link: str) -> Node:
         """Turns of a link over the cycle, relative to the reference of its angle; 0 without a cycle."""

@@ -22,7 +22,6 @@ from engine.motion.quantities import (
 )
 from engine.motion.runs.run_progress import TOLERANCE as RUN_TOLERANCE
 from engine.parts.regimes import RunRegime, run_keys
-from engine.quantities.quantity import has_cycle
 from engine.scene.pairs import has_friction, own_drives
 from engine.scene.scene import Numbers, SceneError
 
@@ -118,7 +117,7 @@ class AskedRegimes:
                 continue
             timed = self.dynamics[frozenset(regime.off)].timed
             there = {
-                "an input that doesn't turn fully": not has_cycle(self.scene),
+                "an input that doesn't turn fully": not self.scene.has_cycle,
                 "the two speeds of a coupling": bool(self.sides),
                 "friction in pairs": has_friction(self.scene),
                 "a second input with a drive of its own": bool(own_drives(self.scene)),

@@ -5,17 +5,16 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.running import of_all
-from engine.elements.element import Rank
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.bodies import OF_FLUCTUATION
 from engine.parts.motors import InductionMotor, Motor
 from engine.parts.regimes import Regime
 from engine.parts.skeleton import CrankInput, SliderInput
 from engine.quantities.chapters import inertia, reactions
-from engine.quantities.quantity import STATISTICS, Quantity, called, has_cycle
 from engine.quantities.register import Field
 from engine.scene.pairs import has_friction, own_drives
 from engine.scene.scene import Scene
+from engine.words.quantity import STATISTICS, Quantity, Rank, called
 
 # Kinds of power, by the channel that supplies or absorbs it.
 POWERS = ("driving_power", "useful_power", "harmful_power", "braking_power", "other_power")
@@ -88,7 +87,7 @@ MEAN_SPEED = {"{shaft}_mean_speed": ("mean angular speed of shaft {shaft} in {na
 # Summaries of a run with a coupling, open or not.
 AT_TWO_SPEEDS = {"{shaft}_final_speed": ("angular speed of shaft {shaft} at the end of {name}", "rad s-1")}
 # Summaries that may be undefined: a coasting machine has no driving work, a clutch may never lock.
-MAY_BE_UNDEFINED = (".efficiency", "_lock_up_time", "_lock_up_speed")
+MAY_BE_UNDEFINED = ("efficiency", "{coupling}_lock_up_time", "{coupling}_lock_up_speed")
 FIELDS = {
     "speed": ("angular speed of the input link in {name}", "rad s-1"),
     "acceleration": ("angular acceleration of the input link in {name}", "rad s-2"),
@@ -189,7 +188,13 @@ def _made(scene: Scene, name: str, table: dict[str, tuple[str, str]]) -> list[Qu
     if isinstance(scene.input, SliderInput):
         table = {SLIDING.get(key, key): of_sliding(*row) for key, row in table.items()}
     return [
-        Quantity(f"{name}.{key}", words.format(name=name), unit, rank=Rank.CHECK if key in CHECKS else Rank.FURTHER)
+        Quantity(
+            f"{name}.{key}",
+            words.format(name=name),
+            unit,
+            key in MAY_BE_UNDEFINED,
+            rank=Rank.CHECK if key in CHECKS else Rank.FURTHER,
+        )
         for key, (words, unit) in table.items()
     ]
 
@@ -211,7 +216,7 @@ def motion_summaries(scene: Scene) -> list[Quantity]:
     """Summaries of the regimes of a scene."""
     found: list[Quantity] = []
     for name, regime in scene.regimes.items():
-        limited = {} if has_cycle(scene) else WITHIN_RANGE
+        limited = {} if scene.has_cycle else WITHIN_RANGE
         if own_drives(scene):
             # At an impact other drives give energy, too.
             limited = {key: row for key, row in limited.items() if key != "impact_energy"}
@@ -262,7 +267,8 @@ def _of_couplings(scene: Scene, name: str) -> list[Quantity]:
             table = COUPLED | (CLUTCHED if model.type == "friction_clutch" else FLUID) | table
         words = {"name": name, "coupling": coupling, "shaft": model.shaft}
         found += [
-            Quantity(f"{name}.{k.format(**words)}", text.format(**words), unit) for k, (text, unit) in table.items()
+            Quantity(f"{name}.{key.format(**words)}", text.format(**words), unit, key in MAY_BE_UNDEFINED)
+            for key, (text, unit) in table.items()
         ]
     return found
 

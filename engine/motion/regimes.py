@@ -9,7 +9,6 @@ from engine.graph.nodes import Node
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.quantities import (
     EFFICIENCY_NOW,
-    MAY_BE_UNDEFINED,
     Asked,
     KeptAt,
     cycle_statistics,
@@ -19,9 +18,10 @@ from engine.motion.quantities import (
     motion_summaries,
     run_extremes,
 )
-from engine.quantities.quantity import InputUnits, Quantity
+from engine.quantities.register import InputUnits
 from engine.scene.scene import Numbers
 from engine.stepping.system import compile_walks_ahead
+from engine.words.quantity import Quantity
 from engine.words.verdicts import Verdict
 
 
@@ -98,7 +98,7 @@ class Regimes:
         found = self.in_order.answers(numbers, count)
         missing = np.zeros(count, bool)
         for name, value in found.values.items():
-            if not name.endswith(MAY_BE_UNDEFINED):
+            if not self.summaries[name].may_be_undefined:
                 missing |= ~np.isfinite(value)
         verdict = np.where(missing & (found.verdict == Verdict.OK), Verdict.NOT_FINITE, found.verdict)
         return found._replace(verdict=verdict.astype(np.uint8))

@@ -4,9 +4,9 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import NamedTuple, TypeVar
 
-from engine.elements.element import Rank
 from engine.graph.nodes import Node
 from engine.mechanism.mechanics import Mechanics
+from engine.parts.skeleton import CrankInput
 from engine.quantities.expressions import (
     Average,
     Expression,
@@ -23,8 +23,45 @@ from engine.quantities.expressions import (
     sqrt,
     square_of,
 )
-from engine.quantities.quantity import STATISTICS, InputUnits, Quantity
 from engine.scene.load_formulas import NOTHING_REPEATS, time_dependent
+from engine.scene.scene import Scene
+from engine.words.quantity import STATISTICS, Quantity, Rank
+
+
+class InputUnits(NamedTuple):
+    """Units that depend on the input: of its coordinate q, of reduced inertia and moment, and of 1/q.
+
+    `symbols` are those of its coordinate, of its speed, and of reduced moments.
+    """
+
+    q: str
+    inertia: str
+    moment: str
+    per_q: str
+    symbols: tuple[str, str, str]
+
+    @classmethod
+    def of(cls, scene: Scene) -> "InputUnits":
+        """Units for a scene's input: angle and moments for a crank, displacement and forces for a slider."""
+        if isinstance(scene.input, CrankInput):
+            return cls("rad", "kg m2", "N m", "rad-1", ("φ", "ω", "M"))
+        return cls("m", "kg", "N", "m-1", ("q", "v", "F"))
+
+    @property
+    def speed(self) -> str:
+        """Unit of the input speed."""
+        return f"{self.q} s-1"
+
+    @property
+    def acceleration(self) -> str:
+        """Unit of the input acceleration."""
+        return f"{self.q} s-2"
+
+
+def drive_words(scene: Scene) -> str:
+    """Name of the drive torque or force for constant input speed."""
+    return f"drive {'torque' if isinstance(scene.input, CrankInput) else 'force'} for constant speed"
+
 
 Known = TypeVar("Known")
 
@@ -62,7 +99,7 @@ class Field(NamedTuple):
     @property
     def quantity(self) -> Quantity:
         """Its description."""
-        return Quantity(self.name, self.long_name, self.units, self.symbol, self.rank)
+        return Quantity(self.name, self.long_name, self.units, symbol=self.symbol, rank=self.rank)
 
 
 class Summary(NamedTuple):
@@ -91,7 +128,9 @@ class Summary(NamedTuple):
     @property
     def quantity(self) -> Quantity:
         """Its description."""
-        return Quantity(self.name, self.long_name, self.units, self.symbol, self.rank)
+        return Quantity(
+            self.name, self.long_name, self.units, self.may_be_undefined, symbol=self.symbol, rank=self.rank
+        )
 
 
 Declared = Iterator[Field | Summary]

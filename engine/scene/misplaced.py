@@ -145,7 +145,7 @@ def _angle_tables(scene: Scene) -> Iterator[Problem]:
 
 def _closed_tables(scene: Scene) -> Iterator[Problem]:
     """Tables over the angle that don't close over the cycle of a crank that turns fully."""
-    if not scene.input.turns_fully:
+    if not scene.has_cycle:
         return
     for at, ordinate, action in _tables_over_angle(scene):
         if action.gives("outside"):
@@ -240,7 +240,7 @@ def _couplings(scene: Scene) -> Iterator[Problem]:
         speed = f"shaft {shaft!r} turns at a speed of its own, by coupling {name!r}"
         if i > 0:
             yield f"couplings.{name}", "a machine goes at two speeds at most: leave one coupling"
-        elif scene.regimes and not scene.input.turns_fully:
+        elif scene.regimes and not scene.has_cycle:
             message = "motion at two speeds needs a crank that turns fully; leave it, or input.start and input.stop"
             yield f"couplings.{name}", message
         elif scene.shafts[shaft].pivot is not None:

@@ -116,6 +116,11 @@ class Scene(Part, metaclass=_RefusedInWords):
     wanted: dict[Name, WantedMotion] = {}
     elements: dict[Name, MachineElement] = {}
 
+    @property
+    def has_cycle(self) -> bool:
+        """Whether the input turns fully, so that the machine has a closed cycle."""
+        return self.input is not None and self.input.turns_fully
+
     def __repr__(self) -> str:
         title = f" {self.title!r}" if self.title else ""
         drive = [f"input {self.input.link}"] if self.input else []
@@ -160,7 +165,7 @@ class Scene(Part, metaclass=_RefusedInWords):
         rest = any(getattr(self, key) != field.default for key, field in fields.items())
         if self.input is None and (rest or not self.elements):
             raise ValueError("input is missing: only machine elements do without a mechanism")
-        if self.input is None or not self.input.turns_fully:
+        if not self.has_cycle:
             for name, element in self.elements.items():
                 key, why = element.machine_needed()
                 if why:

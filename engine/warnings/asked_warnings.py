@@ -6,11 +6,11 @@ from functools import reduce
 import numpy as np
 
 from engine.cycle.measured import Measured
-from engine.quantities.quantity import Quantity
 from engine.scene.scene import Numbers, Scene
 from engine.warnings import COUNT, is_warning
 from engine.warnings.kinds import KINDS, rules_by_kind
 from engine.warnings.rule import Rule
+from engine.words.quantity import Quantity
 from engine.words.verdicts import Verdict
 
 

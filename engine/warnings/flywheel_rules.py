@@ -8,7 +8,6 @@ from engine import elements
 from engine.cycle.measured import Measured
 from engine.parts.bodies import WheelForm
 from engine.parts.regimes import RunRegime
-from engine.quantities.quantity import has_cycle
 from engine.scene.scene import Numbers, Scene
 from engine.warnings.rule import Rule, limit_of
 
@@ -19,7 +18,7 @@ def _wheel_of(scene: Scene) -> WheelForm | None:
     """The flywheel's form, if its sizes can be computed."""
     flywheel = scene.flywheel
     sized = flywheel is not None and (flywheel.inertia is not None or flywheel.speed_fluctuation is not None)
-    return flywheel.wheel if sized and has_cycle(scene) else None
+    return flywheel.wheel if sized and scene.has_cycle else None
 
 
 def rim_speed_rules(scene: Scene) -> Iterator[Rule]:
@@ -72,7 +71,7 @@ def rim_width_rules(scene: Scene) -> Iterator[Rule]:
 
 def negative_flywheel_rules(scene: Scene) -> Iterator[Rule]:
     """Flywheel of an asked speed fluctuation that the machine keeps without one."""
-    if scene.flywheel is None or scene.flywheel.speed_fluctuation is None or not has_cycle(scene):
+    if scene.flywheel is None or scene.flywheel.speed_fluctuation is None or not scene.has_cycle:
         return
     sentence = (
         "the inertia for this speed_fluctuation is {value}, below {limit}: the machine runs evenly enough "
@@ -84,7 +83,7 @@ def negative_flywheel_rules(scene: Scene) -> Iterator[Rule]:
 def flywheel_ratio_rules(scene: Scene) -> Iterator[Rule]:
     """Inertia of the flywheel over that of the machine."""
     flywheel = scene.flywheel
-    if flywheel is None or (flywheel.inertia is None and flywheel.speed_fluctuation is None) or not has_cycle(scene):
+    if flywheel is None or (flywheel.inertia is None and flywheel.speed_fluctuation is None) or not scene.has_cycle:
         return
 
     def judge(n: Numbers, used: Measured, machine: Measured) -> tuple[object, object]:
@@ -106,7 +105,7 @@ def run_flywheel_rules(scene: Scene) -> Iterator[Rule]:
     """Runs of a machine whose flywheel is sized for steady running only."""
     flywheel, runs = scene.flywheel, [n for n, regime in scene.regimes.items() if isinstance(regime, RunRegime)]
     sized = flywheel is not None and flywheel.inertia is None and flywheel.speed_fluctuation is not None
-    if not (runs and sized and has_cycle(scene)):
+    if not (runs and sized and scene.has_cycle):
         return
     sentence = (
         f"{' and '.join(runs)} {'is' if len(runs) == 1 else 'are'} computed without the {{value}} that "

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from engine import NowhereDefinedError, display_unit, has_cycle, order_groups, quantity_text
+from engine import NowhereDefinedError, display_unit, order_groups, quantity_text
 from sweeps.pictures.drawing import FILLS, DrawnMotion, MovingDrawing, MovingFigure, bounds, moving_drawing
 from sweeps.pictures.drawing.annotations import LONGEST, NOTHING
 from sweeps.pictures.drawing.figures import default_position
@@ -57,7 +57,7 @@ def motion_data(motion: DrawnMotion, intervals: int = INTERVALS, arrows: bool = 
         A position can't be drawn.
     """
     drawing = moving_drawing(motion, intervals)
-    paper, closed = _Paper(drawing, motion.radius), has_cycle(motion.scene)
+    paper, closed = _Paper(drawing, motion.radius), motion.scene.has_cycle
     axis = input_axis(motion.scene)
     factor, unit = display_unit(axis.unit, motion.q)
     last = motion.q[-1] + (motion.q[1] - motion.q[0] if closed else 0.0)

@@ -85,7 +85,7 @@ def readings_at(scene: engine.Scene, at: Sequence[float] | int, names: Sequence[
 def _in_range(scene: engine.Scene, at: np.ndarray) -> np.ndarray:
     """Positions within the cycle or the input's range."""
     drive = scene.input
-    if engine.has_cycle(scene):
+    if scene.has_cycle:
         return np.mod(at, math.tau * drive.revolutions)
     shares = (at - drive.start) / (drive.stop - drive.start)
     if ((shares < -_ROUNDING) | (shares > 1 + _ROUNDING)).any():

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 import engine
-from engine import InputUnits, RunRegime, Scene, Verdict, has_cycle, quantity_text, run_keys
+from engine import InputUnits, RunRegime, Scene, Verdict, quantity_text, run_keys
 
 # Verdicts of motion.
 MOTION_VERDICTS = (
@@ -113,7 +113,7 @@ def _stands(scene: Scene, seen: "engine.History") -> str:
     drive = way * float(seen.motor_moment[-1] + seen.load_moments["driving"][-1])
     loads = -way * float(sum(row[-1] for channel, row in seen.load_moments.items() if channel != "driving"))
     units, at = InputUnits.of(scene), float(seen.angle[-1])
-    place = f"{units.symbols[0]} = {quantity_text(at % math.tau if has_cycle(scene) else at, units.q)}"
+    place = f"{units.symbols[0]} = {quantity_text(at % math.tau if scene.has_cycle else at, units.q)}"
     after = f"comes to rest at {place} after {quantity_text(float(seen.time[-1]), 's')}" if seen.time[-1] > 0 else ""
     pair, keys = (quantity_text(moment, units.moment) for moment in (drive, loads)), run_keys(scene.input)
     moments = "{} drives it there, {} holds it (at the {})".format(*pair, "crank" if units.q == "rad" else "input")
@@ -124,7 +124,7 @@ def _stands(scene: Scene, seen: "engine.History") -> str:
 def _no_end(scene: Scene, name: str, seen: "engine.History") -> str:
     """How a run fails to end."""
     regime, key, chosen = scene.regimes[name], f"regimes.{name}", seen.regime == name
-    if not has_cycle(scene):
+    if not scene.has_cycle:
         return _no_end_in_range(scene, regime, seen)
     turn = math.tau * scene.input.revolutions
     angle, speed = np.abs(seen.angle[chosen] - seen.angle[chosen][0]), np.abs(seen.speed[chosen])

@@ -182,7 +182,7 @@ def _summaries_text(result: SweepResult, variant: int, every: bool) -> str:
 
 def _cycle_words(scene: engine.Scene) -> str:
     speed = engine.quantity_text(abs(scene.input.speed), engine.InputUnits.of(scene).speed)
-    if not engine.has_cycle(scene):
+    if not scene.has_cycle:
         return f"over its range at constant {speed}"
     braked = any(isinstance(moment, engine.Brake) for moment in scene.moments.values())
     return f"cycle at {speed}, constant drive torque, all loads{' except brakes' if braked else ''}"

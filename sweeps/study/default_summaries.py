@@ -67,7 +67,7 @@ def _run_keys(scene: engine.Scene, regime: engine.RunRegime) -> list[str]:
     given = regime.rest or getattr(regime, engine.run_keys(scene.input).speed) is not None
     keys = ["time", "angle" if isinstance(scene.input, engine.CrankInput) else "displacement"]
     keys += [] if given else ["final_speed", *_SPEEDS]
-    return keys if engine.has_cycle(scene) else [*keys, "final_position", "end_reached", "impact_energy"]
+    return keys if scene.has_cycle else [*keys, "final_position", "end_reached", "impact_energy"]
 
 
 def _work_keys(has_motors: bool, roles: set[str]) -> list[str]:

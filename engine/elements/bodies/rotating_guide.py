@@ -19,9 +19,10 @@ import numpy as np
 from pydantic import Field
 
 from engine.cycle.regula_falsi import regula_falsi
-from engine.elements.element import Element, ElementResult, NamedRows, Numbers
+from engine.elements.element import Element, NamedRows, Numbers
 from engine.elements.panels import TIME, Curve, Mark, Panel, PanelAxis, path, plan
 from engine.parts.skeleton import AngularSpeed, Length, Mass, Number, Speed
+from engine.words.quantity import main_result
 
 # Samples of a curve; number of lever positions drawn.
 _SHOWN, _LEVERS = 721, 8
@@ -64,22 +65,22 @@ class RotatingGuide(Element):
         turned = turned - (slid - way) / rate
         rate = w * _slides_out(*own, turned)[1]
         squares, time = w * _squares(*own, turned), turned / w
-        yield ElementResult("time", "time to the end of the lever", "s"), time
-        yield ElementResult("turned_angle", "angle by which the lever turns meanwhile", "rad"), turned
-        yield ElementResult("relative_speed", "speed along the lever at its end", "m s-1"), rate
+        yield main_result("time", "time to the end of the lever", "s"), time
+        yield main_result("turned_angle", "angle by which the lever turns meanwhile", "rad"), turned
+        yield main_result("relative_speed", "speed along the lever at its end", "m s-1"), rate
         words = "speed of the body as it leaves the lever"
-        yield ElementResult("absolute_speed", words, "m s-1"), np.hypot(rate, w * there)
+        yield main_result("absolute_speed", words, "m s-1"), np.hypot(rate, w * there)
         words = "angle between its path and the lever there"
-        yield ElementResult("leaving_angle", words, "rad"), np.arctan2(w * there, rate)
-        yield ElementResult("start_reaction", "reaction of the lever at the start", "N"), 2.0 * mass * w * velocity
-        yield ElementResult("reaction", "peak reaction of the lever, at its end", "N"), 2.0 * mass * w * rate
+        yield main_result("leaving_angle", words, "rad"), np.arctan2(w * there, rate)
+        yield main_result("start_reaction", "reaction of the lever at the start", "N"), 2.0 * mass * w * velocity
+        yield main_result("reaction", "peak reaction of the lever, at its end", "N"), 2.0 * mass * w * rate
         words = "centrifugal force of inertia at the end of the lever"
-        yield ElementResult("centrifugal_force", words, "N"), mass * w**2 * there
+        yield main_result("centrifugal_force", words, "N"), mass * w**2 * there
         words = "peak torque that turns the lever, at its end"
-        yield ElementResult("moment", words, "N m"), 2.0 * mass * w * rate * there
+        yield main_result("moment", words, "N m"), 2.0 * mass * w * rate * there
         work = mass * w**2 * (there - start) * (there + start)
-        yield ElementResult("work", "work done on the lever", "J"), work
-        yield ElementResult("friction_work", "work lost by friction", "J"), 2.0 * friction * mass * w * squares
+        yield main_result("work", "work done on the lever", "J"), work
+        yield main_result("friction_work", "work lost by friction", "J"), 2.0 * friction * mass * w * squares
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """The path seen from above; distance from the axis and reaction over the time to the end of the lever."""

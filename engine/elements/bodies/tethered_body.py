@@ -21,10 +21,11 @@ from pydantic import Field
 from scipy.integrate import solve_ivp
 
 from engine.cycle.regula_falsi import regula_falsi
-from engine.elements.element import Element, ElementResult, NamedRows, Numbers
+from engine.elements.element import Element, NamedRows, Numbers
 from engine.elements.panels import VELOCITY, Curve, Mark, Panel, PanelAxis, circle, path, plan
 from engine.parts.actions import Force, Stiffness
 from engine.parts.skeleton import Length, Mass, Speed
+from engine.words.quantity import main_result
 
 # Samples of a curve.
 _SHOWN = 721
@@ -57,20 +58,20 @@ class TetheredBody(Element):
         last = strength / stiffness
         by_spin_up = np.sqrt(strength * (length + last) / mass)
         by_impulse = (length + last) * np.sqrt(strength / (mass * (2.0 * length + last)))
-        yield ElementResult("impulse", "impulse that gives the speed at once", "N s"), mass * speed
-        yield ElementResult("impulse_stretch", "peak stretch of the tie after the impulse", "m"), stretch
-        yield ElementResult("impulse_force", "peak force in the tie after the impulse", "N"), stiffness * stretch
-        yield ElementResult("spin_up_stretch", "stretch of the tie, spun up slowly to the speed", "m"), slow
-        yield ElementResult("spin_up_force", "force in the tie, spun up slowly to the speed", "N"), stiffness * slow
+        yield main_result("impulse", "impulse that gives the speed at once", "N s"), mass * speed
+        yield main_result("impulse_stretch", "peak stretch of the tie after the impulse", "m"), stretch
+        yield main_result("impulse_force", "peak force in the tie after the impulse", "N"), stiffness * stretch
+        yield main_result("spin_up_stretch", "stretch of the tie, spun up slowly to the speed", "m"), slow
+        yield main_result("spin_up_force", "force in the tie, spun up slowly to the speed", "N"), stiffness * slow
         words = "peak force after the impulse over that of a slow spin-up"
-        yield ElementResult("dynamic_factor", words, "1"), stretch / slow
+        yield main_result("dynamic_factor", words, "1"), stretch / slow
         words = "speed at which the tie bursts, given by an impulse"
-        yield ElementResult("impulse_burst_speed", words, "m s-1"), by_impulse
-        yield ElementResult("spin_up_burst_speed", "speed at which the tie bursts, spun up slowly", "m s-1"), by_spin_up
+        yield main_result("impulse_burst_speed", words, "m s-1"), by_impulse
+        yield main_result("spin_up_burst_speed", "speed at which the tie bursts, spun up slowly", "m s-1"), by_spin_up
         words = "whether the impulse bursts the tie (1 or 0)"
-        yield ElementResult("bursts_by_impulse", words, "1", exact=True), (speed > by_impulse).astype(float)
+        yield main_result("bursts_by_impulse", words, "1", exact=True), (speed > by_impulse).astype(float)
         words = "whether a slow spin-up to the speed bursts the tie (1 or 0)"
-        yield ElementResult("bursts_by_spin_up", words, "1", exact=True), (speed > by_spin_up).astype(float)
+        yield main_result("bursts_by_spin_up", words, "1", exact=True), (speed > by_spin_up).astype(float)
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """The path after the impulse, and the peak tie force over the speed."""

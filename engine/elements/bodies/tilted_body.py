@@ -14,10 +14,11 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Answers, Element, ElementResult, NamedRows, Numbers, nudged
+from engine.elements.element import Answers, Element, NamedRows, Numbers, nudged
 from engine.elements.panels import Panel, path, plan
 from engine.laws.rounding import EPS
 from engine.parts.skeleton import Angle, AngularSpeed, Faults, Inertia, Length, Mass, Positive
+from engine.words.quantity import main_result
 
 MOMENTS = ("inertia_x", "inertia_y", "inertia_z")
 SEMI_AXES = ("semi_axis_x", "semi_axis_y", "semi_axis_z")
@@ -83,20 +84,20 @@ class TiltedBody(Element):
         defined = np.where(sound, 1.0, math.nan)
         for i, axis in enumerate("xyz"):
             words = f"moment of inertia about the fixed {axis} axis"
-            yield ElementResult(f"fixed_inertia_{axis}", words, "kg m2"), fixed[:, i, i] * defined
+            yield main_result(f"fixed_inertia_{axis}", words, "kg m2"), fixed[:, i, i] * defined
         for name, product in zip(_PRODUCTS, products, strict=True):
             words = f"product of inertia {name[-2:]} of the fixed axes"
-            yield ElementResult(f"fixed_{name}", words, "kg m2"), product * defined
+            yield main_result(f"fixed_{name}", words, "kg m2"), product * defined
         for (name, size), row in zip(_PRINCIPAL.items(), principal.T[::-1], strict=True):
-            yield ElementResult(name, f"{size} principal moment of inertia", "kg m2"), row * defined
+            yield main_result(name, f"{size} principal moment of inertia", "kg m2"), row * defined
         words = "angle between the fixed z axis and the nearest principal axis"
-        yield ElementResult("principal_tilt", words, "rad"), tilt * defined
+        yield main_result("principal_tilt", words, "rad"), tilt * defined
         if "speed" in n:
             square = n["speed"] ** 2 * defined
             words = "couple of the inertia forces on the bearings of the fixed z axis"
-            yield ElementResult("tilting_couple", words, "N m"), square * np.hypot(products[1], products[2])
+            yield main_result("tilting_couple", words, "N m"), square * np.hypot(products[1], products[2])
             words = "force of inertia of the centre of mass"
-            yield ElementResult("centrifugal_force", words, "N"), mass * square * np.hypot(n["x"], n["y"])
+            yield main_result("centrifugal_force", words, "N"), mass * square * np.hypot(n["x"], n["y"])
 
     def evaluate(self, n: Numbers) -> Answers:
         """Results with error estimates, which contain the rounding of the terms that cancel in them, and verdicts."""

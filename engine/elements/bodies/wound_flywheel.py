@@ -23,11 +23,12 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Element, ElementResult, NamedRows, Numbers
+from engine.elements.element import Element, NamedRows, Numbers
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.elements.sampled_peak import sampled_peak
 from engine.laws.masses.link_inertia import ring_inertia
 from engine.parts.skeleton import AngularSpeed, Number, Positive, Pressure, quantity
+from engine.words.quantity import main_result
 
 _PLACES, _SHOWN = 257, 721
 
@@ -75,26 +76,26 @@ class WoundFlywheel(Element):
         spun = 2.0 * spin * (b**2 + (1.0 - nu) / (3.0 + nu) * a**2)
         parting = np.sqrt(4.0 * tension / ((3.0 + nu) * n["density"] * (b - a) * (b + a)))
         at_bore = spun - tension * about
-        yield ElementResult("mass", "mass of the wheel", "kg"), mass
-        yield ElementResult("inertia", "moment of inertia", "kg m2"), inertia
-        yield ElementResult("energy", "kinetic energy at the speed", "J"), energy
-        yield ElementResult("energy_per_mass", "kinetic energy by mass", "J kg-1"), energy / mass
-        yield ElementResult("rim_speed", "speed of the outer radius", "m s-1"), speed * b
-        yield ElementResult("winding_pressure", "pressure of the winding on the ring at rest", "Pa"), pressure
+        yield main_result("mass", "mass of the wheel", "kg"), mass
+        yield main_result("inertia", "moment of inertia", "kg m2"), inertia
+        yield main_result("energy", "kinetic energy at the speed", "J"), energy
+        yield main_result("energy_per_mass", "kinetic energy by mass", "J kg-1"), energy / mass
+        yield main_result("rim_speed", "speed of the outer radius", "m s-1"), speed * b
+        yield main_result("winding_pressure", "pressure of the winding on the ring at rest", "Pa"), pressure
         words = "hoop stress of the bore at rest, negative in compression"
-        yield ElementResult("rest_bore_stress", words, "Pa"), -tension * about
-        yield ElementResult("bore_stress", "hoop stress of the bore at the speed", "Pa"), at_bore
+        yield main_result("rest_bore_stress", words, "Pa"), -tension * about
+        yield main_result("bore_stress", "hoop stress of the bore at the speed", "Pa"), at_bore
         words = "hoop stress of the bore of such a wheel without winding"
-        yield ElementResult("plain_bore_stress", words, "Pa"), spun
-        yield ElementResult("layer_stress", "peak tension of the winding at the speed", "Pa"), stress
+        yield main_result("plain_bore_stress", words, "Pa"), spun
+        yield main_result("layer_stress", "peak tension of the winding at the speed", "Pa"), stress
         spun_off = spin * (b - c) * (b + c) * hollow
-        yield ElementResult("pressure", "pressure of the winding on the ring at the speed", "Pa"), pressure - spun_off
-        yield ElementResult("parting_speed", "speed from which on the outermost layer is loose", "rad s-1"), parting
+        yield main_result("pressure", "pressure of the winding on the ring at the speed", "Pa"), pressure - spun_off
+        yield main_result("parting_speed", "speed from which on the outermost layer is loose", "rad s-1"), parting
         loose = np.where(np.isnan(speed), math.nan, speed > parting)
-        yield ElementResult("parts", "whether layers are loose at the speed (1 or 0)", "1", exact=True), loose
+        yield main_result("parts", "whether layers are loose at the speed (1 or 0)", "1", exact=True), loose
         if "strength" in n:
             greatest = np.maximum(stress, at_bore)
-            yield ElementResult("strength_share", "peak tension over the strength", "1"), greatest / n["strength"]
+            yield main_result("strength_share", "peak tension over the strength", "1"), greatest / n["strength"]
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Hoop and radial stresses over the radius, at rest, at its speed, and at the speed of separation."""

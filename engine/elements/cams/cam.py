@@ -17,11 +17,12 @@ from engine.elements.cams.followers import CamLimits, LineContact, OscillatingFo
 from engine.elements.cams.least_base_circle import least_arm_angles, point_angle, room_at
 from engine.elements.cams.over_turn import Measures, PeakPlaces, Sought, measure
 from engine.elements.cams.positions import PEAK_FACTOR, at_positions, cam_variants, limit_radius, with_roundings
-from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, Rank, nudged
+from engine.elements.element import ROUNDING, Answers, Columns, Element, Numbers, nudged
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.laws.rounding import EPS
 from engine.parts.motion_programs import CamProgram, sections_of
 from engine.parts.skeleton import AngularSpeed, Faults, Positive
+from engine.words.quantity import Quantity, Rank, main_result
 from engine.words.verdicts import Verdict
 
 # The diagram omits curvatures above this multiple of the base circle's: they are infinite at edges.
@@ -47,7 +48,7 @@ class Result(NamedTuple):
     It is the maximum of these, or follows from it.
     """
 
-    result: ElementResult
+    result: Quantity
     lasting: Lasting
     with_impact: bool = True
     of: tuple[Sought, ...] = ()
@@ -81,7 +82,7 @@ class CamElement(CamProgram, Element):
             yield "limits.pressure_angle: a flat face has none; give limits.convex_radius alone"
 
     @cached_property
-    def results(self) -> tuple[ElementResult, ...]:
+    def results(self) -> tuple[Quantity, ...]:
         """Results for shape and motion, for forces if the follower's mass is known, and for the limits."""
         return tuple(made.result for made in _results(self))
 
@@ -292,7 +293,7 @@ def _result(
     name: str, words: str, unit: str, when: tuple[Lasting, bool] = (Lasting.ALWAYS, True), of: tuple[Sought, ...] = ()
 ) -> Result:
     rank = Rank.FURTHER if name in _FURTHER or name.endswith("_at") else Rank.ANSWER
-    return Result(ElementResult(name, words, unit, True, rank=rank), *when, of)
+    return Result(main_result(name, words, unit, True, rank=rank), *when, of)
 
 
 def _with_angle(

@@ -10,10 +10,11 @@ from pydantic import Field
 from engine.elements.compliances.elastic_parts import ElasticPart
 from engine.elements.compliances.reduction import in_series, reduced_part
 from engine.elements.compliances.stiffnesses import damping_of_absorption
-from engine.elements.element import Element, ElementResult, Numbers
+from engine.elements.element import Element, Numbers
 from engine.elements.panels import Curve, Panel, PanelAxis
 from engine.parts.skeleton import Moment, Name, quantity
 from engine.units.display import quantity_text
+from engine.words.quantity import Quantity, main_result
 
 
 class ComplianceElement(Element):
@@ -29,31 +30,31 @@ class ComplianceElement(Element):
     moment: Annotated[Moment, Field(gt=0)] | None = None
     frequency: Annotated[quantity("angular_speed"), Field(gt=0)] | None = None
 
-    def named(self, n: Numbers) -> Iterator[tuple[ElementResult, np.ndarray]]:
+    def named(self, n: Numbers) -> Iterator[tuple[Quantity, np.ndarray]]:
         """Results of the whole and of every part."""
         whole = in_series({name: reduced_part(part, n, f"parts.{name}") for name, part in self.parts.items()})
         damping, absorption = None, whole.absorption
         if self.frequency is not None:
             damping = whole.damping + damping_of_absorption(whole.absorption, whole.stiffness, n["frequency"])
             absorption = damping * math.tau * n["frequency"] / whole.stiffness
-        yield ElementResult("stiffness", "torsional stiffness of all parts, reduced", "N m rad-1"), whole.stiffness
+        yield main_result("stiffness", "torsional stiffness of all parts, reduced", "N m rad-1"), whole.stiffness
         words = "torsional compliance of all parts, reduced"
-        yield ElementResult("compliance", words, "rad N-1 m-1"), 1.0 / whole.stiffness
-        yield ElementResult("energy_absorption", "energy absorption of all parts", "1"), absorption
+        yield main_result("compliance", words, "rad N-1 m-1"), 1.0 / whole.stiffness
+        yield main_result("energy_absorption", "energy absorption of all parts", "1"), absorption
         if damping is not None:
-            yield ElementResult("damping", "torsional damping of all parts, reduced", "N m s rad-1"), damping
+            yield main_result("damping", "torsional damping of all parts, reduced", "N m s rad-1"), damping
         if self.moment is not None:
             twist = n["moment"] / whole.stiffness
-            yield ElementResult("twist", "twist of all parts under the moment, reduced", "rad"), twist
+            yield main_result("twist", "twist of all parts under the moment, reduced", "rad"), twist
         for path, share in whole.within.items():
             words = f"stiffness of {path} about its own axis"
-            yield ElementResult(f"{path}.stiffness", words, "N m rad-1"), share.stiffness
+            yield main_result(f"{path}.stiffness", words, "N m rad-1"), share.stiffness
             words = f"share of {path} in the energy, in series that in the compliance"
-            yield ElementResult(f"{path}.share", words, "1"), share.energy
+            yield main_result(f"{path}.share", words, "1"), share.energy
             if self.moment is not None:
                 words = f"{path} about its own axis"
-                yield ElementResult(f"{path}.moment", f"moment of {words}", "N m"), n["moment"] * share.moment
-                yield ElementResult(f"{path}.twist", f"twist of {words}", "rad"), twist * share.twist
+                yield main_result(f"{path}.moment", f"moment of {words}", "N m"), n["moment"] * share.moment
+                yield main_result(f"{path}.twist", f"twist of {words}", "rad"), twist * share.twist
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Each part's share of the energy (in series: of the twist), the softest part last."""

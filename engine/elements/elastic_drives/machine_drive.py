@@ -10,43 +10,44 @@ import numpy as np
 from pydantic import Field
 
 from engine.elements.elastic_drives.elastic_shaft import ElasticShaft
-from engine.elements.element import Answers, Element, ElementResult, Numbers, check_result, further
+from engine.elements.element import Answers, Element, Numbers
 from engine.parts.actions import Time
 from engine.parts.bodies import OF_FLUCTUATION
 from engine.parts.skeleton import ActionRef, Angle, GearedRef, Inertia, Part
+from engine.words.quantity import Quantity, check_result, main_result
 
 RESULTS = (
-    ElementResult("stiffness", "torsional stiffness of the shaft, reduced to the crank", "N m rad-1"),
-    further("damping", "torsional damping of the shaft, reduced to the crank", "N m s rad-1"),
-    ElementResult("natural_frequency", "natural frequency with the machine's mean inertia", "rad s-1"),
-    further("period", "duration of a cycle", "s"),
-    ElementResult("mean_speed", "mean speed of the crank over time", "rad s-1"),
-    ElementResult("motor_fluctuation", f"coefficient of speed fluctuation at the motors' end, {OF_FLUCTUATION}", "1"),
-    ElementResult("machine_fluctuation", f"coefficient of speed fluctuation of the crank, {OF_FLUCTUATION}", "1"),
-    ElementResult("mean_moment", "mean torque of the shaft over time", "N m"),
-    ElementResult("greatest_moment", "maximum shaft torque", "N m"),
-    ElementResult("least_moment", "minimum shaft torque", "N m"),
-    ElementResult("alternating_moment", "alternating torque of the shaft: half its range", "N m"),
-    further("rigid_moment", "peak torque of a rigid shaft", "N m"),
-    ElementResult("dynamic_factor", "peak shaft torque over that of a rigid shaft", "1", True),
-    ElementResult("greatest_twist", "peak shaft twist (crank lag)", "rad"),
-    ElementResult("position_error", "how far the crank is from turning rigidly: half the range of the twist", "rad"),
-    ElementResult("motor_power", "mean power of the motors", "W"),
-    further("damping_power", "mean power that the shaft's damping takes", "W"),
+    main_result("stiffness", "torsional stiffness of the shaft, reduced to the crank", "N m rad-1"),
+    Quantity("damping", "torsional damping of the shaft, reduced to the crank", "N m s rad-1"),
+    main_result("natural_frequency", "natural frequency with the machine's mean inertia", "rad s-1"),
+    Quantity("period", "duration of a cycle", "s"),
+    main_result("mean_speed", "mean speed of the crank over time", "rad s-1"),
+    main_result("motor_fluctuation", f"coefficient of speed fluctuation at the motors' end, {OF_FLUCTUATION}", "1"),
+    main_result("machine_fluctuation", f"coefficient of speed fluctuation of the crank, {OF_FLUCTUATION}", "1"),
+    main_result("mean_moment", "mean torque of the shaft over time", "N m"),
+    main_result("greatest_moment", "maximum shaft torque", "N m"),
+    main_result("least_moment", "minimum shaft torque", "N m"),
+    main_result("alternating_moment", "alternating torque of the shaft: half its range", "N m"),
+    Quantity("rigid_moment", "peak torque of a rigid shaft", "N m"),
+    main_result("dynamic_factor", "peak shaft torque over that of a rigid shaft", "1", True),
+    main_result("greatest_twist", "peak shaft twist (crank lag)", "rad"),
+    main_result("position_error", "how far the crank is from turning rigidly: half the range of the twist", "rad"),
+    main_result("motor_power", "mean power of the motors", "W"),
+    Quantity("damping_power", "mean power that the shaft's damping takes", "W"),
     check_result("power_residual", "what is missing of the balance of power, as a share", "1", True),
     check_result("multiplier", "largest magnitude of a multiplier: growth of disturbances per cycle", "1"),
     check_result("second_multiplier", "second largest magnitude of a multiplier", "1"),
     check_result("third_multiplier", "smallest magnitude of a multiplier", "1"),
-    further("growth_rate", "rate at which disturbances grow", "s-1"),
+    Quantity("growth_rate", "rate at which disturbances grow", "s-1"),
 )
 RUN_RESULTS = (
-    ElementResult("run_greatest_moment", "peak shaft torque during the run", "N m", True),
-    ElementResult("run_greatest_at", "time of its peak", "s", True),
-    further("run_motor_speed", "speed at the motors' end after the run, at the crank", "rad s-1", True),
-    further("run_machine_speed", "speed of the crank after the run, negative backwards", "rad s-1", True),
-    further("run_angle", "angle that the crank turned", "rad", True),
-    further("run_stops", "number of stops of the crank", "1", True, exact=True),
-    further("run_closings", "how often the backlash closed", "1", True, exact=True),
+    main_result("run_greatest_moment", "peak shaft torque during the run", "N m", True),
+    main_result("run_greatest_at", "time of its peak", "s", True),
+    Quantity("run_motor_speed", "speed at the motors' end after the run, at the crank", "rad s-1", True),
+    Quantity("run_machine_speed", "speed of the crank after the run, negative backwards", "rad s-1", True),
+    Quantity("run_angle", "angle that the crank turned", "rad", True),
+    Quantity("run_stops", "number of stops of the crank", "1", True, exact=True),
+    Quantity("run_closings", "how often the backlash closed", "1", True, exact=True),
 )
 
 

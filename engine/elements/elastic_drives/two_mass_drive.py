@@ -13,7 +13,7 @@ from engine.elements.elastic_drives.two_masses import (
     FollowedDrives,
     follow_drives,
 )
-from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, named_in_order, nudged
+from engine.elements.element import ROUNDING, Answers, Columns, Element, Numbers, named_in_order, nudged
 from engine.elements.panels import SPEED, TIME, Curve, Mark, Panel, PanelAxis
 from engine.laws.motor_characteristics import straight_motor
 from engine.laws.rounding import EPS, LEAST_NORMAL
@@ -21,6 +21,7 @@ from engine.parts.motors import DCCharacteristic, InductionCharacteristic, Motor
 from engine.parts.skeleton import Angle, AngularSpeed, Inertia, Moment, Time
 from engine.stepping.recorded import made_steps, weights_at
 from engine.stepping.walk_task import WALKS
+from engine.words.quantity import main_result
 from engine.words.verdicts import Verdict
 
 # The smallest backlash [rad] whose products keep full precision.
@@ -69,19 +70,19 @@ class TwoMassDrive(ElasticShaft, Element):
     required_with: ClassVar = dict.fromkeys(("speed", "load_before"), ("begin", ("running",)))
     picture: ClassVar = "transient"
     results: ClassVar = (
-        ElementResult("stiffness", "torsional stiffness of the shaft", "N m rad-1"),
-        ElementResult("damping", "torsional damping of the shaft", "N m s rad-1"),
-        ElementResult("natural_frequency", "natural frequency of the drive in touch", "rad s-1"),
-        ElementResult("rigid_moment", "initial torque of the shaft if it were rigid and without backlash", "N m"),
-        ElementResult("greatest_moment", "peak shaft torque", "N m"),
-        ElementResult("greatest_moment_at", "time of the peak shaft torque", "s"),
-        ElementResult("dynamic_factor", "peak torque over that of a rigid shaft", "1"),
-        ElementResult("closings", "how often the backlash closes", "1", exact=True),
-        ElementResult("first_impact_at", "when the backlash closes first", "s", True),
-        ElementResult("first_impact_speed", "relative speed at which the backlash closes first", "rad s-1", True),
-        ElementResult("load_starts_at", "when the load starts to move", "s", True),
-        ElementResult("motor_speed", "speed of the motor at the end", "rad s-1"),
-        ElementResult("load_speed", "speed of the load at the end", "rad s-1"),
+        main_result("stiffness", "torsional stiffness of the shaft", "N m rad-1"),
+        main_result("damping", "torsional damping of the shaft", "N m s rad-1"),
+        main_result("natural_frequency", "natural frequency of the drive in touch", "rad s-1"),
+        main_result("rigid_moment", "initial torque of the shaft if it were rigid and without backlash", "N m"),
+        main_result("greatest_moment", "peak shaft torque", "N m"),
+        main_result("greatest_moment_at", "time of the peak shaft torque", "s"),
+        main_result("dynamic_factor", "peak torque over that of a rigid shaft", "1"),
+        main_result("closings", "how often the backlash closes", "1", exact=True),
+        main_result("first_impact_at", "when the backlash closes first", "s", True),
+        main_result("first_impact_speed", "relative speed at which the backlash closes first", "rad s-1", True),
+        main_result("load_starts_at", "when the load starts to move", "s", True),
+        main_result("motor_speed", "speed of the motor at the end", "rad s-1"),
+        main_result("load_speed", "speed of the load at the end", "rad s-1"),
     )
 
     type: Literal["two_mass_drive"]

@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import Field
 
 from engine.cycle.measured import Measured
-from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank, further
+from engine.elements.element import Answers, Element, Numbers
 from engine.elements.engines.engine_layout import (
     Engine,
     EngineLayout,
@@ -40,8 +40,9 @@ from engine.elements.panels import Curve, Mark, Panel, PanelAxis, path, plan
 from engine.laws.rounding import EPS
 from engine.parts.skeleton import Angle, AngularSpeed, Faults, Inertia, Length, Mass, Number, Part, Positive, quantity
 from engine.units.display import quantity_text
+from engine.words.quantity import Quantity, Rank, main_result
 
-NamedResults = Iterator[tuple[ElementResult, Measured]]
+NamedResults = Iterator[tuple[Quantity, Measured]]
 MassOrNone = Annotated[Mass, Field(ge=0)]
 Pressure = Annotated[quantity("pressure"), Field(gt=0)]
 Exponent = Annotated[Number, Field(gt=0)]
@@ -233,19 +234,19 @@ def _forces(engine: EngineElement, n: Numbers, made: Engine) -> NamedResults:
     for kind, units, vector, carried in kinds:
         for i, word in enumerate(_WORDS[order] for order in orders):
             said, rank = word.replace("_", " "), Rank.ANSWER if word in (_WORDS[1], _WORDS[2]) else Rank.FURTHER
-            most = ElementResult(f"{word}_{kind}", f"maximum {said} {kind}", units, rank=rank)
-            least_of_all = further(f"{word}_{kind}_least", f"minimum {said} {kind}", units)
+            most = main_result(f"{word}_{kind}", f"maximum {said} {kind}", units, rank=rank)
+            least_of_all = Quantity(f"{word}_{kind}_least", f"minimum {said} {kind}", units)
             for result, axis in ((most, vector.major), (least_of_all, vector.minor)):
                 value = np.where(axis[..., i] <= EPS * carried[..., i], 0.0, axis[..., i]) * square
                 yield result, _rounded(value, carried[..., i] * square)
         whole = np.sqrt(np.square(carried).sum(axis=-1)) * square
-        rms = ElementResult(f"rms_{kind}", f"root mean square of the {kind}, orders {listed}", units)
+        rms = main_result(f"rms_{kind}", f"root mean square of the {kind}, orders {listed}", units)
         yield rms, _rounded(vector.rms * square, whole)
     if engine.crank_angle is not None:
         yield from _at_angle(left.forces, left.force_terms, forces[1], n)
     unbalance = np.abs(weights.unbalances).sum(axis=-1)
     words = "sum of the magnitudes of all counterweights' unbalances"
-    yield ElementResult("crank_unbalance", words, "kg m"), _rounded(unbalance, ROUNDED_ORDERS * unbalance)
+    yield main_result("crank_unbalance", words, "kg m"), _rounded(unbalance, ROUNDED_ORDERS * unbalance)
 
 
 def _rounded(value: np.ndarray, size: np.ndarray) -> Measured:
@@ -282,11 +283,11 @@ def _torques(engine: EngineElement, n: Numbers) -> NamedResults:
     carried = count * (ROUNDED_ORDERS * one.sizes[..., 1:] + phases)
     sums = np.where(sums <= ROUNDED_ORDERS * EPS * count * np.abs(one.orders), 0.0, sums)
     mean, size, speed = count * one.mean, count * ROUNDED_ORDERS * one.sizes[..., 0], n["speed"]
-    yield ElementResult("mean_torque", "mean torque of the gas", "N m"), _rounded(mean, size)
-    yield ElementResult("mean_power", "mean power of the gas", "W"), _rounded(mean * speed, size * speed)
+    yield main_result("mean_torque", "mean torque of the gas", "N m"), _rounded(mean, size)
+    yield main_result("mean_power", "mean power of the gas", "W"), _rounded(mean * speed, size * speed)
     for i, order in enumerate(TORQUE_ORDERS):
         words = f"torque of gas and inertia, order {order:g}"
-        result = further(torque_name(order), words, "N m", may_be_undefined=True)
+        result = Quantity(torque_name(order), words, "N m", may_be_undefined=True)
         yield result, _rounded(sums[..., i], carried[..., i])
 
 
@@ -300,7 +301,7 @@ def _at_angle(forces: Hodograph, terms: np.ndarray, carried: np.ndarray, n: Numb
         ("force", f"force, orders {listed},", orders.sum(axis=-1), with_phases.sum(axis=-1)),
     ):
         for (key, said), part in zip(_DIRECTIONS.items(), (force.real, force.imag), strict=True):
-            result = ElementResult(f"{name}_{key}", f"unbalanced {words} {said}, at the crank angle", "N")
+            result = main_result(f"{name}_{key}", f"unbalanced {words} {said}, at the crank angle", "N")
             yield result, _rounded(part * square, size * square)
 
 

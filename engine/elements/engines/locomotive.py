@@ -22,11 +22,12 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Answers, Element, ElementResult, NamedRows, Numbers
+from engine.elements.element import Answers, Element, NamedRows, Numbers
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.elements.rotors.unbalance import Resultant, unbalance_in_two_planes
 from engine.parts.actions import Force
 from engine.parts.skeleton import Angle, AngularSpeed, Length, Mass, Number, Positive
+from engine.words.quantity import main_result
 
 # Two cylinders start from every position with cranks at right angles; three and four are evenly spaced.
 USUAL_THROW_ANGLES = {1: 0.0, 2: math.pi / 2, 3: math.tau / 3, 4: math.pi / 2}
@@ -85,31 +86,31 @@ class LocomotiveElement(Element):
         blows = [-upright * part * square for part in _in_wheels(pins, arms, track)]
         for side, weight in zip(_SIDES, weights, strict=True):
             words = f"balance weight in the {side} wheel"
-            yield ElementResult(f"{side}_balance_mass", words, "kg"), np.abs(weight) / radius
+            yield main_result(f"{side}_balance_mass", words, "kg"), np.abs(weight) / radius
         for side, weight in zip(_SIDES, weights, strict=True):
-            yield ElementResult(f"{side}_balance_angle", _BALANCE_ANGLE.format(side), "rad"), np.angle(weight)
-        yield ElementResult("tractive_variation", "maximum unbalanced force along the track", "N"), np.abs(pull)
-        yield ElementResult("swaying_couple", "maximum unbalanced couple about the upright axis", "N m"), np.abs(sway)
+            yield main_result(f"{side}_balance_angle", _BALANCE_ANGLE.format(side), "rad"), np.angle(weight)
+        yield main_result("tractive_variation", "maximum unbalanced force along the track", "N"), np.abs(pull)
+        yield main_result("swaying_couple", "maximum unbalanced couple about the upright axis", "N m"), np.abs(sway)
         for side, blow in zip(_SIDES, blows, strict=True):
-            yield ElementResult(f"{side}_hammer_blow", f"maximum change of the {side} wheel's load", "N"), np.abs(blow)
+            yield main_result(f"{side}_hammer_blow", f"maximum change of the {side} wheel's load", "N"), np.abs(blow)
         if "wheel_load" in n:
             load, most = n["wheel_load"], np.maximum(*np.abs(blows))
             words = "minimum load of a wheel, negative where it lifts off"
-            yield ElementResult("least_wheel_load", words, "N"), load - most
+            yield main_result("least_wheel_load", words, "N"), load - most
             with np.errstate(divide="ignore", invalid="ignore"):
                 lifts = speed * np.sqrt(load / most)
             words = "angular speed at which a wheel lifts off"
-            yield ElementResult("lift_off_speed", words, "rad s-1", may_be_undefined=True), lifts
+            yield main_result("lift_off_speed", words, "rad s-1", may_be_undefined=True), lifts
         if "crank_angle" in n:
             phi, turned = n["crank_angle"], np.exp(1j * n["crank_angle"])
             primary = along * stroke / 2 * square * np.cos(phi)
-            yield ElementResult("primary_force", "unbalanced primary force of the first cylinder there", "N"), primary
-            yield ElementResult("tractive_force", "unbalanced force along the track there", "N"), (pull * turned).real
+            yield main_result("primary_force", "unbalanced primary force of the first cylinder there", "N"), primary
+            yield main_result("tractive_force", "unbalanced force along the track there", "N"), (pull * turned).real
             words = "unbalanced couple about the upright axis there"
-            yield ElementResult("swaying_moment", words, "N m"), (sway * turned).real
+            yield main_result("swaying_moment", words, "N m"), (sway * turned).real
             for side, blow in zip(_SIDES, blows, strict=True):
                 words = f"unbalanced upward force in the {side} wheel there"
-                yield ElementResult(f"{side}_rail_force", words, "N"), (blow * turned).imag
+                yield main_result(f"{side}_rail_force", words, "N"), (blow * turned).imag
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Forces and swaying couple over a turn, hammer blows over the speed."""

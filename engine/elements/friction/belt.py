@@ -13,10 +13,11 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import ElementResult, NamedRows, Numbers
+from engine.elements.element import NamedRows, Numbers
 from engine.elements.friction.friction_element import FORCE, RATIO, FrictionElement, Load, Positive
 from engine.laws.friction.inclines import in_groove
 from engine.parts.skeleton import Angle, Moment, Number, Speed, quantity
+from engine.words.quantity import main_result
 
 
 class BeltElement(FrictionElement):
@@ -51,16 +52,16 @@ class BeltElement(FrictionElement):
         # The half angle avoids cancellation where the strands nearly balance.
         on_shaft = np.sqrt((pressing - slack) ** 2 + 4 * pressing * slack * np.sin(wrap / 2) ** 2)
         words = "tension of the tight strand over the slack one's, without centrifugal"
-        yield ElementResult("tension_ratio", words, "1"), np.exp(mu * wrap)
-        yield ElementResult("tight_tension", "tension of the tight strand", "N"), tight
-        yield ElementResult("slack_tension", "tension of the slack strand", "N"), tight - pressing * grip
-        yield ElementResult("moment", "maximum torque without slip", "N m"), moment
-        yield ElementResult("shaft_force", "force of the belt on the shaft", "N"), on_shaft
+        yield main_result("tension_ratio", words, "1"), np.exp(mu * wrap)
+        yield main_result("tight_tension", "tension of the tight strand", "N"), tight
+        yield main_result("slack_tension", "tension of the slack strand", "N"), tight - pressing * grip
+        yield main_result("moment", "maximum torque without slip", "N m"), moment
+        yield main_result("shaft_force", "force of the belt on the shaft", "N"), on_shaft
         if "speed" in n:
-            yield ElementResult("power", "maximum power without slip", "W"), moment / radius * speed
+            yield main_result("power", "maximum power without slip", "W"), moment / radius * speed
         if "linear_density" in n:
             words = "tension that keeps the belt on its circle"
-            yield ElementResult("centrifugal_tension", words, "N"), centrifugal
+            yield main_result("centrifugal_tension", words, "N"), centrifugal
             # There the centrifugal tension is a third of the whole.
             words = "speed of most power at this tension"
-            yield ElementResult("speed_of_most_power", words, "m s-1"), np.sqrt(tight / (3 * q))
+            yield main_result("speed_of_most_power", words, "m s-1"), np.sqrt(tight / (3 * q))

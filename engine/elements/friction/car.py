@@ -6,10 +6,11 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import PLACES, Element, ElementResult, NamedRows, Numbers
+from engine.elements.element import PLACES, Element, NamedRows, Numbers
 from engine.elements.panels import VELOCITY, Curve, Mark, Panel, PanelAxis
 from engine.parts.bodies import STANDARD_GRAVITY
 from engine.parts.skeleton import Acceleration, Angle, Number, Positive, Speed, Time
+from engine.words.quantity import main_result
 
 # Highest speed drawn, relative to the given one.
 _FASTEST = 1.5
@@ -46,11 +47,11 @@ class CarElement(Element):
         held = n["gravity"] * (np.cos(slope) * (front * share + rear * kept / whole) + np.sin(slope))
         slowing = np.where(held > 0.0, held, np.nan)
         delay, speed = n["reaction_time"], n["speed"]
-        yield ElementResult("deceleration", "peak deceleration of the braking car", "m s-2"), slowing
+        yield main_result("deceleration", "peak deceleration of the braking car", "m s-2"), slowing
         way = speed * delay + speed**2 / (2 * slowing)
-        yield ElementResult("stopping_distance", "way to rest, that of the reaction time with it", "m"), way
-        yield ElementResult("stopping_time", "time to rest, the reaction time with it", "s"), delay + speed / slowing
-        yield ElementResult("front_share", "share of the load on the road that the front wheels bear", "1"), share
+        yield main_result("stopping_distance", "way to rest, that of the reaction time with it", "m"), way
+        yield main_result("stopping_time", "time to rest, the reaction time with it", "s"), delay + speed / slowing
+        yield main_result("front_share", "share of the load on the road that the front wheels bear", "1"), share
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Stopping distance over the speed for each choice of brakes, and the speed over the distance as given."""

@@ -6,13 +6,14 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import ElementResult, NamedRows, Numbers
+from engine.elements.element import NamedRows, Numbers
 from engine.elements.friction.friction_element import EFFICIENCY, FORCE, Friction, FrictionElement, Load, Positive
 from engine.laws.friction.coefficients import BUSHES
 from engine.laws.friction.guides import edge_forces
 from engine.laws.friction.inclines import in_groove
 from engine.parts.actions import Force
 from engine.parts.skeleton import Angle, Length
+from engine.words.quantity import main_result
 
 
 class GuideElement(FrictionElement):
@@ -43,18 +44,18 @@ class GuideElement(FrictionElement):
         drive = np.where(left <= 0.0, np.inf, np.maximum(resistance + mu * np.abs(load), resistance / left))
         front, rear = edge_forces(load, drive * overhang, half)
         words = "coefficient of friction in terms of the force that presses the slider"
-        yield ElementResult("effective_friction", words, "1"), mu
-        yield ElementResult("drive_force", "force that moves the slider", "N"), drive
-        yield ElementResult("friction_force", "friction of the slider", "N"), mu * (np.abs(front) + np.abs(rear))
-        yield ElementResult("front_edge_force", "force on the front edge of the slider", "N"), front
+        yield main_result("effective_friction", words, "1"), mu
+        yield main_result("drive_force", "force that moves the slider", "N"), drive
+        yield main_result("friction_force", "friction of the slider", "N"), mu * (np.abs(front) + np.abs(rear))
+        yield main_result("front_edge_force", "force on the front edge of the slider", "N"), front
         words = "force on the rear edge of the slider, negative on the opposite face"
-        yield ElementResult("rear_edge_force", words, "N"), rear
+        yield main_result("rear_edge_force", words, "N"), rear
         words = "whether the slider bears on opposite faces of the guide (1 or 0)"
         yield (
-            ElementResult("tilts", words, "1", exact=True),
+            main_result("tilts", words, "1", exact=True),
             (np.abs(drive * overhang) > np.abs(load) * half).astype(float),
         )
         words = "overhang at which the slider jams"
-        yield ElementResult("jamming_overhang", words, "m", may_be_undefined=True), half / mu
+        yield main_result("jamming_overhang", words, "m", may_be_undefined=True), half / mu
         words = "work on the resistance over that of the force that moves the slider"
-        yield ElementResult("efficiency", words, "1"), resistance / drive
+        yield main_result("efficiency", words, "1"), resistance / drive

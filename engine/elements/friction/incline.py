@@ -9,9 +9,10 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import ElementResult, NamedRows, Numbers
+from engine.elements.element import NamedRows, Numbers
 from engine.elements.friction.friction_element import EFFICIENCY, FORCE, Friction, FrictionElement, Load
 from engine.parts.skeleton import Angle
+from engine.words.quantity import main_result
 
 
 class InclineElement(FrictionElement):
@@ -39,12 +40,12 @@ class InclineElement(FrictionElement):
             return np.where(np.cos(angle + pull) > 0.0, force, np.nan)
 
         up, locks = moving(friction, 1.0), np.tan(angle) <= static
-        yield ElementResult("friction_angle", "angle of friction", "rad"), np.arctan(friction)
-        yield ElementResult("up_force", "force that moves the load up", "N"), up
-        yield ElementResult("start_force", "force that sets the load going upwards", "N"), moving(static, 1.0)
+        yield main_result("friction_angle", "angle of friction", "rad"), np.arctan(friction)
+        yield main_result("up_force", "force that moves the load up", "N"), up
+        yield main_result("start_force", "force that sets the load going upwards", "N"), moving(static, 1.0)
         words = "force that moves the load down, negative where it has to be held"
-        yield ElementResult("down_force", words, "N"), moving(friction, -1.0)
+        yield main_result("down_force", words, "N"), moving(friction, -1.0)
         efficiency = load * np.sin(angle) / (up * np.cos(pull))
-        yield ElementResult("efficiency", "efficiency of moving the load up", "1", may_be_undefined=True), efficiency
+        yield main_result("efficiency", "efficiency of moving the load up", "1", may_be_undefined=True), efficiency
         words = "whether the load stays by itself (1 or 0)"
-        yield ElementResult("self_locking", words, "1", exact=True), locks.astype(float)
+        yield main_result("self_locking", words, "1", exact=True), locks.astype(float)

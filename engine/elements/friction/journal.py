@@ -13,11 +13,12 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from engine.elements.element import PLACES, Element, ElementResult, NamedRows, Numbers
+from engine.elements.element import PLACES, Element, NamedRows, Numbers
 from engine.elements.friction.friction_element import BEYOND, DRY, Friction, Load, Positive
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, circle, path, plan
 from engine.laws.friction.coefficients import BUSHES
 from engine.parts.skeleton import AngularSpeed
+from engine.words.quantity import main_result
 
 
 class JournalElement(Element):
@@ -36,10 +37,10 @@ class JournalElement(Element):
         """Results of a set of variants."""
         circle = BUSHES[self.contact] * n["diameter"] / 2 * n["friction"] / np.sqrt(1 + n["friction"] ** 2)
         moment = n["load"] * circle
-        yield ElementResult("friction_circle", "radius of the friction circle", "m"), circle
-        yield ElementResult("friction_moment", "moment of friction in the journal", "N m"), moment
+        yield main_result("friction_circle", "radius of the friction circle", "m"), circle
+        yield main_result("friction_moment", "moment of friction in the journal", "N m"), moment
         if "speed" in n:
-            yield ElementResult("friction_power", "power lost in the journal", "W"), moment * np.abs(n["speed"])
+            yield main_result("friction_power", "power lost in the journal", "W"), moment * np.abs(n["speed"])
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """The journal with its friction circle and forces, and the friction torque over the coefficient, by contact."""

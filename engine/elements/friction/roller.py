@@ -12,10 +12,11 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import PLACES, Element, ElementResult, NamedRows, Numbers
+from engine.elements.element import PLACES, Element, NamedRows, Numbers
 from engine.elements.friction.friction_element import BEYOND, Friction, Load, Positive
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, circle, path, plan
 from engine.parts.skeleton import Length
+from engine.words.quantity import main_result
 
 
 class RollerElement(Element):
@@ -38,19 +39,19 @@ class RollerElement(Element):
         """Results of a set of variants."""
         load, radius, arm, friction = n["load"], n["diameter"] / 2, n["rolling_arm"], n["friction"]
         rolling, resisting = arm * load, arm / n.get("pull_height", radius)
-        yield ElementResult("rolling_moment", "moment of rolling friction", "N m"), rolling
-        yield ElementResult("rolling_friction", "rolling friction as a coefficient", "1"), resisting
-        yield ElementResult("pull_force", "force that moves the roller", "N"), load * np.minimum(resisting, friction)
+        yield main_result("rolling_moment", "moment of rolling friction", "N m"), rolling
+        yield main_result("rolling_friction", "rolling friction as a coefficient", "1"), resisting
+        yield main_result("pull_force", "force that moves the roller", "N"), load * np.minimum(resisting, friction)
         words = "whether the pulled roller rolls (1) or slides (0)"
-        yield ElementResult("rolls", words, "1", exact=True), (resisting < friction).astype(float)
+        yield main_result("rolls", words, "1", exact=True), (resisting < friction).astype(float)
         words = "maximum torque transmitted by sliding friction"
-        yield ElementResult("traction_moment", words, "N m"), friction * load * radius
+        yield main_result("traction_moment", words, "N m"), friction * load * radius
         if "mate_diameter" in n:
             both = 1 + radius / (n["mate_diameter"] / 2)
             words = "radius of the roller on a plane that fits as closely"
-            yield ElementResult("reduced_radius", words, "m"), radius / both
+            yield main_result("reduced_radius", words, "m"), radius / both
             words = "moment that overcomes the rolling friction of both rollers"
-            yield ElementResult("drive_moment", words, "N m"), rolling * both
+            yield main_result("drive_moment", words, "N m"), rolling * both
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """The roller with its forces, and the force that moves it over the arm of rolling friction."""

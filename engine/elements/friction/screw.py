@@ -14,10 +14,11 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import ElementResult, NamedRows, Numbers
+from engine.elements.element import NamedRows, Numbers
 from engine.elements.friction.friction_element import EFFICIENCY, TORQUE, Friction, FrictionElement, Load, Positive
 from engine.laws.friction.inclines import push_down, push_up
 from engine.parts.skeleton import Angle, Faults, Length
+from engine.words.quantity import main_result
 
 THREAD_ANGLES = {"square": 0.0, "trapezoidal": math.radians(30.0), "metric": math.radians(60.0)}
 
@@ -57,17 +58,17 @@ class ScrewElement(FrictionElement):
         up, down = (load * radius * push(slope, reduced) + held for push in (push_up, push_down))
         work, enough = load * radius * slope, collar / radius
         locking = np.where(slope > enough, np.cos(half) * push_down(enough, slope), 0.0)
-        yield ElementResult("lead_angle", "lead angle of the thread", "rad"), np.arctan(slope)
+        yield main_result("lead_angle", "lead angle of the thread", "rad"), np.arctan(slope)
         words = "angle of friction of the thread, with the inclination of its flanks"
-        yield ElementResult("friction_angle", words, "rad"), np.arctan(reduced)
-        yield ElementResult("raise_moment", "moment that raises the load", "N m"), up
+        yield main_result("friction_angle", words, "rad"), np.arctan(reduced)
+        yield main_result("raise_moment", "moment that raises the load", "N m"), up
         words = "moment that lowers the load, negative where the load drives"
-        yield ElementResult("lower_moment", words, "N m"), down
-        yield ElementResult("collar_moment", "moment of friction at the thrust collar", "N m"), held
-        yield ElementResult("raise_efficiency", "efficiency of raising the load", "1"), work / up
+        yield main_result("lower_moment", words, "N m"), down
+        yield main_result("collar_moment", "moment of friction at the thrust collar", "N m"), held
+        yield main_result("raise_efficiency", "efficiency of raising the load", "1"), work / up
         words = "share of the sinking load's work that the screw passes on"
-        yield ElementResult("lower_efficiency", words, "1"), np.where(down < 0.0, -down / work, 0.0)
+        yield main_result("lower_efficiency", words, "1"), np.where(down < 0.0, -down / work, 0.0)
         words = "whether the load stays by itself (1 or 0)"
-        yield ElementResult("self_locking", words, "1", exact=True), np.where(down < 0.0, 0.0, 1.0)
+        yield main_result("self_locking", words, "1", exact=True), np.where(down < 0.0, 0.0, 1.0)
         words = "minimum coefficient of friction with which the load stays by itself"
-        yield ElementResult("locking_friction", words, "1"), locking
+        yield main_result("locking_friction", words, "1"), locking

@@ -9,10 +9,11 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import ElementResult, NamedRows, Numbers
+from engine.elements.element import NamedRows, Numbers
 from engine.elements.friction.friction_element import EFFICIENCY, FORCE, Friction, FrictionElement, Load
 from engine.laws.friction.inclines import push_down, push_up
 from engine.parts.skeleton import Angle
+from engine.words.quantity import main_result
 
 
 class WedgeElement(FrictionElement):
@@ -39,9 +40,9 @@ class WedgeElement(FrictionElement):
         left = 1 - guide * inwards
         drive = np.where(left > 0.0, load * (inwards + base) / left, np.inf)
         withdraw = load * (outwards + base) / (1 + guide * np.abs(outwards))
-        yield ElementResult("drive_force", "force that drives the wedge in", "N"), drive
+        yield main_result("drive_force", "force that drives the wedge in", "N"), drive
         words = "force that withdraws the wedge, negative where the load presses it out"
-        yield ElementResult("withdraw_force", words, "N"), withdraw
-        yield ElementResult("efficiency", "efficiency of driving the wedge in", "1"), load * slope / drive
+        yield main_result("withdraw_force", words, "N"), withdraw
+        yield main_result("efficiency", "efficiency of driving the wedge in", "1"), load * slope / drive
         words = "whether the wedge stays by itself (1 or 0)"
-        yield ElementResult("self_locking", words, "1", exact=True), np.where(withdraw < 0.0, 0.0, 1.0)
+        yield main_result("self_locking", words, "1", exact=True), np.where(withdraw < 0.0, 0.0, 1.0)

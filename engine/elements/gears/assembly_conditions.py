@@ -6,10 +6,11 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.cycle.measured import Measured
-from engine.elements.element import ElementResult, Numbers, check_result
+from engine.elements.element import Numbers
 from engine.elements.gears.gear_structure import PlanetaryPath
 from engine.elements.gears.train_variants import MeshSizes, TrainVariants, teeth_of
 from engine.laws.rounding import EPS
+from engine.words.quantity import Quantity, check_result, main_result
 from engine.words.verdicts import Verdict
 
 # Relative difference below which centre distances are equal except for rounding.
@@ -20,7 +21,7 @@ class AssemblyConditions(NamedTuple):
     """Assembly conditions of a train: verdicts (variants,), OK where it fits, and the results that show why."""
 
     verdicts: np.ndarray
-    results: list[tuple[ElementResult, Measured]]
+    results: list[tuple[Quantity, Measured]]
 
 
 def tooth_contact(v: TrainVariants) -> np.ndarray:
@@ -75,7 +76,7 @@ def assembly_conditions(v: TrainVariants) -> AssemblyConditions:
     for planet, gap in _clearances(v):
         require(gap > 0, Verdict.PLANETS_TOUCH)
         words = f"gap between the tips of neighbouring {planet} planets, over the diameter of the tips"
-        clearance = ElementResult(f"{planet}.neighbour_clearance", words, "1", True)
+        clearance = main_result(f"{planet}.neighbour_clearance", words, "1", True)
         results.append((clearance, Measured(gap, 16.0 * EPS * (1.0 + np.abs(gap)))))
     return AssemblyConditions(verdicts, results)
 

@@ -6,9 +6,10 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Answers, Element, ElementResult, NamedRows, Numbers, nudged
+from engine.elements.element import Answers, Element, NamedRows, Numbers, nudged
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, path, plan
 from engine.parts.skeleton import AngularSpeed, Length, Moment, Number, quantity
+from engine.words.quantity import main_result
 from engine.words.verdicts import Verdict
 
 # Links that engage over the range drawn.
@@ -45,29 +46,29 @@ class ChainDrive(Element):
         z1, z2, p, speed = n["driving_teeth"], n["driven_teeth"], n["pitch"], n["speed"]
         d1, d2 = pitch_circle(p, z1), pitch_circle(p, z2)
         mean = np.abs(speed) * z1 * p / math.tau
-        yield ElementResult("ratio", "mean speed of the driving sprocket over that of the driven one", "1"), z2 / z1
-        yield ElementResult("driven_speed", "mean angular speed of the driven sprocket", "rad s-1"), speed * z1 / z2
-        yield ElementResult("driving_diameter", "pitch diameter of the driving sprocket", "m"), d1
-        yield ElementResult("driven_diameter", "pitch diameter of the driven sprocket", "m"), d2
-        yield ElementResult("chain_speed", "mean speed of the chain", "m s-1"), mean
-        yield ElementResult("greatest_chain_speed", "maximum speed of the chain", "m s-1"), 0.5 * np.abs(speed) * d1
+        yield main_result("ratio", "mean speed of the driving sprocket over that of the driven one", "1"), z2 / z1
+        yield main_result("driven_speed", "mean angular speed of the driven sprocket", "rad s-1"), speed * z1 / z2
+        yield main_result("driving_diameter", "pitch diameter of the driving sprocket", "m"), d1
+        yield main_result("driven_diameter", "pitch diameter of the driven sprocket", "m"), d2
+        yield main_result("chain_speed", "mean speed of the chain", "m s-1"), mean
+        yield main_result("greatest_chain_speed", "maximum speed of the chain", "m s-1"), 0.5 * np.abs(speed) * d1
         words = "minimum speed of the chain below its maximum, relative to it"
-        yield ElementResult("speed_ripple", words, "1"), 2.0 * np.sin(0.5 * math.pi / z1) ** 2
+        yield main_result("speed_ripple", words, "1"), 2.0 * np.sin(0.5 * math.pi / z1) ** 2
         words = "peak acceleration of the chain by its polygon"
-        yield ElementResult("greatest_acceleration", words, "m s-2"), 0.5 * speed**2 * p
+        yield main_result("greatest_acceleration", words, "m s-2"), 0.5 * speed**2 * p
         words = "force in the tight strand that turns the driven sprocket"
-        yield ElementResult("pull", words, "N"), 2.0 * n["moment"] / d2
-        yield ElementResult("driving_moment", "mean drive torque", "N m"), n["moment"] * z1 / z2
+        yield main_result("pull", words, "N"), 2.0 * n["moment"] / d2
+        yield main_result("driving_moment", "mean drive torque", "N m"), n["moment"] * z1 / z2
         if "distance" in n:
             links = _even_links(n) if even is None else np.tile(even, p.size // even.size)
             straight = links - 0.5 * (z1 + z2)
             root = np.sqrt(straight**2 - 8.0 * ((z2 - z1) / math.tau) ** 2)
-            yield ElementResult("links", "links for the distance wanted, before rounding", "1"), _links(n)
+            yield main_result("links", "links for the distance wanted, before rounding", "1"), _links(n)
             words = "distance of the axes with the nearest even number of links"
-            yield ElementResult("fitted_distance", words, "m"), 0.25 * p * (straight + root)
+            yield main_result("fitted_distance", words, "m"), 0.25 * p * (straight + root)
         if "linear_density" in n:
             words = "tension of the whole chain by its mass"
-            yield ElementResult("centrifugal_tension", words, "N"), n["linear_density"] * mean**2
+            yield main_result("centrifugal_tension", words, "N"), n["linear_density"] * mean**2
 
     def evaluate(self, n: Numbers) -> Answers:
         """Results, and verdicts: fractional teeth do not fit, nor does a centre distance below the sum of the radii."""

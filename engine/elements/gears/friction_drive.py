@@ -6,11 +6,12 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Answers, ElementResult, NamedRows, Numbers
+from engine.elements.element import Answers, NamedRows, Numbers
 from engine.elements.friction.friction_element import EFFICIENCY, FORCE, FrictionElement
 from engine.laws.friction.inclines import in_groove
 from engine.parts.actions import Force
 from engine.parts.skeleton import Angle, AngularSpeed, Length, Moment, Number
+from engine.words.quantity import main_result
 from engine.words.verdicts import Verdict
 
 # Results that remain valid for sliding wheels.
@@ -44,18 +45,18 @@ class FrictionDrive(FrictionElement):
         ratio = (1.0 if self.internal else -1.0) * n["driven_diameter"] / (n["driving_diameter"] * (1.0 - n["creep"]))
         pull = 2.0 * n["moment"] / n["driven_diameter"]
         driving = 0.5 * pull * n["driving_diameter"]
-        yield ElementResult("ratio", "speed of the driving wheel over that of the driven one", "1"), ratio
-        yield ElementResult("driven_speed", "angular speed of the driven wheel", "rad s-1"), n["speed"] / ratio
-        yield ElementResult("tangential_force", "force along the rims", "N"), pull
+        yield main_result("ratio", "speed of the driving wheel over that of the driven one", "1"), ratio
+        yield main_result("driven_speed", "angular speed of the driven wheel", "rad s-1"), n["speed"] / ratio
+        yield main_result("tangential_force", "force along the rims", "N"), pull
         words = "force that has to press the wheels together"
-        yield ElementResult("needed_press_force", words, "N"), n["safety"] * pull / mu
+        yield main_result("needed_press_force", words, "N"), n["safety"] * pull / mu
         if "press_force" in n:
             words = "force along the rims over the friction limit"
-            yield ElementResult("traction_share", words, "1"), pull / (mu * n["press_force"])
-        yield ElementResult("driving_moment", "drive torque", "N m"), driving
-        yield ElementResult("input_power", "input power", "W"), driving * np.abs(n["speed"])
+            yield main_result("traction_share", words, "1"), pull / (mu * n["press_force"])
+        yield main_result("driving_moment", "drive torque", "N m"), driving
+        yield main_result("input_power", "input power", "W"), driving * np.abs(n["speed"])
         words = "output power over input power, with creep as the only loss"
-        yield ElementResult("efficiency", words, "1"), 1.0 - n["creep"]
+        yield main_result("efficiency", words, "1"), 1.0 - n["creep"]
 
     def evaluate(self, n: Numbers) -> Answers:
         """Results, and verdicts on insufficient contact force and on rings that are too small."""

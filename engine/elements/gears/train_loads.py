@@ -6,13 +6,14 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.cycle.measured import Measured, maximum, minimum, where
-from engine.elements.element import Element, ElementResult, further
+from engine.elements.element import Element
 from engine.elements.gears.gear_structure import STANDS_STILL
 from engine.elements.gears.tooth_laws import ToothForces, mesh_efficiency, tooth_forces
 from engine.elements.gears.train_inertia import mass_and_inertia
 from engine.elements.gears.train_moments import TrainMoments, train_moments
 from engine.elements.gears.train_variants import MeshSizes, TrainVariants, angle_error
 from engine.laws.rounding import EPS
+from engine.words.quantity import Quantity, main_result
 
 TOOTH_FORCES = ("tangential", "radial", "axial", "normal")
 
@@ -57,48 +58,48 @@ def equilibria(v: TrainVariants) -> Equilibria:
     return Equilibria(*(train_moments(v, efficiencies, backwards) for backwards in (False, True)), efficiencies)
 
 
-def load_results(v: TrainVariants, states: Equilibria) -> Iterator[tuple[ElementResult, Measured]]:
+def load_results(v: TrainVariants, states: Equilibria) -> Iterator[tuple[Quantity, Measured]]:
     """All results that depend on torques."""
     train, structure, speeds, state = v.train, v.structure, v.speeds, states.forwards
     power = state.moments * speeds[:-1]
     for i, name in enumerate(structure.shafts):
         if name in structure.unknown_moments or train.shafts[name].moment is not None:
-            yield ElementResult(f"{name}.moment", f"external torque on {name}", "N m"), state.moments[i]
-            yield ElementResult(f"{name}.power", f"input power at {name}", "W"), power[i]
+            yield main_result(f"{name}.moment", f"external torque on {name}", "N m"), state.moments[i]
+            yield main_result(f"{name}.power", f"input power at {name}", "W"), power[i]
     # Held shafts belong to the frame.
     free = [i for i, name in enumerate(structure.shafts) if name not in structure.held]
     words = "torque that holds the frame and all held shafts"
-    yield further("frame.moment", words, "N m"), 0.0 - state.moments[free].sum()
+    yield Quantity("frame.moment", words, "N m"), 0.0 - state.moments[free].sum()
     into = maximum(power, 0.0).sum()
-    yield further("input_power", "input power", "W"), into
-    yield ElementResult("loss", "power lost in all meshes", "W"), power.sum()
+    yield Quantity("input_power", "input power", "W"), into
+    yield main_result("loss", "power lost in all meshes", "W"), power.sum()
     words = "output power over input power"
-    yield ElementResult("efficiency", words, "1", True), _efficiency(power)
+    yield main_result("efficiency", words, "1", True), _efficiency(power)
     words, back = "efficiency turning backwards under the same moments", states.backwards
     backwards = _efficiency(-back.moments * speeds[:-1])
-    yield further("backward_efficiency", words, "1", may_be_undefined=True), backwards
+    yield Quantity("backward_efficiency", words, "1", may_be_undefined=True), backwards
     words = "the same moments can't turn the train backwards (1) or can (0)"
     locks = Measured(np.where(state.moves, np.where(back.moves, 0.0, 1.0), np.nan))
-    yield ElementResult("self_locking", words, "1", exact=True), locks
+    yield main_result("self_locking", words, "1", exact=True), locks
     words = "circulating power in the shafts over input power"
     circulating = _circulating(v, state, into)
-    yield further("circulating_power", words, "1", may_be_undefined=True), circulating
+    yield Quantity("circulating_power", words, "1", may_be_undefined=True), circulating
     for j, place in enumerate(structure.meshes):
         name, (a, b), rolling = place.name, place.wheels, state.rolling_powers[j]
         found = Measured(states.efficiencies[j], 32.0 * EPS)
-        yield further(f"{name}.efficiency", f"efficiency of {name}, its axes at rest", "1"), found
-        yield further(f"{name}.rolling_power", f"power that {a} gives {b}, seen from the carrier", "W"), rolling
+        yield Quantity(f"{name}.efficiency", f"efficiency of {name}, its axes at rest", "1"), found
+        yield Quantity(f"{name}.rolling_power", f"power that {a} gives {b}, seen from the carrier", "W"), rolling
         words = f"power rolling through {name} over input power"
         share = where(into.value > 0, abs(rolling) / into, np.nan)
-        yield further(f"{name}.rolling_share", words, "1", may_be_undefined=True), share
+        yield Quantity(f"{name}.rolling_share", words, "1", may_be_undefined=True), share
         if train.has_modules:
             forces = _tooth_forces(v, j, state)
             for part in TOOTH_FORCES:
                 words = f"{part} force between the teeth of {name}"
-                yield ElementResult(f"{name}.{part}_force", words, "N"), getattr(forces, part)
+                yield main_result(f"{name}.{part}_force", words, "N"), getattr(forces, part)
     for planet in pinned_planets(train):
         force = _pin_force(v, planet, state)
-        yield ElementResult(f"{planet}.pin_force", f"force on the bearing of each {planet}", "N"), force
+        yield main_result(f"{planet}.pin_force", f"force on the bearing of each {planet}", "N"), force
 
 
 def _efficiency(power: Measured) -> Measured:

@@ -8,16 +8,17 @@ from collections.abc import Iterator
 import numpy as np
 
 from engine.cycle.measured import Measured
-from engine.elements.element import Answers, Element, ElementResult, Numbers, check_result, further
+from engine.elements.element import Answers, Element, Numbers
 from engine.elements.gears.assembly_conditions import assembly_conditions, tooth_contact
 from engine.elements.gears.tooth_laws import minimum_teeth
 from engine.elements.gears.train_inertia import kinetic_energy
 from engine.elements.gears.train_loads import equilibria, load_results
 from engine.elements.gears.train_variants import TrainVariants, angle_error, basic_ratio, train_variants
 from engine.laws.rounding import EPS
+from engine.words.quantity import Quantity, check_result, main_result
 from engine.words.verdicts import Verdict
 
-NamedResults = Iterator[tuple[ElementResult, Measured]]
+NamedResults = Iterator[tuple[Quantity, Measured]]
 
 
 def _of_teeth(v: TrainVariants) -> NamedResults:
@@ -27,15 +28,15 @@ def _of_teeth(v: TrainVariants) -> NamedResults:
         teeth, geometry, rough = size.teeth, size.geometry, angle_error(size)
         words = f"transverse contact ratio of {name}, of teeth as far as they don't interfere"
         off = (64.0 * EPS + rough) * np.maximum(teeth.first, teeth.second)
-        yield ElementResult(f"{name}.contact_ratio", words, "1"), Measured(sum(geometry.contact), off)
+        yield main_result(f"{name}.contact_ratio", words, "1"), Measured(sum(geometry.contact), off)
         words, off = f"transverse operating pressure angle of {name}", (8.0 * EPS + rough) * geometry.angle
-        yield further(f"{name}.operating_pressure_angle", words, "rad"), Measured(geometry.angle, off)
+        yield Quantity(f"{name}.operating_pressure_angle", words, "rad"), Measured(geometry.angle, off)
         if v.train.has_modules:
             words, off = f"distance of the axes of {a} and {b}", (8.0 * EPS + rough) * np.abs(size.distance)
-            yield ElementResult(f"{name}.centre_distance", words, "m"), Measured(size.distance, off)
+            yield main_result(f"{name}.centre_distance", words, "m"), Measured(size.distance, off)
         small = a if place.sense < 0 else f"the smaller of {a} and {b}"
         words = f"minimum number of teeth of {small} without interference, the other wheel as it is"
-        least = further(f"{name}.minimum_teeth", words, "1", may_be_undefined=True, exact=True)
+        least = Quantity(f"{name}.minimum_teeth", words, "1", may_be_undefined=True, exact=True)
         yield least, Measured(minimum_teeth(teeth))
 
 
@@ -46,7 +47,7 @@ def _of_motion(v: TrainVariants) -> NamedResults:
     yield check_result("mobility", "degrees of freedom W = 3n - 2p1 - p2", "1", exact=True), Measured(mobility)
     by_name = dict(zip(structure.shafts, v.speeds, strict=False))
     for name, speed in by_name.items():
-        yield ElementResult(f"{name}.speed", f"angular speed of {name}", "rad s-1"), speed
+        yield main_result(f"{name}.speed", f"angular speed of {name}", "rad s-1"), speed
     # Shafts in the frame that are not held: ratios and reduced inertias refer to these.
     free = [name for name in train.shafts if name not in structure.planets and not train.shafts[name].held]
     # Ratios require a single driven shaft.
@@ -56,20 +57,20 @@ def _of_motion(v: TrainVariants) -> NamedResults:
                 ratio = by_name[driver] / by_name[name]
                 # For a shaft at rest the ratio is infinite; its sign is meaningless.
                 ratio = Measured(np.where(np.isinf(ratio.value), np.inf, ratio.value), ratio.error)
-                yield ElementResult(f"{name}.ratio", f"speed of {driver} over that of {name}", "1", True), ratio
+                yield main_result(f"{name}.ratio", f"speed of {driver} over that of {name}", "1", True), ratio
     for path in structure.central_paths:
         (carrier, a, b, _), words = path, f"speed of {path.begin} over that of {path.end}, seen from {path.carrier}"
-        yield ElementResult(f"{carrier}.basic_ratio_of_{a}_to_{b}", words, "1"), basic_ratio(path, v.n)
+        yield main_result(f"{carrier}.basic_ratio_of_{a}_to_{b}", words, "1"), basic_ratio(path, v.n)
     if train.has_inertia:
         energy = kinetic_energy(v)
-        yield further("kinetic_energy", "kinetic energy of all members", "J"), energy
+        yield Quantity("kinetic_energy", "kinetic energy of all members", "J"), energy
         for name in free:
             words = f"inertia reduced to {name}"
             reduced = 2.0 * energy / by_name[name] ** 2
-            yield further(f"{name}.reduced_inertia", words, "kg m2", may_be_undefined=True), reduced
+            yield Quantity(f"{name}.reduced_inertia", words, "kg m2", may_be_undefined=True), reduced
 
 
-def train_results(train: Element, n: Numbers) -> tuple[list[tuple[ElementResult, Measured]], np.ndarray]:
+def train_results(train: Element, n: Numbers) -> tuple[list[tuple[Quantity, Measured]], np.ndarray]:
     """All results of trains whose wheels fit and mesh, except the assembly conditions.
 
     Parameters
@@ -81,7 +82,7 @@ def train_results(train: Element, n: Numbers) -> tuple[list[tuple[ElementResult,
 
     Returns
     -------
-    results : list of (ElementResult, Measured (variants,))
+    results : list of (Quantity, Measured (variants,))
     verdicts : ndarray (variants,) of uint8
         NOT_FINITE if the given speeds do not determine the others; SELF_LOCKS or STANDS if losses absorb all power.
     """

@@ -9,13 +9,14 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.cycle.regula_falsi import bisected, regula_falsi
-from engine.elements.element import Columns, Element, ElementResult, Numbers, further
+from engine.elements.element import Columns, Element, Numbers
 from engine.elements.governors.governor_nodes import DATUM, States, equilibrium_nodes
 from engine.elements.sampled_peak import sampled_peak
 from engine.graph.nodes import Graph, Stage
 from engine.graph.over_arrays import NodesOverArrays, over_arrays
 from engine.laws.governors.stability import stability_with_engine
 from engine.laws.rounding import EPS
+from engine.words.quantity import Quantity, main_result
 from engine.words.verdicts import Verdict
 
 # Number of samples of a characteristic, and per piece of a table; distance of the outer samples from the ends of a
@@ -27,18 +28,18 @@ _INSENSITIVITY = "maximum range of speeds within which friction holds the sleeve
 _SLEEVE_FORCE = "force at the sleeve that holds the balls, at half of the stable lift"
 _EFFORT = "mean force at the sleeve for the given change of speed, at half of the stable lift"
 OF_ENGINE = (
-    ElementResult("working_lift", "lift of the sleeve at the engine's load, after its change", "m"),
-    ElementResult("working_speed", "steady speed of the engine, after the change of load", "rad s-1"),
-    ElementResult("steady_speed_change", "steady change of the engine's speed by the change of load", "rad s-1"),
-    further("vyshnegradsky_x", "Vyshnegradsky's X", "1", True),
-    further("vyshnegradsky_y", "Vyshnegradsky's Y", "1", True),
-    ElementResult("stable", "engine and governor are stable (1) or hunt (0)", "1", exact=True),
-    ElementResult("gain_margin", "gain of the throttle at which they hunt, over that given", "1", True),
-    further("critical_damping", "damping at the sleeve below which they hunt", "N s m-1", True),
-    further("critical_inertia", "inertia of the engine below which they hunt", "kg m2", True),
-    further("decay_rate", "rate at which the slowest part of a disturbance decays", "s-1", True),
-    ElementResult("hunting_frequency", "angular frequency of the oscillation", "rad s-1", True),
-    further("oscillates", "a disturbance decays or grows in oscillations (1 or 0)", "1", exact=True),
+    main_result("working_lift", "lift of the sleeve at the engine's load, after its change", "m"),
+    main_result("working_speed", "steady speed of the engine, after the change of load", "rad s-1"),
+    main_result("steady_speed_change", "steady change of the engine's speed by the change of load", "rad s-1"),
+    Quantity("vyshnegradsky_x", "Vyshnegradsky's X", "1", True),
+    Quantity("vyshnegradsky_y", "Vyshnegradsky's Y", "1", True),
+    main_result("stable", "engine and governor are stable (1) or hunt (0)", "1", exact=True),
+    main_result("gain_margin", "gain of the throttle at which they hunt, over that given", "1", True),
+    Quantity("critical_damping", "damping at the sleeve below which they hunt", "N s m-1", True),
+    Quantity("critical_inertia", "inertia of the engine below which they hunt", "kg m2", True),
+    Quantity("decay_rate", "rate at which the slowest part of a disturbance decays", "s-1", True),
+    main_result("hunting_frequency", "angular frequency of the oscillation", "rad s-1", True),
+    Quantity("oscillates", "a disturbance decays or grows in oscillations (1 or 0)", "1", exact=True),
 )
 
 
@@ -274,7 +275,7 @@ def _at_load(g: GovernorVariants, x: np.ndarray, mean: np.ndarray, load: np.ndar
 
 
 @np.errstate(all="ignore")
-def near_equilibrium(g: GovernorVariants, marks: Marks) -> dict[ElementResult, np.ndarray]:
+def near_equilibrium(g: GovernorVariants, marks: Marks) -> dict[Quantity, np.ndarray]:
     """All results of governors from their marks, to first order in changes of their numbers.
 
     Parameters
@@ -308,26 +309,26 @@ def near_equilibrium(g: GovernorVariants, marks: Marks) -> dict[ElementResult, n
     uneven, isochronous = (last.speed - first.speed) / mean, np.tile(marks.isochronous, copies)
     power = 2.0 * effort * effort / half.stiffness
     results = {
-        further("inner_speed", "speed of the spindle in equilibrium at the inner stop", "rad s-1"): at_low.speed,
-        further("outer_speed", "speed of the spindle in equilibrium at the outer stop", "rad s-1"): at_high.speed,
-        further("inner_force", "controlling force of one ball at the inner stop", "N"): at_low.force,
-        further("outer_force", "controlling force of one ball at the outer stop", "N"): at_high.force,
-        further("stable_from", "radius at which the longest stable stretch begins", "m"): first.radius,
-        further("stable_to", "radius at which the longest stable stretch ends", "m"): last.radius,
-        ElementResult("least_speed", "minimum speed of the spindle in the stable stretch", "rad s-1"): first.speed,
-        ElementResult("greatest_speed", "maximum speed of the spindle in the stable stretch", "rad s-1"): last.speed,
-        ElementResult("mean_speed", "mean of the minimum and maximum speed", "rad s-1"): mean,
-        ElementResult("non_uniformity", "range of speeds in the stable stretch over the mean speed", "1"): uneven,
-        further("least_stability", _LEAST_STABILITY, "1"): shaky.margin,
-        further("least_stability_radius", "radius at which the governor is least stable", "m"): shaky.radius,
-        ElementResult("isochronous", "the governor is isochronous (1 or 0)", "1", exact=True): isochronous,
-        ElementResult("sleeve_lift", "lift of the sleeve between the stops", "m"): at_high.lift,
-        ElementResult("insensitivity", _INSENSITIVITY, "1"): insensitivity,
-        further("least_speed_with_friction", "speed at which the sleeve falls to its lowest", "rad s-1"): falls,
-        further("greatest_speed_with_friction", "speed at which the sleeve rises to its highest", "rad s-1"): rises,
-        further("sleeve_force", _SLEEVE_FORCE, "N"): half.sleeve,
-        ElementResult("effort", _EFFORT, "N"): effort,
-        ElementResult("power", "effort times the lift that the given change of speed makes", "J", True): power,
+        Quantity("inner_speed", "speed of the spindle in equilibrium at the inner stop", "rad s-1"): at_low.speed,
+        Quantity("outer_speed", "speed of the spindle in equilibrium at the outer stop", "rad s-1"): at_high.speed,
+        Quantity("inner_force", "controlling force of one ball at the inner stop", "N"): at_low.force,
+        Quantity("outer_force", "controlling force of one ball at the outer stop", "N"): at_high.force,
+        Quantity("stable_from", "radius at which the longest stable stretch begins", "m"): first.radius,
+        Quantity("stable_to", "radius at which the longest stable stretch ends", "m"): last.radius,
+        main_result("least_speed", "minimum speed of the spindle in the stable stretch", "rad s-1"): first.speed,
+        main_result("greatest_speed", "maximum speed of the spindle in the stable stretch", "rad s-1"): last.speed,
+        main_result("mean_speed", "mean of the minimum and maximum speed", "rad s-1"): mean,
+        main_result("non_uniformity", "range of speeds in the stable stretch over the mean speed", "1"): uneven,
+        Quantity("least_stability", _LEAST_STABILITY, "1"): shaky.margin,
+        Quantity("least_stability_radius", "radius at which the governor is least stable", "m"): shaky.radius,
+        main_result("isochronous", "the governor is isochronous (1 or 0)", "1", exact=True): isochronous,
+        main_result("sleeve_lift", "lift of the sleeve between the stops", "m"): at_high.lift,
+        main_result("insensitivity", _INSENSITIVITY, "1"): insensitivity,
+        Quantity("least_speed_with_friction", "speed at which the sleeve falls to its lowest", "rad s-1"): falls,
+        Quantity("greatest_speed_with_friction", "speed at which the sleeve rises to its highest", "rad s-1"): rises,
+        Quantity("sleeve_force", _SLEEVE_FORCE, "N"): half.sleeve,
+        main_result("effort", _EFFORT, "N"): effort,
+        main_result("power", "effort times the lift that the given change of speed makes", "J", True): power,
     }
     if g.governor.engine is None:
         return results

@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import ROUNDING, Answers, Element, ElementResult, Numbers, by_name, further, nudged
+from engine.elements.element import ROUNDING, Answers, Element, Numbers, by_name, nudged
 from engine.elements.governors.equilibria import (
     GovernorVariants,
     governor_marks,
@@ -29,17 +29,18 @@ from engine.parts.bodies import STANDARD_GRAVITY
 from engine.parts.skeleton import Acceleration, Length, Mass, Number, Positive, quantity
 from engine.stepping.walk_task import WALKS
 from engine.units.display import quantity_text
+from engine.words.quantity import Quantity, main_result
 from engine.words.verdicts import Verdict
 
 _FLAG = {"units": "1", "exact": True}
 _TRANSIENT = (
-    ElementResult("highest_speed", "highest speed of the engine after the change of load", "rad s-1"),
-    ElementResult("lowest_speed", "lowest speed of the engine after the change of load", "rad s-1"),
-    ElementResult("overshoot", "maximum departure beyond the new steady speed, relative", "1"),
-    ElementResult("settling_time", "time after which the speed stays in its band", "s", True),
-    ElementResult("hunting", "amplitude of the speed at the end, over the new steady speed", "1"),
-    further("inner_stop_hits", "how often the sleeve runs on its inner stop", **_FLAG),
-    further("outer_stop_hits", "how often the sleeve runs on its outer stop", **_FLAG),
+    main_result("highest_speed", "highest speed of the engine after the change of load", "rad s-1"),
+    main_result("lowest_speed", "lowest speed of the engine after the change of load", "rad s-1"),
+    main_result("overshoot", "maximum departure beyond the new steady speed, relative", "1"),
+    main_result("settling_time", "time after which the speed stays in its band", "s", True),
+    main_result("hunting", "amplitude of the speed at the end, over the new steady speed", "1"),
+    Quantity("inner_stop_hits", "how often the sleeve runs on its inner stop", **_FLAG),
+    Quantity("outer_stop_hits", "how often the sleeve runs on its outer stop", **_FLAG),
 )
 # Prefix of the keys for the curves of a mechanism.
 CYCLE = "cycle."
@@ -106,7 +107,7 @@ class Governor(Element):
         return radius
 
     @cached_property
-    def results(self) -> tuple[ElementResult, ...]:
+    def results(self) -> tuple[Quantity, ...]:
         """Results of the governor; with an engine, its stability; with a simulated change of load, the response."""
         g, marks, _ = governor_marks(governor_variants(self, self.own_numbers()))
         return (*near_equilibrium(g, marks), *(_TRANSIENT if self.is_followed else ()))

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from engine.elements.compliances.stiffnesses import cantilever_stiffness
-from engine.elements.element import ROUNDING, Answers, Element, ElementResult, NamedRows, Numbers, nudged
+from engine.elements.element import ROUNDING, Answers, Element, NamedRows, Numbers, nudged
 from engine.elements.oscillators import one_mass, over_time
 from engine.elements.oscillators.excitations import (
     CantileverSpring,
@@ -24,6 +24,7 @@ from engine.elements.panels import SPEED, TIME, Curve, Mark, Panel, PanelAxis
 from engine.laws.rounding import EPS
 from engine.parts.actions import Damping, Stiffness
 from engine.parts.skeleton import Faults, Mass, Number
+from engine.words.quantity import Quantity, main_result
 from engine.words.verdicts import Verdict
 
 Ratio = Annotated[Number, Field(ge=0)]
@@ -78,7 +79,7 @@ class OscillatorElement(Element):
         return _FORMULA_BLOCK if by_formula else Element.variants_at_once
 
     @cached_property
-    def results(self) -> tuple[ElementResult, ...]:
+    def results(self) -> tuple[Quantity, ...]:
         """Results for the keys given; those over time are listed without computing the motion."""
         if isinstance(self.excitation, OverTime):
             still = self.model_copy(update={"excitation": None, "start": None})
@@ -89,14 +90,14 @@ class OscillatorElement(Element):
         """Results for the start, excitation and passage given; infinite at an undamped resonance."""
         stiffness, frequency, ratio, damping = constants = _constants(self, n)
         damped = frequency * np.sqrt(np.where(ratio < 1.0, (1.0 - ratio) * (1.0 + ratio), math.nan))
-        yield ElementResult("stiffness", "stiffness of the spring", "N m-1"), stiffness
-        yield ElementResult("natural_frequency", "natural frequency without damping", "rad s-1"), frequency
-        yield ElementResult("damping", "damping", "N s m-1"), damping
-        yield ElementResult("damping_ratio", "damping over critical damping", "1"), ratio
-        yield ElementResult("damped_frequency", "frequency of the free motion", "rad s-1", True), damped
-        yield ElementResult("decrement", "logarithmic decrement", "1", True), one_mass.decrement_of_ratio(ratio)
+        yield main_result("stiffness", "stiffness of the spring", "N m-1"), stiffness
+        yield main_result("natural_frequency", "natural frequency without damping", "rad s-1"), frequency
+        yield main_result("damping", "damping", "N s m-1"), damping
+        yield main_result("damping_ratio", "damping over critical damping", "1"), ratio
+        yield main_result("damped_frequency", "frequency of the free motion", "rad s-1", True), damped
+        yield main_result("decrement", "logarithmic decrement", "1", True), one_mass.decrement_of_ratio(ratio)
         words = "energy absorption in a cycle at the natural frequency"
-        yield ElementResult("energy_absorption", words, "1"), 2.0 * math.tau * ratio
+        yield main_result("energy_absorption", words, "1"), 2.0 * math.tau * ratio
         if isinstance(self.excitation, OverTime):
             columns = over_time.over_time_columns(self.excitation, n, stiffness, ratio)[0]
             yield from zip(over_time.OVER_TIME_RESULTS, columns.values(), strict=True)
@@ -105,11 +106,11 @@ class OscillatorElement(Element):
             start = n["start.displacement"], n["start.velocity"]
             greatest, when = one_mass.greatest_displacement(frequency, ratio, *start)
             moved, velocity = one_mass.free_motion(frequency, ratio, *start, n["start.time"])
-            yield ElementResult("free_greatest", "peak displacement of the free motion", "m"), greatest
-            yield ElementResult("free_greatest_at", "time of the peak displacement of the free motion", "s"), when
+            yield main_result("free_greatest", "peak displacement of the free motion", "m"), greatest
+            yield main_result("free_greatest_at", "time of the peak displacement of the free motion", "s"), when
             words = "displacement of the free motion at the time asked for"
-            yield ElementResult("free_displacement", words, "m"), moved
-            yield ElementResult("free_velocity", "velocity of the free motion at the time asked for", "m s-1"), velocity
+            yield main_result("free_displacement", words, "m"), moved
+            yield main_result("free_velocity", "velocity of the free motion at the time asked for", "m s-1"), velocity
         if self.excitation is not None:
             yield from _forced(self, n, constants)
         if self.run_through is not None:
@@ -266,16 +267,16 @@ def _forced(element: OscillatorElement, n: Numbers, constants: _Constants) -> Na
         # Without a damper the power is 0 even at infinite amplitude.
         power = np.where(damping > 0.0, 0.5 * damping * (speed * stretch) ** 2, 0.0)
     transmitted = stiffness * np.hypot(1.0, 2.0 * ratio * eta) * stretch
-    yield ElementResult("frequency_ratio", "exciting over natural frequency", "1"), eta
-    yield ElementResult("dynamic_factor", "dynamic factor", "1"), factor
-    yield ElementResult("amplitude", "amplitude of the forced vibration", "m"), amplitude
-    yield ElementResult("phase_lag", "phase lag of the forced vibration behind the excitation", "rad"), lag
-    yield ElementResult("transmitted_force", "amplitude of the force of spring and damper", "N"), transmitted
-    yield ElementResult("dissipated_power", "mean power dissipated by the damper", "W"), power
+    yield main_result("frequency_ratio", "exciting over natural frequency", "1"), eta
+    yield main_result("dynamic_factor", "dynamic factor", "1"), factor
+    yield main_result("amplitude", "amplitude of the forced vibration", "m"), amplitude
+    yield main_result("phase_lag", "phase lag of the forced vibration behind the excitation", "rad"), lag
+    yield main_result("transmitted_force", "amplitude of the force of spring and damper", "N"), transmitted
+    yield main_result("dissipated_power", "mean power dissipated by the damper", "W"), power
     words = "exciting frequency of the peak amplitude"
-    yield ElementResult("resonance_speed", words, "rad s-1", True), best * frequency
+    yield main_result("resonance_speed", words, "rad s-1", True), best * frequency
     words = "peak amplitude at any exciting frequency"
-    yield ElementResult("resonance_amplitude", words, "m", True), unit * greatest
+    yield main_result("resonance_amplitude", words, "m", True), unit * greatest
 
 
 def _run_through(n: Numbers, frequency: np.ndarray, ratio: np.ndarray) -> NamedRows:
@@ -291,4 +292,4 @@ def _run_through(n: Numbers, frequency: np.ndarray, ratio: np.ndarray) -> NamedR
         ("peak amplitude during the passage, over that of steady resonance", "1", share),
     )
     for name, (words, units, row) in zip(_THROUGH, results, strict=True):
-        yield ElementResult(name, words, units, True), row
+        yield main_result(name, words, units, True), row

@@ -4,20 +4,21 @@ import math
 
 import numpy as np
 
-from engine.elements.element import Columns, ElementResult, Numbers, named_in_order
+from engine.elements.element import Columns, Numbers, named_in_order
 from engine.elements.oscillators.excitations import OverTime, SupportOverTime
 from engine.elements.oscillators.forced_pieces import Oscillators, Response, follow_pieces
+from engine.words.quantity import main_result
 
 # Linear pieces that approximate a formula; half of them yields the error estimate.
 PIECES = 4096
 OVER_TIME_RESULTS = (
-    ElementResult("greatest_displacement", "peak displacement", "m"),
-    ElementResult("greatest_displacement_at", "time of the peak displacement", "s"),
-    ElementResult("spring_force", "peak spring force", "N"),
-    ElementResult("spring_force_at", "time of the peak spring force", "s"),
-    ElementResult("dynamic_factor", "peak displacement over that of a mass that follows at rest", "1", True),
-    ElementResult("end_displacement", "displacement at the end", "m"),
-    ElementResult("end_velocity", "velocity at the end", "m s-1"),
+    main_result("greatest_displacement", "peak displacement", "m"),
+    main_result("greatest_displacement_at", "time of the peak displacement", "s"),
+    main_result("spring_force", "peak spring force", "N"),
+    main_result("spring_force_at", "time of the peak spring force", "s"),
+    main_result("dynamic_factor", "peak displacement over that of a mass that follows at rest", "1", True),
+    main_result("end_displacement", "displacement at the end", "m"),
+    main_result("end_velocity", "velocity at the end", "m s-1"),
 )
 
 

@@ -9,14 +9,15 @@ Source: K. V. Frolov et al., Theory of Mechanisms and Machines (static unbalance
 
 import numpy as np
 
-from engine.elements.element import ElementResult, NamedRows, Numbers
+from engine.elements.element import NamedRows, Numbers
+from engine.words.quantity import main_result
 
 
 def knife_edge_results(unbalance: np.ndarray, n: Numbers) -> NamedRows:
     """Results on knife edges, for a rotor with a `mass` and a `rolling_arm`, and the magnitude of its unbalance."""
     if "rolling_arm" in n:
         residual, words = n["mass"] * n["rolling_arm"], "unbalance that rolling friction on knife edges leaves"
-        yield ElementResult("knife_edge_unbalance", words, "kg m"), residual
+        yield main_result("knife_edge_unbalance", words, "kg m"), residual
         words = "maximum angle between the heavy side and the lowest position at rest on knife edges"
         angle = np.where(residual >= unbalance, np.pi, np.arcsin(np.minimum(residual / unbalance, 1.0)))
-        yield ElementResult("knife_edge_angle", words, "rad"), angle
+        yield main_result("knife_edge_angle", words, "rad"), angle

@@ -13,7 +13,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Answers, Columns, Element, ElementResult, NamedRows, Numbers, further, nudged
+from engine.elements.element import Answers, Columns, Element, NamedRows, Numbers, nudged
 from engine.elements.panels import Curve, Panel, PanelAxis
 from engine.elements.rotors.correction import correct, corrected_unbalance
 from engine.elements.rotors.grades import grade_reached, permissible_unbalance, tolerance_shares
@@ -32,6 +32,7 @@ from engine.elements.rotors.unbalance import (
 )
 from engine.parts.bodies import STANDARD_GRAVITY
 from engine.parts.skeleton import AngularSpeed, Faults, Length, Mass, Name, Speed
+from engine.words.quantity import Quantity, main_result
 
 # A number this close to an integer counts as one: error estimates nudge the numbers.
 WHOLE = 1e-6
@@ -101,26 +102,26 @@ class RotorElement(Element):
         permissible = permissible_unbalance(n["grade"], n["mass"], n["speed"])
         allowed_couple = permissible * np.abs(bearings[1] - bearings[0])
         shares = np.array(tolerance_shares(n["centre"], *bearings))
-        yield ElementResult("unbalance", "resultant unbalance", "kg m"), np.abs(before.unbalance)
+        yield main_result("unbalance", "resultant unbalance", "kg m"), np.abs(before.unbalance)
         couple = np.abs(about(before, n["centre"]).moment)
-        yield ElementResult("couple", "moment unbalance about the centre of mass", "kg m2"), couple
+        yield main_result("couple", "moment unbalance about the centre of mass", "kg m2"), couple
         found = kind(before, n["centre"], permissible, allowed_couple).astype(float)
-        yield further("kind", _KINDS, "1", exact=True), found
-        yield further("single_plane", _SINGLE_PLANE, "m", may_be_undefined=True), single_plane(before)
-        yield ElementResult("permissible_unbalance", "permissible residual unbalance", "kg m"), permissible
+        yield Quantity("kind", _KINDS, "1", exact=True), found
+        yield Quantity("single_plane", _SINGLE_PLANE, "m", may_be_undefined=True), single_plane(before)
+        yield main_result("permissible_unbalance", "permissible residual unbalance", "kg m"), permissible
         for side, share in zip(_SIDES, shares, strict=True):
-            yield further(f"{side}_permissible", f"{_PERMISSIBLE} {side} bearing", "kg m"), share * permissible
+            yield Quantity(f"{side}_permissible", f"{_PERMISSIBLE} {side} bearing", "kg m"), share * permissible
         yield from _qualities(n, (before, after), made, planes, permissible, shares, _correction_errors(self, n))
         for name, force, weight, states in (
             ("force", "rotating force", "", forces),
             ("peak", "force", " with the weight", peaks),
         ):
-            for when, described, rows in zip(("before", "after"), (further, ElementResult), states, strict=True):
+            for when, described, rows in zip(("before", "after"), (Quantity, main_result), states, strict=True):
                 for side, row in zip(_SIDES, rows, strict=True):
                     words = f"{force} on the {side} bearing{weight} {when} balancing"
                     yield described(f"{side}_{name}_{when}", words, "N"), np.abs(row)
         mass = sum(row for result, row in added if result.units == "kg")
-        yield ElementResult("correction_mass", "mass added in all planes", "kg"), mass
+        yield main_result("correction_mass", "mass added in all planes", "kg"), mass
         yield from knife_edge_results(np.abs(before.unbalance), n)
         yield from added
 
@@ -149,11 +150,11 @@ class RotorElement(Element):
 
 def _hole_results(name: str, places: np.ndarray, pieces: np.ndarray) -> NamedRows:
     """Numbers of the holes used in a plane, and of their pieces, each (variants, used)."""
-    yield ElementResult(f"{name}.pieces", f"pieces added in plane {name}", "1", exact=True), pieces.sum(axis=-1)
+    yield main_result(f"{name}.pieces", f"pieces added in plane {name}", "1", exact=True), pieces.sum(axis=-1)
     for k, (hole, own) in enumerate(zip(places.T, pieces.T, strict=True), 1):
         words = f"hole {k} used in plane {name}, counted from 1 (0 for none)"
-        yield ElementResult(f"{name}.hole_{k}", words, "1", exact=True), hole
-        yield ElementResult(f"{name}.pieces_{k}", f"pieces in hole {k} used in plane {name}", "1", exact=True), own
+        yield main_result(f"{name}.hole_{k}", words, "1", exact=True), hole
+        yield main_result(f"{name}.pieces_{k}", f"pieces in hole {k} used in plane {name}", "1", exact=True), own
 
 
 def _correction_errors(rotor: RotorElement, n: Numbers) -> np.ndarray:
@@ -187,12 +188,12 @@ def _qualities(
     # The least e ω whose tolerances in both planes admit the residual unbalances.
     needed = [(row / shares).max(axis=0) * np.abs(n["speed"]) / n["mass"] for row in residuals]
     for (state, words), quality in zip(_STATES.items(), needed, strict=True):
-        yield further(f"quality_{state}", f"balance quality e ω {words}", "m s-1"), quality
+        yield Quantity(f"quality_{state}", f"balance quality e ω {words}", "m s-1"), quality
     for (state, words), quality in zip(_STATES.items(), needed, strict=True):
-        grade = ElementResult(f"grade_{state}", f"finest grade G held {words}", "m s-1", True, True)
+        grade = main_result(f"grade_{state}", f"finest grade G held {words}", "m s-1", True, True)
         yield grade, grade_reached(quality) / 1000
     words = "error of every correction that the grade allows, as a share of it"
-    yield further("error_allowance", words, "1", True), room
+    yield Quantity("error_allowance", words, "1", True), room
 
 
 def _unbalances(rotor: RotorElement, n: Numbers) -> tuple[np.ndarray, np.ndarray]:
@@ -217,8 +218,8 @@ def _corrections(rotor: RotorElement, n: Numbers, before: Resultant) -> tuple[np
         if plane.holes is not None:
             meant, places, pieces = _in_holes(plane, n, path, meant)
             mass, in_holes = pieces.sum(axis=-1) * n[f"{path}.piece"], _hole_results(name, places, pieces)
-        added.append((ElementResult(f"{name}.mass", f"mass added in plane {name}", "kg"), mass))
-        angle = ElementResult(f"{name}.angle", f"angle of the mass added in plane {name}", "rad")
+        added.append((main_result(f"{name}.mass", f"mass added in plane {name}", "kg"), mass))
+        angle = main_result(f"{name}.angle", f"angle of the mass added in plane {name}", "rad")
         added += [(angle, np.angle(meant) % math.tau), *in_holes]
         made[:, k] = meant * n.get(f"{path}.added", 1.0) ** STEPS
     return made, positions, added

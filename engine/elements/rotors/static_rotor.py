@@ -12,13 +12,14 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Element, ElementResult, NamedRows, Numbers
+from engine.elements.element import Element, NamedRows, Numbers
 from engine.elements.panels import Panel
 from engine.elements.rotors.knife_edges import knife_edge_results
 from engine.elements.rotors.rotor_parts import OffAxis
 from engine.elements.rotors.unbalance import vector_polygon
 from engine.laws.rounding import EPS
 from engine.parts.skeleton import AngularSpeed, Length, Mass, Name
+from engine.words.quantity import main_result
 
 
 class StaticRotor(Element):
@@ -49,15 +50,15 @@ class StaticRotor(Element):
         size = np.where(size <= 4.0 * EPS * np.abs(parts).sum(axis=0), 0.0, size)
         direction = np.where(size > 0.0, np.angle(total), math.nan)
         turned = np.where(direction > 0.0, direction - math.pi, direction + math.pi)
-        yield ElementResult("unbalance", "resultant unbalance", "kg m"), size
-        yield ElementResult("unbalance_angle", "angle of the resultant unbalance", "rad", True), direction
-        yield ElementResult("correction_mass", "mass that balances the rotor", "kg"), size / n["correction_radius"]
-        yield ElementResult("correction_angle", "angle of the mass that balances the rotor", "rad", True), turned
+        yield main_result("unbalance", "resultant unbalance", "kg m"), size
+        yield main_result("unbalance_angle", "angle of the resultant unbalance", "rad", True), direction
+        yield main_result("correction_mass", "mass that balances the rotor", "kg"), size / n["correction_radius"]
+        yield main_result("correction_angle", "angle of the mass that balances the rotor", "rad", True), turned
         if "mass" in n:
-            yield ElementResult("eccentricity", "distance of the centre of mass from the axis", "m"), size / n["mass"]
+            yield main_result("eccentricity", "distance of the centre of mass from the axis", "m"), size / n["mass"]
         if "speed" in n:
             words = "force of the unbalance on the bearings"
-            yield ElementResult("centrifugal_force", words, "N"), size * n["speed"] ** 2
+            yield main_result("centrifugal_force", words, "N"), size * n["speed"] ** 2
         yield from knife_edge_results(size, n)
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:

@@ -11,7 +11,7 @@ from pydantic import Field
 
 from engine.cycle.measured import Measured, maximum, measured, where
 from engine.elements.compliances.elastic_parts import ElasticPart
-from engine.elements.element import Answers, Element, ElementResult, NamedRows, Numbers, check_result, further
+from engine.elements.element import Answers, Element, NamedRows, Numbers
 from engine.elements.engines.engine import OF_SHAKING, EngineElement
 from engine.elements.panels import SPEED, Curve, Mark, Panel, PanelAxis
 from engine.elements.torsional_trains.excitation import TrainExcitation, excitation_orders, train_excitation
@@ -23,6 +23,7 @@ from engine.elements.torsional_trains.train_layout import FRAME_END, Joint, Trai
 from engine.laws.rounding import EPS
 from engine.parts.actions import TorsionalDamping, TorsionalStiffness
 from engine.parts.skeleton import Angle, AngularSpeed, Faults, Inertia, Moment, Name, NonZero, Number, Part
+from engine.words.quantity import Quantity, check_result, main_result
 from engine.words.verdicts import Verdict
 
 MOST_MASSES = 1000
@@ -215,7 +216,7 @@ class TorsionalTrain(Element):
         free = Measured(1.0 if self.layout.is_free else 0.0)
         yield check_result("rigid_body_modes", words, "1", exact=True), free
         for k, frequency in enumerate(frequencies, 1):
-            yield ElementResult(f"frequency_{k}", f"natural frequency {k} above zero", "rad s-1"), frequency
+            yield main_result(f"frequency_{k}", f"natural frequency {k} above zero", "rad s-1"), frequency
         for k in range(self.reported_modes):
             yield from _shape(self, reduced, natural, k)
         if self.is_excited:
@@ -224,7 +225,7 @@ class TorsionalTrain(Element):
             yield from _vibration(self, reduced, excitation)
 
     @cached_property
-    def results(self) -> tuple[ElementResult, ...]:
+    def results(self) -> tuple[Quantity, ...]:
         """Results available with the keys given, named for any numbers of the machine and any frequencies."""
         n = defaultdict(lambda: np.ones(1), self.own_numbers())
         reduced, count = reduced_train(self, n), self.reported_modes
@@ -264,7 +265,7 @@ def _shape(train: TorsionalTrain, reduced: ReducedTrain, natural: NaturalVibrati
     shape = amplitudes / amplitudes[greatest]
     for i, mass in enumerate(layout.masses):
         words = f"amplitude of {mass} in mode {k + 1}, over the maximum of all"
-        yield further(f"mode_{k + 1}.{mass}", words, "1", True), shape[i]
+        yield Quantity(f"mode_{k + 1}.{mass}", words, "1", True), shape[i]
 
 
 def _margins(frequencies: Sequence[Measured], excitation: TrainExcitation) -> NamedRows:
@@ -275,9 +276,9 @@ def _margins(frequencies: Sequence[Measured], excitation: TrainExcitation) -> Na
         away = abs(excited / frequency - 1.0)
         nearest = away.value.argmin(axis=0)
         words = f"distance of the nearest order from natural frequency {k}, over it"
-        yield ElementResult(f"margin_{k}", words, "1"), away[nearest, np.arange(speed.size)]
+        yield main_result(f"margin_{k}", words, "1"), away[nearest, np.arange(speed.size)]
         words = f"order nearest to natural frequency {k}"
-        yield ElementResult(f"nearest_order_{k}", words, "1", exact=True), Measured(orders[nearest])
+        yield main_result(f"nearest_order_{k}", words, "1", exact=True), Measured(orders[nearest])
 
 
 def _vibration(train: TorsionalTrain, reduced: ReducedTrain, excitation: TrainExcitation) -> NamedRows:
@@ -293,16 +294,16 @@ def _vibration(train: TorsionalTrain, reduced: ReducedTrain, excitation: TrainEx
             ratio = reduced.shaft_ratios[name]
             constant = _shaft_moment(train, reduced, name, mean, still)[0].real / ratio
             least, greatest = _range(orders, _shaft_moment(train, reduced, name, swings, frequencies) / ratio)
-            yield further(f"{name}.mean_moment", f"mean torque of {name}, at its first end", "N m"), constant
+            yield Quantity(f"{name}.mean_moment", f"mean torque of {name}, at its first end", "N m"), constant
             words = f"alternating torque of {name}: half its range"
-            yield ElementResult(f"{name}.alternating_moment", words, "N m"), 0.5 * (greatest - least)
+            yield main_result(f"{name}.alternating_moment", words, "N m"), 0.5 * (greatest - least)
             peak = maximum(abs(constant + greatest), abs(constant + least))
-            yield ElementResult(f"{name}.greatest_moment", f"peak torque of {name}", "N m"), peak
+            yield main_result(f"{name}.greatest_moment", f"peak torque of {name}", "N m"), peak
         for mass, node in layout.node_of.items():
             least, greatest = _range(orders, reduced.ratios[mass] * swings.angles[node])
             words = f"half the range of the vibration of {mass}"
-            yield ElementResult(f"{mass}.amplitude", words, "rad"), 0.5 * (greatest - least)
-        yield further("dissipated_power", "mean power that all dampers dissipate", "W"), swings.dissipated
+            yield main_result(f"{mass}.amplitude", words, "rad"), 0.5 * (greatest - least)
+        yield Quantity("dissipated_power", "mean power that all dampers dissipate", "W"), swings.dissipated
 
 
 def _shaft_moment(

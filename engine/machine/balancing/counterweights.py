@@ -24,7 +24,6 @@ import numpy as np
 from engine.machine.balancing.least_shaking import DependentError, Optimum, Unknown, least_peak, least_rms
 from engine.machine.machine import Machine
 from engine.parts.bodies import Body
-from engine.quantities.quantity import has_cycle
 from engine.scene.scene import Scene
 from engine.units.display import quantity_text
 from engine.words.glossary import did_you_mean
@@ -163,7 +162,7 @@ def _check(
     moment_weight: float,
 ) -> None:
     scene, turning = machine.scene, machine.mechanics.kinematics.links
-    if not has_cycle(scene):
+    if not scene.has_cycle:
         raise BalanceError("the crank must turn fully: leave out input.start and input.stop")
     if criterion not in ("full", "rms", "peak"):
         raise BalanceError(f"criterion = {criterion!r}: allowed are 'full', 'rms' and 'peak'")

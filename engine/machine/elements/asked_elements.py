@@ -7,15 +7,15 @@ import numpy as np
 
 from engine.compiling.threads import on_all_threads
 from engine.elements.element import Answers, Columns, Element
-from engine.quantities.quantity import Quantity
 from engine.scene.scene import Numbers, Scene
+from engine.words.quantity import Quantity
 from engine.words.verdicts import Verdict
 
 
 def element_summaries(scene: Scene) -> list[Quantity]:
     """Summaries of a scene's machine elements."""
     return [
-        Quantity(f"{name}.{result.name}", f"{name}: {result.long_name}", result.units, rank=result.rank)
+        result._replace(name=f"{name}.{result.name}", long_name=f"{name}: {result.long_name}")
         for name, element in scene.elements.items()
         for result in element.results
     ]

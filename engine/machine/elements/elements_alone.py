@@ -9,9 +9,9 @@ from engine.machine.checks import check_scene, given_numbers, names_of
 from engine.machine.elements.asked_elements import AskedElements, element_summaries
 from engine.machine.machine import Machine
 from engine.machine.results import AskError, Outcome, asked_text, blank
-from engine.quantities.quantity import Quantity
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.words.glossary import did_you_mean
+from engine.words.quantity import Quantity
 from engine.words.verdicts import Verdict
 
 

@@ -18,9 +18,9 @@ from engine.motion.quantities import load_fields, sized_regimes
 from engine.motion.regimes_in_order import RegimesInOrder
 from engine.motion.runs.run_progress import CoupledStanding, Standing
 from engine.motion.settled.steady_with_friction import settled_motion
-from engine.quantities.quantity import Quantity
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.stepping.records import elements_of_counts
+from engine.words.quantity import Quantity
 from engine.words.verdicts import Verdict
 
 # Nodes of a history whose fields are computed together.

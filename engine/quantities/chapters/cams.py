@@ -4,9 +4,9 @@ from functools import partial
 
 from engine.laws.elementary import angle_of
 from engine.mechanism.mechanics import Mechanics
-from engine.quantities.quantity import Quantity
 from engine.quantities.register import Declared, Field, known
 from engine.scene.scene import Scene
+from engine.words.quantity import Quantity
 
 
 def cam_force_fields(scene: Scene) -> list[Quantity]:
@@ -16,9 +16,9 @@ def cam_force_fields(scene: Scene) -> list[Quantity]:
         pressed = "force along its guide" if cam.translating else "moment about its pivot"
         where = f"between cam {name} and {cam.follower.link}"
         touching = ", positive in compression" if cam.closure == "spring" else ""
-        found.append(Quantity(f"{name}.contact_force", f"force {where}, along the normal{touching}", "N", "N"))
+        found.append(Quantity(f"{name}.contact_force", f"force {where}, along the normal{touching}", "N", symbol="N"))
         words = f"{pressed} that presses {cam.follower.link} on cam {name}, inertia included"
-        found.append(Quantity(f"{name}.closing_force", words, "N" if cam.translating else "N m", "P"))
+        found.append(Quantity(f"{name}.closing_force", words, "N" if cam.translating else "N m", symbol="P"))
     return found
 
 

@@ -10,8 +10,8 @@ from engine.mechanism.actions.cylinders import Diagram, piston_area
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.cylinders import EngineCylinder, FourStroke, Pump
 from engine.quantities.expressions import Expression, Integral, StrokeEnd, VariantNumber, length_of_range
-from engine.quantities.quantity import called
 from engine.quantities.register import Declared, Field, Summary, answer_if, answer_summary
+from engine.words.quantity import called
 
 
 def declare(mechanics: Mechanics) -> Declared:

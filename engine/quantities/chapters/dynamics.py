@@ -26,10 +26,21 @@ from engine.quantities.expressions import (
     share,
     unresolved_peak,
 )
-from engine.quantities.quantity import InputUnits, called, drive_words, ordinal
-from engine.quantities.register import Declared, Field, Summary, answer_if, answer_summary, check_summary, detail, mean
+from engine.quantities.register import (
+    Declared,
+    Field,
+    InputUnits,
+    Summary,
+    answer_if,
+    answer_summary,
+    check_summary,
+    detail,
+    drive_words,
+    mean,
+)
 from engine.scene.pairs import has_friction
 from engine.scene.scene import Numbers
+from engine.words.quantity import called, ordinal
 
 _USEFUL = frozenset({"useful"})
 # Of the drive torque, over the cycle.

@@ -14,8 +14,17 @@ from engine.quantities.expressions import (
     minimum,
     unresolved_peak,
 )
-from engine.quantities.quantity import InputUnits, drive_words
-from engine.quantities.register import Declared, Field, Summary, answer_if, answer_summary, check_summary, mean
+from engine.quantities.register import (
+    Declared,
+    Field,
+    InputUnits,
+    Summary,
+    answer_if,
+    answer_summary,
+    check_summary,
+    drive_words,
+    mean,
+)
 from engine.scene.pairs import contact_pairs, has_friction, lossy_meshes, mesh_driver, pairs
 
 

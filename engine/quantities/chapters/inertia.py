@@ -8,10 +8,10 @@ from engine.mechanism.inertia import moment_centre
 from engine.mechanism.input_motion import multiple_angle
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import Expression, Formula, Integral, VariantNumber, hypot
-from engine.quantities.quantity import called, ordinal
 from engine.quantities.register import Declared, Field, Summary, detail
 from engine.scene.masses import CENTRE, body_inertia, count_points, inertia_from_swing, replacement, replacement_mass
 from engine.scene.scene import scene_numbers
+from engine.words.quantity import called, ordinal
 
 ORDERS = (1, 2, 4)
 

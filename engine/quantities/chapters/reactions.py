@@ -6,7 +6,6 @@ from itertools import combinations
 import numpy as np
 
 from engine.cycle.measured import Measured, atan2
-from engine.elements.element import Rank
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.actions import Brake
 from engine.parts.motors import Motor
@@ -23,10 +22,10 @@ from engine.quantities.expressions import (
     share,
     unresolved_peak,
 )
-from engine.quantities.quantity import Quantity, drive_words
-from engine.quantities.register import Declared, Field, InputUnits, Summary, check_summary, mean
+from engine.quantities.register import Declared, Field, InputUnits, Summary, check_summary, drive_words, mean
 from engine.scene.pairs import Pair, driving_field, has_friction, own_drives, pairs
 from engine.scene.scene import Scene
+from engine.words.quantity import Quantity, Rank
 
 
 def declare(mechanics: Mechanics) -> Declared:
@@ -125,9 +124,9 @@ def tooth_force_fields(scene: Scene) -> list[Quantity]:
 
     def add(name: str, where: str, along: str, radial: str) -> None:
         normal = f"force {where} along the normal to their flanks, the reaction of this higher pair"
-        found.append(Quantity(f"{name}.tangential_force", along, "N", "F_t"))
-        found.append(Quantity(f"{name}.radial_force", radial, "N", "F_r"))
-        found.append(Quantity(f"{name}.normal_force", normal, "N", "F_n"))
+        found.append(Quantity(f"{name}.tangential_force", along, "N", symbol="F_t"))
+        found.append(Quantity(f"{name}.radial_force", radial, "N", symbol="F_r"))
+        found.append(Quantity(f"{name}.normal_force", normal, "N", symbol="F_n"))
 
     for name, shaft in scene.shafts.items():
         if shaft.pressure_angle is not None:

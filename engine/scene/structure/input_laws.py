@@ -27,7 +27,7 @@ def fixed_by_laws(scene: Scene) -> set[str]:
 
     The cycle must close in every variant, and section boundaries are laid out once for all variants.
     """
-    cycle = scene.input is not None and scene.input.turns_fully
+    cycle = scene.has_cycle
     found: set[str] = set()
     for name, second in scene.inputs.items():
         at, speed = f"inputs.{name}", getattr(second, "speed", 0.0)

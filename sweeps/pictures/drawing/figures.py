@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from engine import Scene, did_you_mean, has_cycle
+from engine import Scene, did_you_mean
 from sweeps.pictures.drawing.annotations import annotations
 from sweeps.pictures.drawing.frame import frame_parts, stands
 from sweeps.pictures.drawing.links import plates_and_bars
@@ -73,7 +73,7 @@ def figures(
     first, *rest = (motion.node(place) for place in at)
     wanted = [wish for wish in motion.scene.wanted.values() if wish.type == "path"]
     trails = [motion.points[n] for n in dict.fromkeys([*paths, *(wish.point for wish in wanted)])]
-    if has_cycle(motion.scene):
+    if motion.scene.has_cycle:
         trails = [_once(trail, 0.5 * motion.radius) for trail in trails]
     trails = [line(*trail, layer="paths") for trail in trails]
     places = [complex(*place) for wish in wanted for place in zip(wish.x, wish.y, strict=True)]
@@ -103,4 +103,4 @@ def _once(path: np.ndarray, near: float) -> np.ndarray:
 
 def default_position(motion: DrawnMotion) -> float:
     """Default position: the crank at 60°, or the middle of the input's range."""
-    return USUAL_CRANK_ANGLE if has_cycle(motion.scene) else float(motion.q[motion.q.size // 2])
+    return USUAL_CRANK_ANGLE if motion.scene.has_cycle else float(motion.q[motion.q.size // 2])

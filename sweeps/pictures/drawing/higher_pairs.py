@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from engine import has_cycle, mesh_axis
+from engine import mesh_axis
 from sweeps.pictures.drawing.motion import DrawnMotion
 from sweeps.pictures.drawing.symbols import Primitive, bush, line, of_link
 
@@ -79,7 +79,7 @@ def pitch_curves(m: DrawnMotion, k: int) -> list[Primitive]:
     for name, curves in m.pitch_curves.items():
         for link, curve in zip((name, m.scene.noncircular_wheels[name].geared_to), curves, strict=True):
             place, along = m.axes(link)
-            drawn = np.append(curve, curve[:1]) if has_cycle(m.scene) else curve
+            drawn = np.append(curve, curve[:1]) if m.scene.has_cycle else curve
             found += of_link(link, line(*(place[k] + drawn * along[k]), layer="pitch"))
     return found
 

@@ -102,7 +102,7 @@ class DrawnMotion:
         """
         step, unit = self.q[1] - self.q[0], engine.InputUnits.of(self.scene).q
         k = round((at - self.q[0]) / step)
-        if engine.has_cycle(self.scene):
+        if self.scene.has_cycle:
             k %= self.q.size
         elif not 0 <= k < self.q.size:
             told, *ends = (engine.quantity_text(float(q), unit) for q in (at, self.q[0], self.q[-1]))
@@ -127,7 +127,7 @@ class DrawnMotion:
         place, along = self.axes(self.scene.cams[name].on)
         profile = (self.contacts[name] - place) / along
         turns = abs(np.unwrap(np.angle(along))[-1] - np.angle(along[0])) / math.tau
-        if not engine.has_cycle(self.scene) and turns < 1.0:
+        if not self.scene.has_cycle and turns < 1.0:
             return profile
         count = round(profile.size / max(1.0, round(turns)))
         return np.append(profile[:count], profile[:1])

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import FRAME, has_cycle
+from engine import FRAME
 from sweeps.pictures.drawing.figures import figures
 from sweeps.pictures.drawing.motion import POSITIONS, DrawnMotion
 from sweeps.pictures.drawing.names import names_of_points
@@ -90,7 +90,7 @@ def moving_drawing(motion: DrawnMotion, intervals: int = 120) -> MovingDrawing:
 def spread_nodes(motion: DrawnMotion, intervals: int) -> np.ndarray:
     """Evenly spread nodes from the start of the motion to its end; the last one of a cycle is the first again."""
     nodes = np.rint(np.linspace(0, POSITIONS, intervals + 1)).astype(int)
-    return nodes % POSITIONS if has_cycle(motion.scene) else nodes
+    return nodes % POSITIONS if motion.scene.has_cycle else nodes
 
 
 def _aligned(poses: Sequence[Sequence[Primitive]], radius: float) -> list[tuple[Primitive, np.ndarray]]:

@@ -11,7 +11,7 @@ from matplotlib.path import Path as Outline
 from matplotlib.patheffects import withStroke
 from matplotlib.textpath import TextPath
 
-from engine import Scene, display_unit, has_cycle
+from engine import Scene, display_unit
 from sweeps.pictures.drawing.figures import USUAL_CRANK_ANGLE, default_position, figures
 from sweeps.pictures.drawing.motion import DrawnMotion, position_text
 from sweeps.pictures.drawing.symbols import Primitive
@@ -164,7 +164,7 @@ def _scale(ratio: float) -> str:
 
 def _title(scene: Scene, at: Sequence[float]) -> str:
     """Title of the scene and position of its input."""
-    if not at and not has_cycle(scene):
+    if not at and not scene.has_cycle:
         return scene.title
     words = position_text(scene, at[0] if at else USUAL_CRANK_ANGLE)
     return f"{scene.title}, {words}" if scene.title else words

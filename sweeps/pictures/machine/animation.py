@@ -11,7 +11,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from PIL import Image
 
-from engine import Scene, has_cycle, quantity_text
+from engine import Scene, quantity_text
 from sweeps.pictures import drawing
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import VERMILION, house_style
@@ -87,7 +87,7 @@ def save_animation(frames_of: Callable[[int], Frames], path: Path | str, frames:
 
 def _moments(motion: drawing.DrawnMotion, frames: int) -> np.ndarray:
     """Positions of the frames, descending if the input runs backwards."""
-    if has_cycle(motion.scene):
+    if motion.scene.has_cycle:
         share = np.arange(frames) / frames
         cycle = motion.q[-1] + motion.q[1]
         return cycle * (share if motion.numbers["input.speed"] >= 0 else -share)
@@ -97,7 +97,7 @@ def _moments(motion: drawing.DrawnMotion, frames: int) -> np.ndarray:
 
 def _instant(motion: drawing.DrawnMotion, at: float) -> str:
     """Input position, and over a cycle the time at mean speed."""
-    if not has_cycle(motion.scene):
+    if not motion.scene.has_cycle:
         return drawing.position_text(motion.scene, at)
     time = quantity_text(float(at / motion.numbers["input.speed"]), "s")
     return f"{drawing.position_text(motion.scene, at)}, t = {time}"

@@ -28,7 +28,7 @@ def input_axis(scene: engine.Scene) -> engine.PanelAxis:
 
 def closed(scene: engine.Scene, row: np.ndarray, turned: float = 0.0) -> np.ndarray:
     """A row over the positions; that of a cycle ends with its first value, increased by `turned`."""
-    return np.append(row, row[:1] + turned) if engine.has_cycle(scene) else row
+    return np.append(row, row[:1] + turned) if scene.has_cycle else row
 
 
 def panel_over_cycle(
@@ -71,7 +71,7 @@ def main_slider(scene: engine.Scene) -> str | None:
 
 def dead_centres(moving: engine.MovingMachine, slider: str | None) -> list[engine.Mark]:
     """Marks at the dead centres of a slider over a cycle."""
-    if slider is None or not engine.has_cycle(moving.scene):
+    if slider is None or not moving.scene.has_cycle:
         return []
     ends = (moving.summary(f"{slider}.stroke_{end}_at") % math.tau for end in ("low", "high"))
     # A piston has them in every turn.

@@ -48,7 +48,7 @@ def _of_cylinder(moving: engine.MovingMachine, name: str) -> tuple[engine.Panel,
     need_motion(moving, asked)
     pressure, volume = over_cycle(moving, asked).values()
     title = name
-    if engine.has_cycle(moving.scene):
+    if moving.scene.has_cycle:
         work, power = (moving.summary(f"{name}.indicated_{what}") for what in ("work", "power"))
         title = f"{name}: {engine.quantity_text(work, 'J')} per cycle, {engine.quantity_text(power, 'W')}"
     axis, curves = engine.PanelAxis("absolute pressure", "Pa", "p"), [engine.Curve("", pressure)]
@@ -81,7 +81,7 @@ def motion_of_part(moving: engine.MovingMachine, part: str) -> Figure:
     rows = [*over_cycle(moving, names).values(), closed(moving.scene, moving.rate(names[-1]))]
     quantities = [known[name].quantity for name in names]
     words = quantities[2].long_name.replace("acceleration", "jerk")
-    quantities.append(engine.Quantity("", words, quantities[2].units.replace("s-2", "s-3"), "j"))
+    quantities.append(engine.Quantity("", words, quantities[2].units.replace("s-2", "s-3"), symbol="j"))
     panels = [
         panel_over_cycle(moving, engine.PanelAxis(q.long_name, q.units, q.symbol), [engine.Curve("", row)])
         for q, row in zip(quantities, rows, strict=True)

@@ -44,7 +44,7 @@ def _has_flywheel(scene: engine.Scene) -> bool:
 
 def _cycle_of(moving: engine.MovingMachine) -> _Cycle:
     names = ["reduced_inertia", "reduced_inertia_phi", "reduced_moment", "input_moment"]
-    if engine.has_cycle(moving.scene):
+    if moving.scene.has_cycle:
         names += ["work", *(["speed"] if _has_flywheel(moving.scene) else [])]
     known = [name for name in names if name in moving.register.available_fields]
     cycle_rows.need_motion(moving, known)
@@ -74,7 +74,7 @@ def diagrams(machine: engine.Scene | engine.MovingMachine) -> Figure:
     moving = machine if isinstance(machine, engine.MovingMachine) else engine.MovingMachine(machine)
     cycle, scene = _cycle_of(moving), moving.scene
     with sheet(180, 115) as figure:
-        if engine.has_cycle(scene):
+        if scene.has_cycle:
             _sheet_of_cycle(figure, cycle)
         else:
             for ax, name in zip(figure.subplots(2, 2).flat, cycle.rows, strict=True):
@@ -118,7 +118,8 @@ def _panel(ax: Axes, cycle: _Cycle, name: str, mean: str | float | None = None, 
     if row is None:
         _say(ax, f"{name.replace('_', ' ')}: {TIMED}")
         return
-    _, words, units, symbol, _ = cycle.moving.register.fields[name].quantity
+    field = cycle.moving.register.fields[name]
+    words, units, symbol = field.long_name, field.units, field.symbol
     if np.isfinite(row).sum() < 2 or np.nanmax(np.abs(row)) > cycle_rows.LARGEST:
         _say(ax, f"{typeset(symbol)}: infinite or undefined")
         return

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from engine import Curve, Mark, MovingMachine, Panel, PanelAxis, Scene, Verdict, has_cycle
+from engine import Curve, Mark, MovingMachine, Panel, PanelAxis, Scene, Verdict
 from sweeps.pictures.machine.cycle_rows import closed
 from sweeps.pictures.panels import draw_panel
 from sweeps.pictures.picture_error import PictureError
@@ -54,7 +54,7 @@ def shaking_force(scene: Scene, name: str) -> np.ndarray:
     PictureError
         The machine can't be computed, or its crank doesn't turn fully.
     """
-    if scene.input is None or not has_cycle(scene):
+    if scene.input is None or not scene.has_cycle:
         raise PictureError(f"no hodograph of {name}: it needs a crank that turns fully")
     machine, names = MovingMachine(scene, positions=POSITIONS), ("shaking_force_x", "shaking_force_y")
     verdict = machine.verdict(names)

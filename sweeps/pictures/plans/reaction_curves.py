@@ -7,7 +7,7 @@ from matplotlib.artist import setp
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from engine import Curve, InputUnits, Pair, PanelAxis, display_unit, drive_words, has_cycle, pairs_of
+from engine import Curve, InputUnits, Pair, PanelAxis, display_unit, drive_words, pairs_of
 from sweeps.pictures.machine.cycle_rows import closed, panel_over_cycle
 from sweeps.pictures.panels import draw_panel
 from sweeps.pictures.plans.lettering import size_text
@@ -45,7 +45,7 @@ def _draw(
 ) -> None:
     draw_panel(ax, panel_over_cycle(cycle.motion.machine, axis, curves, title=title), with_legend=with_legend)
     ax.title.set_fontsize(7.5)
-    if has_cycle(cycle.scene):
+    if cycle.scene.has_cycle:
         ax.set_xticks(np.linspace(*ax.get_xlim(), 5))
 
 

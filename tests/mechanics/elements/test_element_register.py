@@ -14,7 +14,6 @@ from pydantic import Field
 import sweeps
 from engine import (
     Element,
-    ElementResult,
     ElementsAlone,
     PlainNumber,
     Scene,
@@ -24,6 +23,7 @@ from engine import (
     scene_numbers,
 )
 from engine.elements import element as register
+from engine.words.quantity import main_result
 from sweeps.pictures.elements.element_pictures import LAYOUTS, SHEETS, element_sheets
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import save_beside
@@ -124,8 +124,8 @@ def hoist(monkeypatch):
         def named(self, n):
             """Pull and efficiency."""
             share = sum((1.0 - n["losing"]) ** k for k in range(1, self.sheaves + 1))
-            yield ElementResult("pull", "force that lifts the load", "N"), n["load"] / share
-            yield ElementResult("efficiency", "share of the work that lifts", "1"), share / self.sheaves
+            yield main_result("pull", "force that lifts the load", "N"), n["load"] / share
+            yield main_result("efficiency", "share of the work that lifts", "1"), share / self.sheaves
 
     yield Hoist
     key_help._keys.cache_clear()

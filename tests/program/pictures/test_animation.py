@@ -10,7 +10,7 @@ from drawn_machines import four_bar, on_moving_guide, sliding_input
 from each_case import each
 from PIL import Image
 
-from engine import has_cycle, velocity_picture
+from engine import velocity_picture
 from sweeps import read_scene
 from sweeps.pictures.drawing import DrawnMotion, moving_drawing, primitives
 from sweeps.pictures.elements.element_motion import element_frames
@@ -51,7 +51,7 @@ def test_moving_drawing__is_the_drawing_at_each_position(scene):
     motion = DrawnMotion(scene)
     drawing = moving_drawing(motion, INTERVALS)
     assert drawing.nodes.size == INTERVALS + 1
-    assert (drawing.nodes[0] == drawing.nodes[-1]) == has_cycle(scene)
+    assert (drawing.nodes[0] == drawing.nodes[-1]) == scene.has_cycle
     for k, node in enumerate(drawing.nodes):
         expected = [p for p in primitives(motion, motion.q[node]) if p.layer != "names" or p.kind != "text"]
         found = [figure for figure in drawing.figures if figure.look.kind != "text"]

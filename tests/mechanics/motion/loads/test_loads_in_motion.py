@@ -9,7 +9,7 @@ from oracle import EPS
 from test_loads_in_runs import COLUMNS, PAIRS
 
 from engine import Machine, Scene, Verdict
-from engine.quantities.quantity import STATISTICS
+from engine.words.quantity import STATISTICS
 from sweeps.report.readings import readings_at
 from sweeps.study.bundled import STUDIES
 from sweeps.text.scene_text import read_scene
