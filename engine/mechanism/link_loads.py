@@ -1,5 +1,6 @@
 """Forces and moments on a machine: magnitude and point of application; on each link one by one, and their sum."""
 
+from collections.abc import Collection
 from typing import Literal, NamedTuple
 
 from engine.graph.nodes import Node
@@ -166,6 +167,15 @@ class LinkLoads:
     def twist(self, link: str, moment: Node) -> None:
         """Add a moment."""
         self.add(link, self._nothing._replace(moment=moment))
+
+    def apply(self, found: LinkForce, at: MovingPoint | None = None, within: Collection[str] = ()) -> None:
+        """Add a force at a point, or a moment, and its reaction to their links, except those within a group."""
+        for one in (found, found.opposite):
+            if one.link not in within:
+                if at is None:
+                    self.twist(one.link, one.moment)
+                else:
+                    self.push(one.link, at, one.force)
 
     def total(self, link: str) -> Wrench:
         """Resultant of all loads on a link."""
