@@ -45,6 +45,8 @@ class PairReactions:
         By revolute pair and link: the force on that link, in the link's axes.
     lost : dict of str to Node
         Work lost in each pair with friction per unit of input motion.
+    lost_in_teeth : dict of str to Node
+        The same of the mesh of each wheel or rack with an efficiency.
     settlings : dict of str to Settled
         Per group with friction: pressing forces and margin against jamming.
     """
@@ -60,6 +62,7 @@ class PairReactions:
         self.contacts = {pair.name: pair for pair in contact_pairs(self.scene)}
         self.rubs = mechanism.friction.rubbing_pairs(kinematics, motion) if self.scene.friction else {}
         self.lost = {friction.pair: self.graph.zero for friction in self.scene.friction.values()}
+        self.lost_in_teeth: dict[str, Node] = {}
         self.loads = LinkLoads(kinematics)
         for name in kinematics.links:
             if name != FRAME:

@@ -64,17 +64,15 @@ class Reactions(PairReactions):
             "cam": self._cam,
             "second input": self._second_input,
         }
-        in_teeth = None
         if any((self.scene.shafts, self.scene.noncircular_wheels, self.scene.racks, self.scene.pinions)):
-            in_teeth = mechanism.higher_pairs.tooth_reactions.ToothReactions(self)
-            balance |= in_teeth.kinds
+            balance |= mechanism.higher_pairs.tooth_reactions.ToothReactions(self).kinds
         for element in reversed(structure.elements):
             if element.kind in balance:
                 balance[element.kind](element.name)
         self._input()
         self.moment_of_drives = self._moment_of_drives()
         if has_friction(self.scene):
-            self._losses({} if in_teeth is None else in_teeth.lost)
+            self._losses()
         self._power()
         self.checks = self._frame()
 
@@ -196,15 +194,15 @@ class Reactions(PairReactions):
                 total = total + self.variables[driving_field(self.scene, name)] * rate
         return total
 
-    def _losses(self, in_teeth: Mapping[str, Node]) -> None:
+    def _losses(self) -> None:
         """Register friction power, and the equivalent moment on the input."""
         for pair, lost in self.lost.items():
             kind = (self.pairs | self.contacts)[pair].kind
             self.variables.setdefault(f"{pair}.{FRICTION_FIELDS[kind]}", self.graph.zero)
             self.variables[f"{pair}.friction_power"] = self.motion.speed * lost
-        for name, lost in in_teeth.items():
+        for name, lost in self.lost_in_teeth.items():
             self.variables[f"{name}.mesh_loss"] = self.motion.speed * lost
-        total = sum((*self.lost.values(), *in_teeth.values()), self.graph.zero)
+        total = sum((*self.lost.values(), *self.lost_in_teeth.values()), self.graph.zero)
         self.variables["friction_moment"] = named(-(input_sense(self.kinematics) * total), "friction_moment")
         self.variables["input_moment_with_friction"] = self.moment_of_drives
 

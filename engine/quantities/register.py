@@ -96,6 +96,11 @@ class Field(NamedTuple):
     answers: tuple[str, ...] = ()
     rank: Rank = Rank.ANSWER
 
+    @classmethod
+    def of(cls, quantity: Quantity, curve: Callable[[], Node | Followed], answers: tuple[str, ...] = ()) -> "Field":
+        """The field that a quantity describes."""
+        return cls(quantity.name, quantity.long_name, quantity.units, curve, quantity.symbol, answers)
+
     @property
     def quantity(self) -> Quantity:
         """Its description."""

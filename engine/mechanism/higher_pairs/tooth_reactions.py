@@ -32,8 +32,6 @@ class ToothReactions:
     ----------
     kinds : dict of str to callable
         Balances an element of the structure, by its kind.
-    lost : dict of str to Node
-        Work lost in the mesh of each wheel or rack with an efficiency, per unit of input motion.
     """
 
     def __init__(self, of: PairReactions) -> None:
@@ -41,7 +39,6 @@ class ToothReactions:
         self.kinematics, self.scene, self.graph = of.kinematics, of.scene, of.graph
         tables = ("shafts", "noncircular_wheels", "racks", "pinions")
         self._paths = {name: f"{table}.{name}" for table in tables for name in getattr(self.scene, table)}
-        self.lost: dict[str, Node] = {}
         self.kinds = {
             "shaft": self._shaft,
             "noncircular wheel": self._noncircular_wheel,
@@ -105,7 +102,7 @@ class ToothReactions:
         efficiency = self.graph.number(f"{self._paths[name]}.efficiency")
         k = self.graph.apply(laws.friction.teeth.lost_share, direction * taken, efficiency)
         self.graph.bends(k, taken)
-        self.lost[name] = sense_of_input * ((k - 1.0) * (taken * rate))
+        self._of.lost_in_teeth[name] = sense_of_input * ((k - 1.0) * (taken * rate))
         return k
 
     def _noncircular_wheel(self, name: str) -> None:

@@ -51,6 +51,6 @@ def declare(mechanics: Mechanics) -> Declared:
         if motion.face is not None:
             words = f"distance of the contact with cam {name} from the origin of {cam.follower.link}, along its face"
             yield Field(f"{name}.face_contact", words, "m", known(motion.face))
-    for name, words, unit, symbol, *_ in cam_force_fields(scene):
-        answers = ("max", "min") if name.endswith(".contact_force") else ()
-        yield Field(name, words, unit, lambda n=name: m.reactions.variables[n], symbol, answers)
+    for field in cam_force_fields(scene):
+        answers = ("max", "min") if field.name.endswith(".contact_force") else ()
+        yield Field.of(field, lambda name=field.name: m.reactions.variables[name], answers)

@@ -37,7 +37,7 @@ def declare(mechanics: Mechanics) -> Declared:
             for link in (pair.link, pair.other):
                 yield from _load_direction(m, pair, link)
     for field in tooth_force_fields(m.scene):
-        yield _variable(m, field.name, field.long_name, field.units, field.symbol)
+        yield Field.of(field, lambda name=field.name: m.reactions.variables[name])
     on_frame = "exerted by the machine on its frame, including the drive"
     yield _variable(m, "frame.reaction_x", f"x component of the force {on_frame}", "N")
     yield _variable(m, "frame.reaction_y", f"y component of the force {on_frame}", "N")
@@ -53,7 +53,7 @@ def declare(mechanics: Mechanics) -> Declared:
     words = f"{kept}, by virtual power of all forces{with_friction} (Zhukovsky's lever)"
     yield _detail(m, "input_moment_by_power", words, unit)
     for field in acting_fields(m.scene):
-        yield _variable(m, field.name, field.long_name, field.units, field.symbol)
+        yield Field.of(field, lambda name=field.name: m.reactions.variables[name])
     yield from _checks(m)
 
 
