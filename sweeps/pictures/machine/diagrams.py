@@ -173,7 +173,7 @@ def _energy_loop(ax: Axes, cycle: _Cycle) -> None:
         ax.plot(fi * ends, fw * np.array(at_ends), color=colour, linewidth=0.9, label=label)
         ax.plot(fi * inertia[k], fw * work[k], "o", color=colour, markersize=3.5)
     wheel = engine.quantity_text(cycle.moving.summary("flywheel_wittenbauer"), "kg m2")
-    ax.set_title(f"Energy loop: flywheel {wheel}".replace("-", "\N{MINUS SIGN}"))
+    ax.set_title(f"Energy loop: required flywheel {wheel}".replace("-", "\N{MINUS SIGN}"))
     # Inside the axes it would cover a tangent.
     ax.figure.legend(loc="outside lower right", ncols=2)
 

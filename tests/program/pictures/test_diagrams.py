@@ -41,7 +41,7 @@ def test_diagrams__six_panels_with_the_engine_s_rows(tmp_path):
         assert line.get_xdata()[[0, -1]] == pytest.approx([0, 360])
     # As in the text, to the last digit.
     wheel, delta = (float(outcome.summaries[name][0]) for name in names)
-    assert figure.axes[4].get_title() == f"Energy loop: flywheel {quantity_text(wheel, 'kg m2')}"
+    assert figure.axes[4].get_title() == f"Energy loop: required flywheel {quantity_text(wheel, 'kg m2')}"
     mean = quantity_text(COMPRESSOR.input.speed, "rad s-1")
     title = figure.axes[5].get_title().replace("\N{NO-BREAK SPACE}", " ")
     assert title == f"δ = {quantity_text(delta, '1')}, mean {mean}"
