@@ -8,7 +8,7 @@ from engine.mechanism.mechanics import Mechanics
 from engine.scene.pairs import has_friction
 from engine.words.verdicts import Verdict
 
-# Transmission index below which a group counts as singular: about the square root of the rounding error.
+# Transmission index or relative arm below which a group counts as singular: about the root of the rounding error.
 SINGULAR_SINE = 1e-7
 
 

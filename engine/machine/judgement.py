@@ -167,7 +167,7 @@ def failures_of(measuring: Measuring, table: np.ndarray, answers: MeasuredCycles
     # At the limit of the links' reach, positions differ by rounding.
     watched = [
         Watched(group, curve, np.isnan(least) & np.isfinite(broken), broken)
-        for group, curve, (least, _) in zip(groups, measuring.sines, sines, strict=True)
+        for group, (curve, _), (least, _) in zip(groups, measuring.vanishing, sines, strict=True)
     ]
     _blame_first(failures, measuring, table, lost, Verdict.CANNOT_ASSEMBLE, watched)
     return failures

@@ -99,8 +99,8 @@ class Measuring:
     functions : Functions
     groups : tuple of str
         Structural groups that take part, in the order of the scene.
-    sines : list of Node
-        Their transmission indices.
+    vanishing : list of Vanishing
+        What vanishes where they are singular.
     curves : list of Node
         All nodes computed at a position.
     margins : list of Margin
@@ -144,12 +144,13 @@ class Measuring:
             *margins_at_cams(mechanics, parts),
         ]
         self.groups = taking_part(mechanics, [*parts, *(margin.curve for margin in self.margins)])
-        self.sines = [mechanics.kinematics.sines[group] for group in self.groups]
+        self.vanishing = [mechanics.kinematics.vanishing(group) for group in self.groups]
+        sines = [v.curve for v in self.vanishing]
         # Pressing forces become infinite where a group jams first.
         jamming = [margin for margin in self.margins if margin.verdict == Verdict.JAMS]
         pressing = [mechanics.reactions.settlings[margin.group].pressing[0] for margin in jamming]
-        curves = list(dict.fromkeys([*curves, *self.sines, *(m.curve for m in self.margins), *pressing]))
-        of[LeastMagnitude] += map(LeastMagnitude, self.sines)
+        curves = list(dict.fromkeys([*curves, *sines, *(m.curve for m in self.margins), *pressing]))
+        of[LeastMagnitude] += map(LeastMagnitude, sines)
         for margin in self.margins:
             of[Extreme].append(Extreme(margin.curve, "least"))
             of[ExtremePosition].append(ExtremePosition(margin.curve, "least"))
@@ -163,6 +164,7 @@ class Measuring:
         self._steady = [_Steady(s, {a.result for a in cycles if _shared(a) == s}, mechanics) for s in shared]
         numbers = [number for steady in self._steady for number in steady.numbers]
         numbers += [a.number for a in of[VariantNumber]]
+        numbers += [v.beyond for v in self.vanishing if v.beyond is not None]
         self._one = mechanics.graph.derived("one", lambda n: 1.0)
         numbers += [self._one] if of[Unbalanced] else []
         self.functions: Functions = functions_of(
@@ -308,7 +310,7 @@ class Measuring:
             return LOOSELY
         asked = CLOSELY if accuracy is None else 1e-2 * accuracy
         finest = FINELY if self._asked or self._followed else CLOSELY
-        return min(asked, max(finest, asked / FINER)) if curve in self.sines else asked
+        return min(asked, max(finest, asked / FINER)) if any(v.curve is curve for v in self.vanishing) else asked
 
     @cached_property
     def _whole(self) -> "_Planned":
@@ -462,11 +464,12 @@ class MeasuredCycles:
         return self._numbers[node]
 
     def sines(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """For each group, the minimum magnitude of its transmission index and the position there."""
+        """For each group, the minimum of what vanishes where it is singular, relative to its scale, and where."""
         found = []
-        for sine in self._m.sines:
-            least, place = self._read(LeastMagnitude(sine)), self._read(("place", LeastMagnitude(sine)))
-            found.append((least.value - least.error, place.value))
+        for curve, beyond in self._m.vanishing:
+            least, place = self._read(LeastMagnitude(curve)), self._read(("place", LeastMagnitude(curve)))
+            scale = 1.0 if beyond is None else self.peak(curve) + abs(self.number(beyond).value)
+            found.append(((least.value - least.error) / scale, place.value))
         return found
 
     def least_of(self, margin: Margin) -> tuple[np.ndarray, np.ndarray]:
@@ -480,8 +483,9 @@ class MeasuredCycles:
     def _transmission(self) -> np.ndarray:
         """Divisor of relative errors near dead centres: once for positions, twice for accelerations.
 
-        The rounding error of the sine of a transmission angle, or of the transmission index, is relative to its value;
-        a group propagates the errors of the groups before it. Loops that are solved together propagate theirs mutually.
+        The rounding error of the sine of a transmission angle, of the transmission index or of an arm is relative to
+        its value; a group propagates the errors of the groups before it. Loops that are solved together propagate
+        theirs mutually.
         """
         product, free = np.ones(self._table.shape[1]), self._m.mechanics.kinematics.free
         for group, (sine, _) in zip(self._m.groups, self.sines(), strict=True):

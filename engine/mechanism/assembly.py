@@ -92,6 +92,13 @@ class Slide(NamedTuple):
         return self
 
 
+class Vanishing(NamedTuple):
+    """A curve that vanishes where a group is singular, relative to 1, or to its peak and the size of `beyond`."""
+
+    curve: Node
+    beyond: Node | None = None
+
+
 class Course(NamedTuple):
     """The parameter with respect to which a mechanism's derivatives are taken, by the rates of its inputs.
 
@@ -136,6 +143,8 @@ class Assembly:
         Total angle over all turns of pinions and second inputs, relative to their carrier [rad].
     sines, closures : dict of str to Node
         Per group: transmission index (the sine of the transmission angle) and loop-closure residual.
+    arms : dict of str to Vanishing
+        Of groups whose rates and forces grow with the reciprocal of an arm, not of the transmission index: the arm.
     certificates : dict of str to Node
         Per group of free links: the quantity that proves its assembly mode.
     seed_tables : dict of str to SeedTables
@@ -158,6 +167,7 @@ class Assembly:
         self.angles: dict[str, Node] = {FRAME: graph.zero}
         self.turned: dict[str, Node] = {}
         self.sines: dict[str, Node] = {}
+        self.arms: dict[str, Vanishing] = {}
         self.closures: dict[str, Node] = {}
         self.certificates: dict[str, Node] = {}
         self.seed_tables: dict[str, mechanism.groups.seed_tables.SeedTables] = {}
@@ -224,6 +234,10 @@ class Assembly:
     def transmits(self, group: str, sine: Node, closure: Node) -> None:
         """Register a group's transmission index and its loop-closure residual."""
         self.sines[group], self.closures[group] = named(sine, f"{group}_sine"), named(closure, f"{group}_closure")
+
+    def vanishing(self, group: str) -> Vanishing:
+        """What vanishes where a group is singular: its transmission index, or its arm if it has one."""
+        return self.arms.get(group, Vanishing(self.sines[group]))
 
     def solution(self, group: str) -> tuple[Node, ...]:
         """Nodes required wherever a group's position is: the transmission index and the operands of its law.

@@ -382,11 +382,14 @@ class MovingMachine:
             if group in groups and found != Verdict.OK:
                 return found
         q = self._spaced(_LOOKED_AT)
-        sines = of.values([m.kinematics.sines[group] for group in groups], q)
-        if np.isnan(sines).any():
+        vanishing = [m.kinematics.vanishing(group) for group in groups]
+        rows = of.values([curve for curve, _ in vanishing], q)
+        if np.isnan(rows).any():
             return Verdict.CANNOT_ASSEMBLE
-        if any((np.sign(row[0]) * row < SINGULAR_SINE).any() for row in sines):
-            return Verdict.SINGULAR
+        for row, (_, beyond) in zip(rows, vanishing, strict=True):
+            scale = 1.0 if beyond is None else np.abs(row).max() + abs(of.number(beyond))
+            if (np.sign(row[0]) * row < SINGULAR_SINE * scale).any():
+                return Verdict.SINGULAR
         failing = {margin.verdict for margin in margins if not (of.values([margin.curve], q)[0] > 0.0).all()}
         if failing:
             return min(failing, key=_ON_MARGINS.index)

@@ -1,7 +1,7 @@
 """Nodes of the dyad RPR, a pivoted block and a slotted rocker."""
 
 from engine.laws.kinematics.rpr import rpr_closure, rpr_position, rpr_rates, rpr_reactions
-from engine.mechanism.assembly import Assembly, DyadStatics, Slide, Turning
+from engine.mechanism.assembly import Assembly, DyadStatics, Slide, Turning, Vanishing
 from engine.mechanism.vectors import Vector
 
 
@@ -20,5 +20,7 @@ def add_dyad(assembly: Assembly, name: str) -> DyadStatics:
     assembly.link(group.second.link, rocker)
     assembly.links[group.first.link] = rocker._replace(origin=a)
     assembly.slides[group.first.link] = Slide(slide, dv, da).called(group.first.link)
+    # The slot has no direction where A passes through D, whatever the angle between DA and the slot is before.
+    assembly.arms[name] = Vanishing(slide, offset)
     assembly.transmits(name, sine, apply(rpr_closure, a.r, d.r, offset, u, slide))
     return rpr_reactions, (u, slide)

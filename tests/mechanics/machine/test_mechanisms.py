@@ -151,3 +151,25 @@ def test_parallel_guides__singular():
     )
     outcome = machine.evaluate({"groups.yoke_group.second.slot_angle": np.array([0.0, math.pi, 0.1])})
     assert list(outcome.status) == [Verdict.SINGULAR, Verdict.SINGULAR, Verdict.OK]
+
+
+def test_pin_near_the_pivot_of_a_slotted_link__turns_it_fast_and_through_the_pivot_without_limit():
+    # At the least distance of A from D the slotted link turns at r/(r − e) of the crank's speed.
+    away = math.hypot(0.05, 0.1)
+    scene = {
+        "points": {"O": frame(0.0, 0.0), "D": frame(0.05, -0.1)},
+        "input": crank(),
+        "groups": {"slot": rpr(("block", "A"), ("rocker", "D"))},
+    }
+    machine = Machine(Scene.model_validate(scene), "rocker.angular_velocity.peak", varied="input.length")
+    lengths = away * np.array([1.0, 1.0 + 1e-9, 1.0 - 1e-9, 1.0 + 1e-5, 1.0 - 1e-5, 2.0])
+    outcome = machine.evaluate({"input.length": lengths})
+    assert list(outcome.status) == [Verdict.SINGULAR] * 3 + [Verdict.OK] * 3
+    assert [machine.groups[k] for k in outcome.status_group[:3]] == ["slot"] * 3
+    np.testing.assert_allclose(outcome.status_at[:3], math.tau + math.atan2(-0.1, 0.05), atol=1e-6)
+    speed = machine.scene.input.speed
+    exact = speed * lengths[3:] / np.abs(lengths[3:] - away)
+    # The difference of the lengths is exact to a rounding of one of them.
+    rounding = exact * 4e-16 * lengths[3:] / np.abs(lengths[3:] - away)
+    off = np.abs(outcome.summaries["rocker.angular_velocity.peak"][3:] - exact)
+    assert (off <= outcome.errors["rocker.angular_velocity.peak"][3:] + rounding).all()
