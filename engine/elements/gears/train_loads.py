@@ -153,10 +153,12 @@ def _pin_force(v: TrainVariants, planet: str, state: TrainMoments) -> Measured:
     for j, place in enumerate(structure.meshes):
         if i not in (place.first, place.second):
             continue
-        end, size = (place.first, place.second).index(i), v.sizes[place.name]
-        pull = _pull(state, size, j, end) / sets
+        size = v.sizes[place.name]
+        # Losses shift the contact from the pitch point, but not the moment about the central axis.
+        distance = Measured(size.distance, (8.0 * EPS + angle_error(size)) * np.abs(size.distance))
+        pull = (0.0 - state.tooth_moments[j, 0] - state.tooth_moments[j, 1]) / (distance * sets)
         apart = tooth_forces(abs(pull), size.geometry.angle, size.teeth).radial
-        across = across + (pull if place.sense < 0 and end == 0 else -pull)
+        across = across + pull
         along = along + (apart if place.sense > 0 else -apart)
     mass, _ = mass_and_inertia(v, planet)
     radius = v.sizes[structure.meshes[structure.pin_meshes[planet]].name].distance

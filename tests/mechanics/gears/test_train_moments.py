@@ -180,6 +180,18 @@ def test_reactions__of_teeth_and_of_the_planet():
     near(found["idler.pin_force"], math.hypot(2 * pull, 0.4 * radius * arm**2))
 
 
+def test_planets_bearing__carries_the_arms_moment_whatever_the_meshes_lose():
+    """The sun drives the planet, the planet the ring; each tooth force is what its wheels' moments leave to the arm."""
+    roles = {"sun": {"speed": SPEED}, "arm": {"moment": -90.0}, "ring": {"held": True}}
+    train = simple_planetary(24, 30, 84, roles, planets=3, module=0.002)
+    train["meshes"]["outer"]["efficiency"], train["meshes"]["inner"]["efficiency"] = 0.9, 0.8
+    found, _ = found_of(train)
+    sun = 90.0 / (1 + 0.9 * 0.8 * 84 / 24)
+    planet, lever = 0.9 * sun * 30 / 24, 3 * 0.054
+    outer, inner = (sun + planet) / lever, (0.8 * planet * 84 / 30 - planet) / lever
+    near(found["idler.pin_force"], math.hypot(90.0 / lever, (inner - outer) * math.tan(math.radians(20))))
+
+
 def test_helical_teeth__push_along_the_axis():
     train = {
         "type": "gear_train",
