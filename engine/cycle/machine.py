@@ -138,11 +138,6 @@ class CycleOutcome:
     panels: np.ndarray
     broken_at: np.ndarray
 
-    @property
-    def means(self) -> Measured:
-        """Mean values of the integrated curves."""
-        return self.integrals / Measured(self.lengths)
-
 
 def _record(kind: type, answers: np.ndarray) -> tuple:
     """Results (results, fields, variants) as a record; None for the fields that aren't stored."""
@@ -224,8 +219,10 @@ class CycleMachine:
             task = asked.record
             asked = Packed(task._replace(scan=2 * task.scan, most_roots=2 * task.most_roots))
             again = self._answers(asked, np.ascontiguousarray(numbers[:, coarse]), tables)
-            for part, finer in zip(answers[:-3], again[:-3], strict=True):
-                part[..., coarse] = finer
+            apart = ("crossings", "spaced", "short_of_room")
+            for name in DriverAnswers._fields:
+                if name not in apart:
+                    getattr(answers, name)[..., coarse] = getattr(again, name)
             more = again.crossings.shape[1] - answers.crossings.shape[1]
             crossings = np.pad(answers.crossings, ((0, 0), (0, more), (0, 0)), constant_values=np.nan)
             crossings[..., coarse] = again.crossings

@@ -431,8 +431,8 @@ class Machine:
             lambda some: self._measure(outcome, room, keep[some], numbers.of_variants(some)), batches
         )
         panels, excess, of_trains = zip(*measured, strict=True)
-        machine = {key: np.concatenate([found[key] for found in of_trains]) for key in of_trains[0]}
-        of_machine = {f"elements.{t}.{key}": row for t in self._trains for key, row in machine.items()}
+        excitation = {key: np.concatenate([found[key] for found in of_trains]) for key in of_trains[0]}
+        of_machine = {f"elements.{t}.{key}": row for t in self._trains for key, row in excitation.items()}
         if self._drives is not None:
             of_machine |= self._drives.numbers(numbers, outcome.status[keep] == Verdict.OK)
         if self._elements.elements:
@@ -456,8 +456,8 @@ class Machine:
         """
         if not self._governing:
             return numbers
-        engines, machine = self._governed_engines
-        found = machine.evaluate({path: np.broadcast_to(numbers[path], keep.shape) for path in self.varied})
+        engines, mechanism = self._governed_engines
+        found = mechanism.evaluate({path: np.broadcast_to(numbers[path], keep.shape) for path in self.varied})
         Failures(*found[:3]).write(outcome, keep)
         return numbers.with_values(engines.numbers(found, numbers))
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from engine.compiling.printed_functions import PrintedFunction
 from engine.cycle import machine as cycle
-from engine.cycle.measured import Measured, maximum, where
+from engine.cycle.measured import Measured
 from engine.cycle.measures.extremes import BOTH, EACH_TURN, GREATEST, LEAST, LEAST_MAGNITUDE
 from engine.cycle.panels.chebyshev import COARSE, DEGREE
 from engine.cycle.plan import CycleSpeed, Difference, Kept, Measure, Plan, Recorded, Running, VectorAngle
@@ -49,6 +49,7 @@ from engine.quantities.expressions import (
     measurements,
     square_of,
 )
+from engine.quantities.flywheel_sizes import SteadyMeasurements, without_result
 from engine.scene.scene import Numbers
 from engine.words.verdicts import Verdict
 
@@ -71,7 +72,6 @@ VERY_COARSELY = 1e-3
 ANY = 1e30
 
 _SIDES = {"least": LEAST, "greatest": GREATEST}
-_OF_WORKS = ("excess_work", "flywheel_excess_work")
 # Reads a result from what the cycle returns.
 Read = Callable[[cycle.CycleOutcome], Measured]
 
@@ -160,8 +160,10 @@ class Measuring:
         self._jumping = {margin.curve for margin in jamming if self._kinks}
         self._auxiliary = [*self._kinks, *pressing]
         self.curves = list(dict.fromkeys([*curves, *fields]))
-        shared = dict.fromkeys(_shared(a) for a in cycles)
-        self._steady = [_Steady(s, {a.result for a in cycles if _shared(a) == s}, mechanics) for s in shared]
+        shared = dict.fromkeys(without_result(a) for a in cycles)
+        self._steady = [
+            SteadyMeasurements(s, {a.result for a in cycles if without_result(a) == s}, mechanics) for s in shared
+        ]
         numbers = [number for steady in self._steady for number in steady.numbers]
         numbers += [a.number for a in of[VariantNumber]]
         numbers += [v.beyond for v in self.vanishing if v.beyond is not None]
@@ -298,9 +300,9 @@ class Measuring:
         asked = (a for a in chain(*self._of.values()) if getattr(a, "resolved", True))
         return {c for a in (*asked, *self._followed) for c in a.curves}
 
-    def _cycle_of(self, asked: SteadyCycle) -> "_Steady":
+    def _cycle_of(self, asked: SteadyCycle) -> SteadyMeasurements:
         """The steady cycle to which a result belongs."""
-        return next(s for s in self._steady if s.of == _shared(asked))
+        return next(s for s in self._steady if s.of == without_result(asked))
 
     def _tolerance(self, curve: Node, accuracy: float | None, unresolved: set[Node]) -> float:
         """Truncation error allowed for a curve's series."""
@@ -385,38 +387,6 @@ class _Planned(NamedTuple):
     readers: dict[Hashable, Read]
 
 
-def _shared(steady: SteadyCycle) -> SteadyCycle:
-    """The steady cycle without its `result`."""
-    return dataclasses.replace(steady, result="")
-
-
-class _Steady:
-    """Requirements of a steady cycle: works, extremes of works minus slope × inertia, the speed fluctuation."""
-
-    def __init__(self, of: SteadyCycle, results: set[str], mechanics: Mechanics) -> None:
-        self.of = of
-        half_square = 0.5 * mechanics.speed_squared
-        nothing = mechanics.graph.derived("flywheel used", lambda n: 0.0)
-        self.speed_asked = "" in results
-        others = {*_OF_WORKS, "flywheel_merzalov"}
-        exact = "flywheel_wittenbauer" in results or (of.wheel is None and not results <= others)
-        self.asks_works = bool(results & set(_OF_WORKS))
-        self.slopes: dict[Node, tuple[int, str]] = {}
-        if of.fluctuation is not None:
-            # ½ω² at minimum, mean and maximum speed.
-            slow, fast = 1.0 - 0.5 * of.fluctuation, 1.0 + 0.5 * of.fluctuation
-            self.slow, self.middle, self.fast = half_square * slow * slow, half_square, half_square * fast * fast
-            self.slopes |= {self.middle: (BOTH, "range")} if "flywheel_merzalov" in results else {}
-            self.slopes |= {self.slow: (LEAST, "least"), self.fast: (GREATEST, "greatest")} if exact else {}
-        asked = of.wheel is not None or of.fluctuation is not None
-        moving = not results.isdisjoint({"", "speed_fluctuation", "speed_min", "speed_max"})
-        self.wheel = (of.wheel or nothing) if asked and moving else None
-        # A flywheel that is computed from the cycle, and whose fluctuation is requested.
-        self.unknown_wheel = nothing if self.wheel is nothing else None
-        self.numbers = [*self.slopes, of.speed, of.wheel or nothing, of.first_kind]
-        self.numbers += [of.fluctuation] if of.fluctuation is not None else []
-
-
 def _least_magnitude(least: Read, curve: int, outcome: cycle.CycleOutcome) -> Measured:
     """Minimum magnitude of a curve that keeps the sign of its first value."""
     found, sense = least(outcome), np.where(outcome.firsts[curve] < 0.0, -1.0, 1.0)
@@ -467,17 +437,26 @@ class MeasuredCycles:
         """For each group, the minimum of what vanishes where it is singular, relative to its scale, and where."""
         found = []
         for curve, beyond in self._m.vanishing:
-            least, place = self._read(LeastMagnitude(curve)), self._read(("place", LeastMagnitude(curve)))
+            least, place = self.read(LeastMagnitude(curve)), self.read(("place", LeastMagnitude(curve)))
             scale = 1.0 if beyond is None else self.peak(curve) + abs(self.number(beyond).value)
             found.append(((least.value - least.error) / scale, place.value))
         return found
 
     def least_of(self, margin: Margin) -> tuple[np.ndarray, np.ndarray]:
         """Minimum of a margin and the position there."""
-        return tuple(self._read(kind(margin.curve, "least")).value for kind in (Extreme, ExtremePosition))
+        return tuple(self.read(kind(margin.curve, "least")).value for kind in (Extreme, ExtremePosition))
 
-    def _read(self, key: Hashable) -> Measured:
+    def read(self, key: Hashable) -> Measured:
+        """A result of the plan, by the key of its reader."""
         return self._readers[key](self.outcome)
+
+    def knows(self, key: Hashable) -> bool:
+        """Whether the plan has such a result."""
+        return key in self._readers
+
+    def first(self, curve: Node) -> Measured:
+        """Value of a curve at the first position."""
+        return Measured(self.outcome.firsts[self._m.functions.curves[curve]])
 
     @cached_property
     def _transmission(self) -> np.ndarray:
@@ -526,7 +505,7 @@ class MeasuredCycles:
     def peak(self, curve: Node | Followed) -> np.ndarray:
         """Maximum magnitude of a measured curve; NaN if neither the curve nor its square is measured."""
         if not isinstance(curve, Node):
-            return self._read(curve).value
+            return self.read(curve).value
         square = square_of(curve)
         for known, root in ((curve, False), (square, True), (curve * curve, True)):
             if known in self._m.functions.curves:
@@ -564,14 +543,14 @@ class MeasuredCycles:
             case StrokeEnd(coordinate, _, which):
                 return self._stroke_end(coordinate, which)
             case SteadyCycle():
-                return self._steady(asked)
+                return self._m._cycle_of(asked).result(asked, self)
             case UnloadedArc(force, square, "middle"):
-                return defined_where(self._read(UnloadedArc(force, square, "arc")), self._read(asked))
-        return self._read(asked)
+                return defined_where(self.read(UnloadedArc(force, square, "arc")), self.read(asked))
+        return self.read(asked)
 
     def spaced(self, curve: Followed) -> np.ndarray:
         """Values of a kept field that is integrated over the cycle, (variants, positions)."""
-        return self._read(("spaced", curve))
+        return self.read(("spaced", curve))
 
     def _stroke_end(self, coordinate: Node, which: str) -> Measured:
         if coordinate.stage < Stage.POSITION:
@@ -579,40 +558,3 @@ class MeasuredCycles:
             return first if which.endswith("_at") else self.number(coordinate)
         event = next(i for i, (node, _) in enumerate(self._m.functions.events) if node is coordinate)
         return self.outcome.landmarks.at_end(which)[event]
-
-    def _steady(self, asked: SteadyCycle) -> Measured:
-        steady = self._m._cycle_of(asked)
-        speed, speed_squared = self.number(asked.speed), self.number(asked.speed) * self.number(asked.speed)
-        if asked.result == "excess_work":
-            return self._read(("range", Work(asked.moment)))
-        if asked.fluctuation is not None:
-            delta = self.number(asked.fluctuation)
-            energy = delta * speed_squared
-            if asked.result == "flywheel_excess_work":
-                # The excess work over δ ω²: the whole reduced inertia, taken as constant.
-                return self._read(("range", Work(asked.moment))) / energy
-            if asked.result == "flywheel_merzalov":
-                # The energy of the constant part of I, which does a share of the work, changes by W − ½ ω² I.
-                return self._read((steady.of, steady.middle)) / energy - self.number(asked.first_kind)
-            if asked.wheel is None or asked.result == "flywheel_wittenbauer":
-                first = Measured(self.outcome.firsts[self._m.functions.curves[asked.inertia]])
-                top = self._read((steady.of, steady.fast))
-                bottom = self._read((steady.of, steady.slow))
-                # Exact: the tangents to the diagram of energy over inertia at ω_max and ω_min.
-                exact = (top - bottom) / energy - first
-            if asked.result == "flywheel_wittenbauer":
-                return exact
-        wheel = self.number(asked.wheel) if asked.wheel is not None else maximum(exact, Measured(np.zeros(exact.shape)))
-        if asked.result == "flywheel_used":
-            return wheel
-        if asked.wheel is None:
-            # With the required flywheel the fluctuation is the required one; it decreases as the inertia increases.
-            whole = first + wheel
-            found = Measured(delta.value * np.ones(wheel.shape), delta.value * wheel.error / whole.value)
-        if steady.of in self._readers:
-            computed = self._read(steady.of)
-            found = computed if asked.wheel is not None else where(wheel.value > 0.0, found, computed)
-        if asked.result == "speed_fluctuation":
-            return found
-        half = 0.5 * found
-        return abs(speed) * (1.0 - half if asked.result == "speed_min" else 1.0 + half)

@@ -77,7 +77,7 @@ def modes(scene: str, out: Path | None, no_plots: bool) -> None:
     """
     machine = needed.machine_of(scene, None)
     found = engine.assembly_modes(machine.scene)
-    tell(needed.mode_table(machine.scene, found))
+    tell(needed.mode_table(found))
     if found and not no_plots:
         made = needed.mode_pictures(machine.scene, found, out or Path(f"{machine.name}_modes.png"))
         for path, refusal in made.items():

@@ -1,15 +1,14 @@
 """Table of the assembly modes of groups of free links."""
 
-from engine import AssemblyMode, Scene, counted, quantity_text
+from engine import AssemblyMode, counted, quantity_text
 from sweeps.text.tables import table
 
 
-def mode_table(scene: Scene, modes: dict[str, tuple[AssemblyMode, ...] | None]) -> str:
+def mode_table(modes: dict[str, tuple[AssemblyMode, ...] | None]) -> str:
     """All real modes at the first position: point positions, transmission, and the scene's choice.
 
     Parameters
     ----------
-    scene : Scene
     modes : dict of str to tuple of AssemblyMode
         By group of free links; None for one that depends on a group whose mode isn't given.
     """

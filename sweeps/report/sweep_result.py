@@ -38,7 +38,7 @@ class RangeEnd(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class SweepResult:
-    """The content of a result file, without its fields.
+    """The content of a result file; its fields are read on request.
 
     Attributes
     ----------

@@ -60,7 +60,7 @@ class Variables:
 
     @property
     def free(self) -> np.ndarray:
-        """Which coordinates are discrete (size,) of bool."""
+        """Which coordinates vary continuously (size,) of bool."""
         return np.array([*(span.low < span.high for span in self.spans), *(False for _ in self.choices)], bool)
 
     @property

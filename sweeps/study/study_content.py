@@ -49,7 +49,7 @@ class StudyContent:
     scene : Scene
     design : Design
         The variants: the product of the axes, the last fastest.
-    derived : dict of str to Expression
+    derived : dict of str to TextExpression
         Numbers derived from varied ones, by path.
     require : tuple of Condition
         A variant that fails one is dropped.

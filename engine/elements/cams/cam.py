@@ -14,7 +14,7 @@ from pydantic import Field
 
 from engine.elements.cams.cam_curves import cam_curves
 from engine.elements.cams.followers import CamLimits, LineContact, OscillatingFollower, TranslatingFollower
-from engine.elements.cams.least_base_circle import least_arm_angles, point_angle, room_at
+from engine.elements.cams.oscillating_base_circle import least_arm_angles, point_angle, room_at
 from engine.elements.cams.over_turn import Measures, PeakPlaces, Sought, measure
 from engine.elements.cams.positions import PEAK_FACTOR, at_positions, cam_variants, limit_radius, with_roundings
 from engine.elements.element import ROUNDING, Answers, Columns, Element, Numbers, nudged

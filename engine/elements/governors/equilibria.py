@@ -10,7 +10,7 @@ import numpy as np
 
 from engine.cycle.regula_falsi import bisected, regula_falsi
 from engine.elements.element import Columns, Element, Numbers
-from engine.elements.governors.governor_nodes import DATUM, States, equilibrium_nodes
+from engine.elements.governors.governor_forces import DATUM, States, equilibrium_nodes
 from engine.elements.sampled_peak import sampled_peak
 from engine.graph.nodes import Graph, Stage
 from engine.graph.over_arrays import NodesOverArrays, over_arrays

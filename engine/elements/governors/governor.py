@@ -19,7 +19,7 @@ from engine.elements.governors.equilibria import (
     search_errors,
 )
 from engine.elements.governors.governed_engine import FullAndShutThrottle, GovernedEngine
-from engine.elements.governors.governor_nodes import Linkage, States, along_axis, numbers
+from engine.elements.governors.governor_forces import Linkage, States, along_axis, numbers
 from engine.elements.governors.transients import TOLERANCE, follow_changes
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.graph.nodes import Graph, Node

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from engine.elements.governors.governor import LoadedGovernor
-from engine.elements.governors.governor_nodes import Linkage, along_axis, numbers
+from engine.elements.governors.governor_forces import Linkage, along_axis, numbers
 from engine.graph.nodes import Graph, Node
 from engine.parts.skeleton import Length, quantity
 

@@ -8,7 +8,7 @@ from pydantic import Field
 from engine.cycle.regula_falsi import regula_falsi
 from engine.elements.governors.equilibria import GovernorVariants
 from engine.elements.governors.governor import ARMS, ArmGovernor
-from engine.elements.governors.governor_nodes import Linkage, along_axis, numbers
+from engine.elements.governors.governor_forces import Linkage, along_axis, numbers
 from engine.graph.nodes import Graph, Node
 from engine.parts.skeleton import Length
 

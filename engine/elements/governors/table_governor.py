@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import Field
 
 from engine.elements.governors.governor import Governor
-from engine.elements.governors.governor_nodes import Linkage, by_table
+from engine.elements.governors.governor_forces import Linkage, by_table
 from engine.graph.nodes import Graph, Node
 from engine.laws.tables import Table, make_table
 from engine.parts.skeleton import Faults, Length, Number, quantity

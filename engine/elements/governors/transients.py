@@ -13,7 +13,7 @@ import numpy as np
 
 from engine.elements.element import Element
 from engine.elements.governors.equilibria import GovernorVariants, Marks
-from engine.elements.governors.governor_nodes import equilibrium_nodes, moving_inertia, numbers, rate_by
+from engine.elements.governors.governor_forces import equilibrium_nodes, moving_inertia, numbers, rate_by
 from engine.graph.nodes import Given, Graph, Number, Stage
 from engine.laws.governors import motion
 from engine.laws.senses import past

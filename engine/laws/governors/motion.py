@@ -2,7 +2,7 @@
 
 The kinetic energy is ½ A(x) ẋ² + ½ (I + i² J(x)) ω², where J = 2 m r² is the inertia of the balls about the spindle,
 which turns i times as fast as the engine with speed ω. Primes are derivatives by x; see
-`engine.elements.governors.governor_nodes`:
+`engine.elements.governors.governor_forces`:
 
     A ẍ + ½ A' ẋ² = ½ i² ω² J' − V' − z' (b z' ẋ + F sgn ẋ),   (I + i² J) ω̇ + i² J' ẋ ω = M_d − M_c
 """

@@ -180,10 +180,10 @@ class Paper:
         self.mark(around)
         self.name(at, text, clear=size + 0.3)
 
-    def scale(self, bar: str, note: str, length: float = 20.0) -> None:
-        """Draw a scale bar in the lower left corner, with its length and the scale."""
+    def scale(self, bar: str, note: str) -> None:
+        """Draw a scale bar of 20 mm in the lower left corner, with its length and the scale."""
         a = self.corner + (2 + 3j) * self.per_mm
-        b = a + length * self.per_mm
+        b = a + 20.0 * self.per_mm
         ends = [a + 1j * self.per_mm, a, b, b + 1j * self.per_mm]
         self.ax.plot(np.real(ends), np.imag(ends), color="black", linewidth=0.8, solid_joinstyle="miter")
         middle = (a + b) / 2
