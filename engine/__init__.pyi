@@ -168,7 +168,7 @@ from engine.words.quantity import STATISTICS, Quantity, Rank
 from engine.words.verdicts import Verdict
 
 __version__: str
-from engine.words.glossary import counted, did_you_mean, speaks_of, unknown_name_message
+from engine.words.glossary import counted, did_you_mean, enumerated, speaks_of, unknown_name_message
 from engine.words.glossary import nearest as nearest_names
 
 __all__ = [
@@ -310,6 +310,7 @@ __all__ = [
     "element_kinds",
     "engine_shaking",
     "engine_torque",
+    "enumerated",
     "evaluate_tree",
     "even_firing_order",
     "even_steps",

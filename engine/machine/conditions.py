@@ -11,6 +11,9 @@ from engine.words.verdicts import Verdict
 # Transmission index or relative arm below which a group counts as singular: about the root of the rounding error.
 SINGULAR_SINE = 1e-7
 
+# Verdicts on margins, in order of precedence.
+ON_MARGINS = (Verdict.UNDERCUT, Verdict.JAMS, Verdict.LIFTS_OFF)
+
 
 class Margin(NamedTuple):
     """A curve that is positive in a working machine; the verdict if it is not, and the group responsible."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from engine import machine
 from engine.graph.nodes import Node
-from engine.machine.conditions import SINGULAR_SINE
+from engine.machine.conditions import ON_MARGINS, SINGULAR_SINE
 from engine.machine.measuring import MeasuredCycles, Measuring
 from engine.machine.results import Outcome
 from engine.scene.scene import Numbers
@@ -91,7 +91,7 @@ def judge_cycles(
         Indices of the variants in it.
     """
     failures_of(measuring, table, answers).write(outcome, keep)
-    for verdict in (Verdict.UNDERCUT, Verdict.JAMS, Verdict.LIFTS_OFF):
+    for verdict in ON_MARGINS:
         ok = outcome.status[keep] == Verdict.OK
         _failing_margins(measuring, table, answers, verdict, ok).write(outcome, keep)
     for winding in measuring.windings:

@@ -14,6 +14,7 @@ from engine.motion.moments.dynamics import Dynamics, Reduction
 from engine.parts.regimes import Regime, RunRegime
 from engine.scene.pairs import has_friction, own_drives
 from engine.scene.scene import Scene
+from engine.words.glossary import enumerated
 
 _WORDS = {
     "dc_motor": "DC motor",
@@ -58,7 +59,7 @@ def _case_of(dynamics: Dynamics, regime: Regime) -> tuple[str, str]:
     sentence = f"case {number}: {'I(φ)' if turning else 'I constant'}, {_moment(dynamics, sources)}"
     sentence += ", and friction in pairs by φ, ω² and ε" if rubs else ""
     servos = own_drives(mechanics.scene)
-    sentence += f"; {_listed(servos)} by a law, with a drive of its own" if servos else ""
+    sentence += f"; {enumerated(servos)} by a law, with a drive of its own" if servos else ""
     for name, coupling in couplings.items():
         joined = "open" if name in regime.off else "at work"
         sentence += f"; at two speeds, of the crank and of shaft {coupling.shaft}, with {name} {joined}"
@@ -101,10 +102,10 @@ def _moment(dynamics: Dynamics, sources: dict[str, frozenset[str]]) -> str:
         return "no moment"
     arguments, scene = frozenset().union(*sources.values()), dynamics.reduction.mechanics.scene
     if not arguments:
-        return f"M constant of {_listed([_named(scene, name) for name in sources])}"
+        return f"M constant of {enumerated([_named(scene, name) for name in sources])}"
     inside = ", ".join(a for a in "φωt" if a in arguments)
     of = [_named(scene, name) for name, own in sources.items() if own]
-    return f"M({inside}) of {_listed(of)}"
+    return f"M({inside}) of {enumerated(of)}"
 
 
 def _named(scene: Scene, name: str) -> str:
@@ -114,7 +115,3 @@ def _named(scene: Scene, name: str) -> str:
     if kind is None:
         return name if name == "gravity" else f"{name} (spring)"
     return f"{name} ({_WORDS.get(kind, kind.replace('_', ' '))})"
-
-
-def _listed(names: list[str]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

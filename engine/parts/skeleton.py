@@ -40,6 +40,7 @@ from pydantic_core import CoreSchema, PydanticCustomError
 from engine.units.dimensions import described
 from engine.units.display import quantity_text
 from engine.units.reading import in_text, to_si
+from engine.words.glossary import enumerated
 
 FRAME = "frame"
 
@@ -183,7 +184,7 @@ class Part(BaseModel):
         for keys in rules.get("together", ()):
             if 0 < len(self.gives(*keys)) < len(keys):
                 ways = "both, or neither" if len(keys) == 2 else "all, or none"
-                yield f"{', '.join(keys[:-1])} and {keys[-1]} belong together: give {ways}"
+                yield f"{enumerated(keys)} belong together: give {ways}"
         for keys, why in rules.get("ascending", {}).items():
             for low, high in self._ascending(keys):
                 if not getattr(self, low) < getattr(self, high):

@@ -156,6 +156,11 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     return listed(name, sorted(known), "known are")
 
 
+def enumerated(names: Sequence[str]) -> str:
+    """Names in a sentence: "a", "a and b", "a, b and c"."""
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
 def counted(count: int, noun: str) -> str:
     """A number of things: "1 variant", "2 variants"."""
     return f"{count} {noun}{'' if count == 1 else 's'}"

@@ -53,8 +53,7 @@ def structure_text(scene: engine.Scene) -> str:
         f"group {name}: {g.type} of {' and '.join(engine.group_links(scene, name))}" for name, g in scene.groups.items()
     ]
     lines += [
-        f"group {g.name}: class {ROMAN[g.group_class]}, order {g.order}, of {', '.join(g.links[:-1])} and {g.links[-1]}"
-        for g in free
+        f"group {g.name}: class {ROMAN[g.group_class]}, order {g.order}, of {engine.enumerated(g.links)}" for g in free
     ]
     lines += [
         f"cam {name} on {cam.on}: {cam.follower.type} follower {cam.follower.link}, {cam.follower.contact}"

@@ -18,6 +18,7 @@ from engine.graph.nodes import Node, Stage
 from engine.laws.elementary import angle_or_zero
 from engine.machine.checks import check_names, check_positions, full_names, given_numbers
 from engine.machine.conditions import (
+    ON_MARGINS,
     SINGULAR_SINE,
     margins_against_jamming,
     margins_at_cams,
@@ -69,8 +70,6 @@ _OF_STEADY: dict[str, Callable[[WheelCycle, float], float]] = {
     "speed_min": lambda found, mean: mean * (1.0 - 0.5 * found.fluctuation),
     "speed_max": lambda found, mean: mean * (1.0 + 0.5 * found.fluctuation),
 }
-# Verdicts on margins, in order of precedence.
-_ON_MARGINS = (Verdict.UNDERCUT, Verdict.JAMS, Verdict.LIFTS_OFF)
 
 
 class NowhereDefinedError(ValueError):
@@ -392,7 +391,7 @@ class MovingMachine:
                 return Verdict.SINGULAR
         failing = {margin.verdict for margin in margins if not (of.values([margin.curve], q)[0] > 0.0).all()}
         if failing:
-            return min(failing, key=_ON_MARGINS.index)
+            return min(failing, key=ON_MARGINS.index)
         if any(abs(of.integral(rate)) > math.pi for rate in wound_springs(m, nodes)):
             return Verdict.DOES_NOT_CLOSE
         finite = all(np.isfinite(row).all() for row in of.values(nodes, q))
