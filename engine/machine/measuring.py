@@ -26,6 +26,7 @@ from engine.graph.nodes import Constant, Node, Stage, reached
 from engine.graph.values import LevelValues
 from engine.laws.rounding import EPS
 from engine.machine.conditions import Margin, margins_against_jamming, margins_at_cams, taking_part, wound_springs
+from engine.mechanism.assembly import Vanishing
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import (
     Angle,
@@ -312,7 +313,7 @@ class Measuring:
             return LOOSELY
         asked = CLOSELY if accuracy is None else 1e-2 * accuracy
         finest = FINELY if self._asked or self._followed else CLOSELY
-        return min(asked, max(finest, asked / FINER)) if any(v.curve is curve for v in self.vanishing) else asked
+        return min(asked, max(finest, asked / FINER)) if Vanishing(curve) in self.vanishing else asked
 
     @cached_property
     def _whole(self) -> "_Planned":
