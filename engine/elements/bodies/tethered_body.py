@@ -97,15 +97,14 @@ class TetheredBody(Element):
 
     def _track(self) -> np.ndarray:
         """The path after the impulse, for about one turn."""
-        moment, last = self.speed * self.length, math.tau * self.length / self.speed
+        last = math.tau * self.length / self.speed
 
-        def motion(_: float, state: np.ndarray) -> tuple[float, float, float]:
-            radius, rate, _ = state
-            pulled = self.stiffness / self.mass * (radius - self.length)
-            return rate, moment**2 / radius**3 - pulled, moment / radius**2
+        def motion(_: float, state: np.ndarray) -> tuple[complex, complex]:
+            place, velocity = state
+            return velocity, self.stiffness / self.mass * (self.length / abs(place) - 1.0) * place
 
-        way = solve_ivp(motion, (0.0, last), (self.length, 0.0, 0.0), rtol=1e-8, max_step=last / _SHOWN)
-        return way.y[0] * np.exp(1j * way.y[2])
+        begin = self.length + 0j, 1j * self.speed
+        return solve_ivp(motion, (0.0, last), begin, rtol=1e-8, max_step=last / _SHOWN).y[0]
 
 
 def _relative_stretch(stiffness: np.ndarray) -> np.ndarray:

@@ -4,15 +4,14 @@ import math
 
 import numpy as np
 
-from engine.cycle.panels.chebyshev import PLACES
-from engine.cycle.panels.sampled import tops, weighted_sums
+from engine.cycle.panels.sampled import weighted_sums
 from engine.elements.elastic_drives.elastic_cycle import GAUSS, ElasticCycle
+from engine.stepping.recorded import tops_in_steps
+from engine.stepping.system import SHOWN
 
-# Values at the positions of a panel of the polynomial through a step's points: its ends and the Gauss points.
+# Values at the fractions SHOWN of a step of the polynomial through its points: its ends and the Gauss points.
 _POWERS = np.arange(GAUSS.stages + 2)
-_THROUGH = (0.5 * (PLACES + 1.0))[:, None] ** _POWERS @ np.linalg.inv(
-    np.array([0.0, *GAUSS.nodes, 1.0])[:, None] ** _POWERS
-)
+_THROUGH = SHOWN[:, None] ** _POWERS @ np.linalg.inv(np.array([0.0, *GAUSS.nodes, 1.0])[:, None] ** _POWERS)
 
 
 # Rounding of a twist, relative to that of a result of 1 [rad]: of 384 drives at most 2.5e-17 rad was seen.
@@ -21,15 +20,10 @@ TWISTED = 5e-4
 
 def least_and_greatest(curve: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Minimum and maximum of a curve through the points of its steps, (variants, steps, points)."""
-    return -_top(-curve), _top(curve)
-
-
-def _top(curve: np.ndarray) -> np.ndarray:
-    variants, count, _ = curve.shape
-    who, highest = np.arange(variants), curve.max(axis=2).argmax(axis=1)
-    # The peak may lie in the step with the highest point or in either neighbour.
-    near = (weighted_sums(_THROUGH, curve[who, (highest + beside) % count]).T for beside in (-1, 0, 1))
-    return np.fmax.reduce([tops(values, np.zeros(variants)).values for values in near])
+    variants, count, points = curve.shape
+    samples = weighted_sums(_THROUGH, curve.reshape(-1, points))
+    found = tops_in_steps(np.repeat(np.arange(variants), count), np.array([-samples, samples]), variants)
+    return -found.value[0], found.value[1]
 
 
 def drive_results(

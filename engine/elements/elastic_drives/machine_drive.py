@@ -6,7 +6,6 @@ them as numbers of the drive, with their error estimates and the verdict on ever
 
 from typing import Annotated, ClassVar, Literal
 
-import numpy as np
 from pydantic import Field
 
 from engine.elements.elastic_drives.elastic_shaft import ElasticShaft
@@ -50,12 +49,6 @@ RUN_RESULTS = (
     Quantity("run_closings", "how often the backlash closed", "1", True, exact=True),
 )
 
-
-def machine_keys(kind: str) -> tuple[str, ...]:
-    """Keys of a drive's results (`kind` "value") or of their error estimates ("error")."""
-    return tuple(f"machine.{kind}.{result.name}" for result in (*RESULTS, *RUN_RESULTS))
-
-
 VERDICT_KEY = "machine.verdict"
 
 
@@ -97,7 +90,7 @@ class MachineDrive(ElasticShaft, Element):
     def evaluate(self, n: Numbers) -> Answers:
         """The results set as numbers of the drive."""
         parts = ({r.name: n[f"machine.{kind}.{r.name}"] for r in self.results} for kind in ("value", "error"))
-        return Answers(*parts, n[VERDICT_KEY].astype(np.uint8))
+        return Answers(*parts, n[VERDICT_KEY])
 
     def machine_needed(self) -> tuple[str, str]:
         """The scene needs a fully turning crank."""

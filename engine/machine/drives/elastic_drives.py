@@ -22,7 +22,8 @@ from engine.elements.elastic_drives.elastic_cycle import (
     elastic_cycle,
 )
 from engine.elements.elastic_drives.elastic_shaft import drive_shaft
-from engine.elements.elastic_drives.machine_drive import RESULTS, RUN_RESULTS, VERDICT_KEY, MachineDrive, machine_keys
+from engine.elements.elastic_drives.machine_drive import RESULTS, RUN_RESULTS, VERDICT_KEY, MachineDrive
+from engine.elements.element import Answers, named_in_order
 from engine.machine.drives.drive_over_angle import drive_over_angle
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.asked_regimes import TOLERANCE
@@ -40,6 +41,7 @@ from engine.motion.regimes_in_order import RegimesInOrder
 from engine.motion.runs.run_progress import ADAPTIVE, Stepping
 from engine.motion.settled.steady import steady_motion
 from engine.scene.scene import Numbers, Scene, scene_numbers
+from engine.stepping.records import over_all
 from engine.stepping.walk_task import WALKS
 from engine.words.verdicts import Verdict
 
@@ -92,20 +94,17 @@ class ElasticDrives:
             Which variants can be assembled; the others have no results.
         """
         found, who = {}, np.flatnonzero(sound)
-        variants = self._in_order.variants(numbers.of_variants(who), who.size) if who.size else None
+        variants = self._in_order.variants(numbers.of_variants(who), who.size)
         for name in self.drives:
-            values, errors = np.full((2, len(RESULTS) + len(RUN_RESULTS), sound.size), np.nan)
-            verdict = np.full(sound.size, float(Verdict.OK))
-            if variants is not None:
-                with np.errstate(all="ignore"):
-                    values[:, who], errors[:, who], verdict[who] = self._of(name, variants)
-            rows = dict(zip(machine_keys("value"), values, strict=True)) | {VERDICT_KEY: verdict}
-            rows |= zip(machine_keys("error"), errors, strict=True)
-            found |= {f"elements.{name}.{key}": row for key, row in rows.items()}
+            with np.errstate(all="ignore"):
+                solved = over_all(self._of(name, variants), who, sound.size)
+            for kind, rows in (("value", solved.values), ("error", solved.errors)):
+                found |= {f"elements.{name}.machine.{kind}.{key}": row for key, row in rows.items()}
+            found[f"elements.{name}.{VERDICT_KEY}"] = solved.verdicts
         return found
 
-    def _of(self, name: str, variants: Variants) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Results (results, variants) of a drive, their error estimates, and verdicts."""
+    def _of(self, name: str, variants: Variants) -> Answers:
+        """Results of a drive with their error estimates, and verdicts, including that on disturbances that grow."""
         values, errors = np.full((2, len(RESULTS) + len(RUN_RESULTS), variants.count), np.nan)
         begin = np.full((4, variants.count), np.nan)
         ready, steps, verdict = self._ready(name, variants)
@@ -116,14 +115,15 @@ class ElasticDrives:
                 part, who = ready.some(some), ready.which[some]
                 (fine, off, cycle), (coarse, _, _) = (_settled(part, int(n)) for n in (count, count // 2))
                 values[: len(RESULTS), who] = fine
-                named = {result.name: row for result, row in zip(RESULTS, fine, strict=True)}
-                scales = rounding_scales(named, part.given[:, 0])
+                scales = rounding_scales(named_in_order(RESULTS, fine), part.given[:, 0])
                 errors[: len(RESULTS), who] = np.abs(fine - coarse) + off + ROUNDING * np.array(list(scales.values()))
                 verdict[who] = cycle.verdict
                 begin[:, who] = cycle.begin
         if name in self.runs:
             self._add_run(name, ready, begin, values, errors, verdict)
-        return values, errors, self._judged(values, errors, verdict)
+        grows = values[_MULTIPLIER] > 1.0 + errors[_MULTIPLIER] + SURE_OF_MULTIPLIER
+        verdict[(verdict == Verdict.OK) & grows] = Verdict.GROWS
+        return Answers(*(named_in_order(MachineDrive.results, rows) for rows in (values, errors)), verdict)
 
     def _add_run(
         self, name: str, ready: "Ready", steady: np.ndarray, values: np.ndarray, errors: np.ndarray, verdict: np.ndarray
@@ -231,12 +231,6 @@ class ElasticDrives:
         seen = ElasticHistory()
         self._run(name, found[0], found[1].begin, observers=[seen])
         return seen.rows
-
-    @staticmethod
-    def _judged(values: np.ndarray, errors: np.ndarray, verdict: np.ndarray) -> np.ndarray:
-        """Verdicts, including that on motions whose disturbances grow."""
-        grows = values[_MULTIPLIER] > 1.0 + errors[_MULTIPLIER] + SURE_OF_MULTIPLIER
-        return np.where((verdict == Verdict.OK) & grows, Verdict.GROWS, verdict)
 
     def _inertias(self, name: str, variants: Variants) -> tuple[np.ndarray, np.ndarray]:
         """Inertia at the motor end, reduced to the crank, and the part of it that isn't in the scene."""

@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 from each_case import refusals
-from element_samples import LEVER, WOUND, asked, figures, one
+from element_samples import LEVER, TIE, WOUND, asked, figures, one
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
@@ -260,26 +260,23 @@ test_wrong_body__is_refused_with_the_mend = refusals(
 )
 
 
-TIED = {"type": "tethered_body", "mass": 0.5, "length": 0.8, "stiffness": 4e4, "strength": 3e3, "speed": 30.0}
-
-
 @pytest.mark.parametrize("stiffness", [50.0, 4e3, 4e5])
 def test_impulse__stretches_the_tie_as_far_as_the_motion_followed_over_time(stiffness):
     def rates(t, z):
         x, y, u, v = z
         r = math.hypot(x, y)
-        pull = stiffness * (r - 0.8) / (0.5 * r)
+        pull = stiffness * (r - 1.2) / (2.0 * r)
         return u, v, -pull * x, -pull * y
 
     def turns(t, z):
         return z[0] * z[2] + z[1] * z[3] - (1e-9 if t == 0 else 0)
 
     turns.terminal, turns.direction = True, -1
-    motion = solve_ivp(rates, (0, 10), (0.8, 0, 0, 30.0), "DOP853", events=turns, rtol=1e-12, atol=1e-13)
+    motion = solve_ivp(rates, (0, 10), (1.2, 0, 0, 25.0), "DOP853", events=turns, rtol=1e-12, atol=1e-13)
     farthest = math.hypot(*motion.y[:2, -1])
-    (stretch,) = one(TIED | {"stiffness": stiffness}, "impulse_stretch")
+    (stretch,) = one(TIE | {"stiffness": stiffness}, "impulse_stretch")
     # Near its greatest value the radius doesn't depend on when that is.
-    assert stretch == pytest.approx(farthest - 0.8, rel=1e-9)
+    assert stretch == pytest.approx(farthest - 1.2, rel=1e-9)
 
 
 def test_tie__bursts_at_the_speeds_at_which_its_force_is_its_strength():
@@ -288,7 +285,7 @@ def test_tie__bursts_at_the_speeds_at_which_its_force_is_its_strength():
     ties = {f"it__{key}": v for key, v in zip(keys, (mass, length, stiffness, strength), strict=True)}
 
     def of(*names, **speed):
-        values, outcome = asked({"it": TIED}, *(f"it.{name}" for name in names), **ties, **speed)
+        values, outcome = asked({"it": TIE}, *(f"it.{name}" for name in names), **ties, **speed)
         assert (outcome.status == Verdict.OK).all()
         return values
 

@@ -4,15 +4,13 @@ import math
 
 import numpy as np
 import pytest
-from element_samples import DISC, LEVER, WOUND, one, scene
+from element_samples import DISC, LEVER, TIE, WOUND, one, scene
 
 from engine import body_ellipsoid
 from sweeps.pictures.elements.element_pictures import element_sheet
 from sweeps.pictures.picture_error import PictureError
 
 PLATE = {"type": "tilted_body", "mass": 8.0, "semi_axis_x": 0.1, "semi_axis_y": 0.06, "semi_axis_z": 0.02}
-
-TIE = {"type": "tethered_body", "mass": 2.0, "length": 1.2, "stiffness": 4e4, "strength": 3e3, "speed": 25.0}
 
 
 def axes_of(figure, label):

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 import numpy as np
 import pytest
 from cam_samples import ROLLER
-from element_samples import EVERY
+from element_samples import EVERY, TIE
 from governor_samples import EVERY_GOVERNOR
 from pydantic import Field
 
@@ -32,14 +32,6 @@ from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import read_scene, scene_from
 from sweeps.text.toml_text import parse_toml
 
-TIE = {"type": "tethered_body", "mass": 2.0, "length": 1.2, "stiffness": 4e4, "strength": 3e3, "speed": 25.0}
-WHEELS = {
-    "type": "friction_drive", "driving_diameter": 0.1, "driven_diameter": 0.25, "friction": 0.2, "speed": 50.0,
-    "moment": 20.0,
-}  # fmt: skip
-CHAIN = {
-    "type": "chain_drive", "pitch": 0.0127, "driving_teeth": 17, "driven_teeth": 51, "speed": 50.0, "moment": 60.0,
-}  # fmt: skip
 # The one that is no more than what the scene's machine does on it: `test_machine_drives.py` evaluates and draws it.
 OF_MACHINE = "machine_drive"
 some = np.random.default_rng(8)
@@ -48,7 +40,7 @@ some = np.random.default_rng(8)
 @cache
 def samples():
     """An element of every kind."""
-    given = [*EVERY.values(), *EVERY_GOVERNOR.values(), ROLLER, TIE, WHEELS, CHAIN]
+    given = [*EVERY.values(), *EVERY_GOVERNOR.values(), ROLLER]
     found = list(Scene(elements={f"e{i}": e for i, e in enumerate(given)}).elements.values())
     for file in Path(sweeps.__file__).parent.rglob("*.toml"):
         if "[elements." in file.read_text(encoding="utf8"):

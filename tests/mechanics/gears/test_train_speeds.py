@@ -6,7 +6,6 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from gear_samples import found_of, scene_with, simple_planetary, stepped_planetary
-from hypothesis import strategies as st
 
 from engine import SceneError, Verdict
 
@@ -19,9 +18,6 @@ def near(found, exact, roundings=128):
     value, error = found
     assert abs(Fraction(float(value)) - exact) <= Fraction(float(error))
     assert error <= roundings * EPS * abs(value)
-
-
-teeth = st.integers(12, 400)
 
 
 @pytest.mark.parametrize("z", [(31623, 31624, 31623, 31622), (31622, 31623, 31624, 31623), (100, 101, 100, 99)])

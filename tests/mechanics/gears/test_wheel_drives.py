@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from element_samples import CHAIN, FRICTION
 from gear_samples import found_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -12,13 +13,6 @@ from engine import Scene, Verdict
 from sweeps.pictures.elements.element_pictures import element_sheet
 
 EPS = np.finfo(float).eps
-FRICTION = {
-    "type": "friction_drive", "driving_diameter": 0.1, "driven_diameter": 0.25, "friction": 0.2, "creep": 0.01,
-    "speed": 50.0, "moment": 20.0,
-}  # fmt: skip
-CHAIN = {
-    "type": "chain_drive", "pitch": 0.0127, "driving_teeth": 17, "driven_teeth": 51, "speed": 50.0, "moment": 60.0,
-}  # fmt: skip
 
 
 def near(found, exact):

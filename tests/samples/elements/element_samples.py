@@ -46,8 +46,26 @@ DISC = {
         "c": {"mass": 0.24, "radius": 0.25, "angle": 2.4},
     },
 }
+TIE = {"type": "tethered_body", "mass": 2.0, "length": 1.2, "stiffness": 4e4, "strength": 3e3, "speed": 25.0}
+FRICTION = {
+    "type": "friction_drive",
+    "driving_diameter": 0.1,
+    "driven_diameter": 0.25,
+    "friction": 0.2,
+    "creep": 0.01,
+    "speed": 50.0,
+    "moment": 20.0,
+}
+CHAIN = {
+    "type": "chain_drive",
+    "pitch": 0.0127,
+    "driving_teeth": 17,
+    "driven_teeth": 51,
+    "speed": 50.0,
+    "moment": 60.0,
+}
 EVERY = {"jack": JACK, "drive": BELT, "key": WEDGE, "ramp": INCLINE, "pin": JOURNAL, "way": GUIDE, "wheel": ROLLER}
-EVERY |= {"egg": TILTED, "lever": LEVER, "tape": WOUND, "disc": DISC}
+EVERY |= {"egg": TILTED, "lever": LEVER, "tape": WOUND, "disc": DISC, "tie": TIE, "wheels": FRICTION, "chain": CHAIN}
 
 
 def scene(**elements):
