@@ -334,8 +334,9 @@ class Machine:
 
     @property
     def groups(self) -> tuple[str, ...]:
-        """Structural groups, in the order of the indices in `Outcome.status_group`."""
-        return tuple(self.mechanics.kinematics.sines)
+        """Structural groups, then paths of elements and regimes, in the order of the indices in `status_group`."""
+        tables = {"elements": self.scene.elements, "regimes": self.scene.regimes}
+        return *self.mechanics.kinematics.sines, *(f"{key}.{name}" for key, table in tables.items() for name in table)
 
     def source(self) -> str:
         """Source text of the printed functions."""
@@ -447,7 +448,7 @@ class Machine:
         for first in range(0, keep.size, batch):
             some = slice(first, first + batch)
             own = self._governed(outcome, keep[some], numbers.of_variants(some))
-            self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep[some], own)
+            self._elements.fill(outcome, keep[some], own, self.groups)
 
     def _governed(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> Numbers:
         """Numbers in which the engine of each governor of this machine has the machine's inertia and curves.
@@ -536,6 +537,9 @@ class Machine:
             verdict[some] = outcome.status[moved[some]]
             answers = answers.judged(verdict != answers.verdict, rounding)
         outcome.status[moved] = verdict
+        of_regime = (answers.failing >= 0) & (verdict == answers.verdict)
+        first = len(self.groups) - len(self.scene.regimes)
+        outcome.status_group[moved[of_regime]] = first + answers.failing[of_regime]
         for name, value in answers.values.items():
             outcome.summaries[name][moved], outcome.errors[name][moved] = value, answers.errors[name]
         for name, rows in answers.fields.items():

@@ -24,7 +24,7 @@ class Outcome(NamedTuple):
     status : ndarray (variants,) of uint8
         `Verdict` codes.
     status_group : ndarray (variants,) of int16
-        Index of the structural group responsible (see `Machine.groups`), −1 if none is.
+        Index of the structural group, element or regime responsible (see `Machine.groups`), −1 if none is.
     status_at : ndarray (variants,)
         Input position of the failure [rad, or m for a sliding input]; NaN without failure.
     summaries, errors : dict of str to ndarray (variants,)

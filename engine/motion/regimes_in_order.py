@@ -49,13 +49,15 @@ class RegimeAnswers(NamedTuple):
     """Values, fields and error estimates by name, and the verdict on each variant.
 
     A field has one error estimate for each variant, the maximum over the instants of a run or the positions of a cycle.
-    `covered` is the range of the input positions in each run, (runs, 2, variants), in order.
+    `failing` is the index of the first of the scene's regimes that fails, or −1, and `covered` the range of the input
+    positions in each run, (runs, 2, variants), in order.
     """
 
     values: dict[str, np.ndarray]
     errors: dict[str, np.ndarray]
     fields: dict[str, np.ndarray]
     verdict: np.ndarray
+    failing: np.ndarray
     covered: np.ndarray
 
     def judged(self, lost: np.ndarray, share: np.ndarray) -> "RegimeAnswers":
@@ -158,7 +160,10 @@ class RegimesInOrder(AskedRegimes):
             error = np.maximum(change, fine.missed.get(name, 0.0)) + rounding
             errors[name] = np.where(verdict == Verdict.OK, error, np.nan)
         covered = [found.covered for found in regimes if found.covered is not None]
-        return RegimeAnswers(values, errors, fine.rows, verdict, np.reshape(covered, (-1, 2, count)))
+        fails = np.array([found.standing.verdict != Verdict.OK for found in regimes])
+        which = np.array([[*self.regimes].index(name) for name in self.needed])
+        failing = np.where(fails.any(axis=0), which[fails.argmax(axis=0)], -1)
+        return RegimeAnswers(values, errors, fine.rows, verdict, failing, np.reshape(covered, (-1, 2, count)))
 
     def _go(self, driven: dict[frozenset[str], Variants], longer: float) -> tuple[FieldAnswers, list[OneRegime]]:
         """Compute all needed regimes in order; the requested results by their names, and each regime's."""

@@ -56,7 +56,8 @@ def export(asked: shared.Options) -> None:
 
     of_one = asked.variant is not None or asked.at or asked.history or asked.settings or asked.element
     is_sweep = asked.to.suffix in TABLES and needed.is_result(asked.file) and not of_one
-    shared.variants_only(asked.where, is_sweep)
+    if asked.where and not is_sweep:
+        raise InputError.of("--where", "chooses variants of a whole result file; here there is one machine")
     if is_sweep:
         columns, source, where = shared.names_in(asked.columns), Path(asked.file), asked.where
         with doing("Writing the table"):

@@ -227,18 +227,6 @@ ALL = click.option(
 JSON = click.option("--json", "as_json", is_flag=True, help="JSON output in SI units.")
 
 
-def variants_only(where: tuple[str, ...], is_sweep: bool) -> None:
-    """Check that --where has variants to choose from.
-
-    Raises
-    ------
-    InputError
-        There is one machine only.
-    """
-    if where and not is_sweep:
-        raise InputError.of("--where", "chooses variants of a whole result file; here there is one machine")
-
-
 def tell_data(data: object) -> None:
     """Print JSON."""
     text = json.dumps(data, ensure_ascii=False, indent=2)

@@ -80,6 +80,28 @@ def _show_at(asked: shared.Options) -> None:
     shared.tell(needed.readings_text(readings, asked.every or bool(asked.columns)))
 
 
+# Options of each kind of plot; --out and --variant belong to all.
+SWEEP, DRAWING, CURVES, ELEMENTS = "a sweep", "a mechanism", "curves of fields", "machine elements"
+_OPTIONS = {
+    SWEEP: ("-x", "-y", "--colour", "--where"),
+    DRAWING: ("--at", "--paths", "--with", "--plans", "--bearings", "--motion", "--hodograph", "--beside", "--set"),
+    CURVES: ("-x", "-y", "--positions", "--set"),
+    ELEMENTS: ("--set",),
+}
+
+
+def _drawn_by(*kinds: str) -> str:
+    """Which of these kinds of plot the given options ask for; options of other kinds are refused."""
+    context = click.get_current_context()
+    named = {param.opts[0]: context.params[param.name] for param in context.command.params}
+    given = [option for option, value in named.items() if value and option not in ("file", "--out", "--variant")]
+    kind = max(kinds, key=lambda kind: len({*given} & {*_OPTIONS[kind]}))
+    if strange := [option for option in given if option not in _OPTIONS[kind]]:
+        allowed = ", ".join(_OPTIONS[kind])
+        raise InputError.of(", ".join(strange), f"has no effect on the plot of {kind}, whose options are {allowed}")
+    return kind
+
+
 @main.command()
 @click.argument("file")
 @click.option("--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf); default: next to FILE.")
@@ -125,16 +147,14 @@ def plot(asked: shared.Options) -> None:
     """
     # Loaded modules live to the end: spare the garbage collector.
     gc.freeze()
-    tables = ""
     if needed.is_result(asked.file):
         shared.tell_altered(asked.file)
-    of_machine = asked.plans or asked.bearings or asked.motion or asked.hodograph or asked.beside or asked.settings
-    is_sweep = needed.is_result(asked.file) and asked.variant is None and not of_machine
-    shared.variants_only(asked.where, is_sweep)
-    if is_sweep:
+    is_whole, tables = needed.is_result(asked.file) and asked.variant is None, ""
+    kind = _drawn_by(*([SWEEP] if is_whole else []), DRAWING, CURVES)
+    if kind == SWEEP:
         result = needed.SweepResult(Path(asked.file), where=asked.where)
         made = needed.result_pictures(result, asked.out, asked.x, asked.y, asked.colour)
-    elif asked.x or asked.y:
+    elif kind == CURVES:
         machine = needed.machine_of(asked.file, asked.variant, asked.settings)
         fields = shared.names_in(asked.y or "")
         target = asked.out or Path(f"{machine.name}_{'_'.join(fields).replace('.', '_') or 'fields'}.png")
@@ -143,6 +163,8 @@ def plot(asked: shared.Options) -> None:
     else:
         machine = needed.machine_of(asked.file, asked.variant, asked.settings)
         scene, stem = machine.scene, asked.out or Path(f"{machine.name}.png")
+        if scene.input is None:
+            _drawn_by(ELEMENTS)
         places = needed.positions_of(scene, asked.at)
         shown = places, shared.names_in(asked.paths), shared.names_in(asked.shown)
         made = needed.machine_pictures(scene, stem, *shown, parts=shared.names_in(asked.motion))

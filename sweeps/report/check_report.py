@@ -11,7 +11,7 @@ import engine
 from sweeps.report import accuracy_words
 from sweeps.report.answers.shown_results import answers_among, lacks_lines, names_in_conditions
 from sweeps.report.answers.unmet_conditions import drop_lines, outside_lines
-from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
+from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, part_words, regime_words
 from sweeps.report.variant_warnings import known_summaries, machine_warnings
 from sweeps.run.blocks import LARGEST_BLOCK, block_size, bytes_of_fields
 from sweeps.run.cost import on_shafts_text, probe
@@ -115,11 +115,12 @@ def nominal_text(study: Study, machine: ReadyMachine) -> str:
     # The mode depends on the path to a position, so ranges would be meaningless.
     if not alone and verdict != engine.Verdict.OTHER_MODE:
         lines.append(assembly_text(machine))
-    if verdict == engine.Verdict.CANNOT_ASSEMBLE and outcome.status_group[0] >= 0:
+    part = part_words(machine.groups[outcome.status_group[0]]) if outcome.status_group[0] >= 0 else ""
+    if part and np.isfinite(outcome.status_at[0]):
         place = engine.quantity_text(float(outcome.status_at[0]), engine.InputUnits.of(study.scene).q)
-        lines.append(f"group {[*machine.groups][outcome.status_group[0]]} fails first, at {place}")
-    if verdict not in (engine.Verdict.OK, engine.Verdict.CANNOT_ASSEMBLE):
-        lines.append(verdict.sentence)
+        lines.append(f"{part} fails first, at {place}")
+    if verdict not in (engine.Verdict.OK, engine.Verdict.CANNOT_ASSEMBLE) or alone:
+        lines.append(": ".join(filter(None, (part, verdict.sentence))))
     if verdict == engine.Verdict.NOT_FINITE:
         lacking = [name for name in wanted if not np.isfinite(outcome.summaries[name][0])]
         lines += lacks_lines(lacking) if alone else _undefined_loads(study.scene)

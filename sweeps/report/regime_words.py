@@ -79,6 +79,11 @@ def _asked_speed(scene: Scene, regime: RunRegime) -> float | None:
 # Failures
 
 
+def part_words(name: str) -> str:
+    """A part that fails: the path of an element or a regime, or the name of a structural group."""
+    return name if "." in name else f"group {name}"
+
+
 def failure_text(scene: Scene, verdict: Verdict, seen: "engine.History | None" = None) -> str:
     """Which regime fails, where and how, with a remedy.
 

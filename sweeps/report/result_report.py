@@ -8,7 +8,7 @@ import engine
 from sweeps.report import accuracy_words
 from sweeps.report.answers.shown_results import hidden_text, lacks_lines, shown_parameters, shown_summaries
 from sweeps.report.answers.unmet_conditions import drop_lines, no_answer_text, outside_lines, undecided_text
-from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
+from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, part_words, regime_words
 from sweeps.report.sweep_result import SweepResult
 from sweeps.text.conditions import Where
 from sweeps.text.tables import table
@@ -52,10 +52,10 @@ def counts_text(result: SweepResult) -> str:
             lines += outside_lines(result.scene, result.columns, result.columns["status"] == verdict)
         if verdict == engine.Verdict.NOT_FINITE:
             first = result.first_with(verdict)
-            lines = [f"variant {first}, the first one, {line}" for line in _lacking(result, first)]
+            lines += [f"variant {first}, the first one, {line}" for line in _lacking(result, first)]
         if verdict in MOTION_VERDICTS and result.file.variants > 1:
             shown = f"sweeps plot {result.path} --variant {result.first_with(verdict)}"
-            lines = [f"motion of the first one up to its failure: {shown}"]
+            lines += [f"motion of the first one up to its failure: {shown}"]
         rows += [("", "", line) for line in lines]
     return "\n".join([table(rows), *accuracy_words.of_result(result)])
 
@@ -67,7 +67,7 @@ def _lacking(result: SweepResult, variant: int) -> list[str]:
 
 
 def _blame(result: SweepResult, verdict: engine.Verdict) -> list[str]:
-    """For each failing group: count, and range of its first failing positions."""
+    """For each failing group, element or regime: count, and range of its first failing positions if it has any."""
     groups = result.record["groups"]
     if verdict == engine.Verdict.OK or not groups:
         return []
@@ -78,12 +78,12 @@ def _blame(result: SweepResult, verdict: engine.Verdict) -> list[str]:
         for i in np.unique(number[part][failed & (number[part] >= 0)]):
             chosen = at[part][failed & (number[part] == i)]
             counts[i] += chosen.size
-            least[i], most[i] = np.minimum(least[i], chosen.min()), np.maximum(most[i], chosen.max())
+            least[i], most[i] = np.fmin.reduce(chosen, initial=least[i]), np.fmax.reduce(chosen, initial=most[i])
     lines = []
     for i in np.flatnonzero(counts):
         first, last = (engine.quantity_text(float(v), result.units["status_at"]) for v in (least[i], most[i]))
         place = first if first == last else f"{first} … {last}"
-        lines.append(f"group {groups[i]}: {counts[i]}, first at {place}")
+        lines.append(f"{part_words(groups[i])}: {counts[i]}" + (f", first at {place}" if least[i] <= most[i] else ""))
     return lines
 
 
@@ -154,7 +154,9 @@ def variant_text(result: SweepResult, variant: int, every: bool = False) -> str:
     """
     verdict = engine.Verdict(int(result.columns["status"][variant]))
     given = [(name, "=", value_text(result, name, variant)) for name in shown_parameters(result, every)]
-    parts = [f"variant {variant}: {verdict.sentence}", table(given, "  ")]
+    number, groups = result.columns["status_group"][variant], result.record["groups"]
+    part = f"{part_words(groups[number])}: " if number >= 0 else ""
+    parts = [f"variant {variant}: {part}{verdict.sentence}", table(given, "  ")]
     parts += _lacking(result, variant) if verdict == engine.Verdict.NOT_FINITE else []
     return "\n".join(filter(None, [*parts, _summaries_text(result, variant, every)]))
 

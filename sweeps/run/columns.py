@@ -21,7 +21,7 @@ def number_columns(machine: ReadyMachine, summaries: Iterable[str]) -> list[Colu
     """Columns of verdicts and of some summaries with their error estimates."""
     columns = [
         Column("status", "verdict", "1", dtype=np.uint8),
-        Column("status_group", "number of the failing structural group, -1 if none", "1", dtype=np.int16),
+        Column("status_group", "number of the failing group, element or regime, -1 if none", "1", dtype=np.int16),
         Column("status_at", "input position at which the variant fails", InputUnits.of(machine.scene).q),
     ]
     known = machine.available_summaries

@@ -1,12 +1,13 @@
 """Requested results of a scene's machine elements, for a set of variants with error estimates."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from inspect import getsource
 
 import numpy as np
 
 from engine.compiling.threads import on_all_threads
 from engine.elements.element import Answers, Columns, Element
+from engine.machine.results import Outcome
 from engine.scene.scene import Numbers, Scene
 from engine.words.quantity import Quantity
 from engine.words.verdicts import Verdict
@@ -49,7 +50,7 @@ class AskedElements:
         """Source text of the element classes, with their laws."""
         return "\n\n".join(getsource(kind) for kind in dict.fromkeys(map(type, self.elements.values())))
 
-    def fill(self, status: np.ndarray, summaries: Columns, errors: Columns, keep: np.ndarray, numbers: Numbers) -> None:
+    def fill(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers, parts: Sequence[str]) -> None:
         """Write the requested results and verdicts of those variants `keep` whose status is OK so far.
 
         The verdict is that of the law, if it gives one; else the element's verdict on infinite results, such as JAMS;
@@ -57,33 +58,40 @@ class AskedElements:
 
         Parameters
         ----------
-        status : ndarray (variants,) of uint8
-        summaries, errors : dict of str to ndarray (variants,)
-            Arrays of an outcome, modified in place.
+        outcome : Outcome
+            Modified in place.
         keep : ndarray of int
             Indices of variants.
         numbers : Numbers
             Numbers of these variants.
+        parts : sequence of str
+            `Machine.groups`.
         """
+        status = outcome.status
+
+        def blame(name: str, fails: np.ndarray, verdict: np.ndarray | Verdict) -> None:
+            fails = fails & (status[keep] == Verdict.OK)
+            status[keep[fails]] = np.broadcast_to(verdict, fails.shape)[fails]
+            outcome.status_group[keep[fails]] = parts.index(f"elements.{name}")
+
         answers = {
             name: _evaluated(element, numbers.below(f"elements.{name}"), keep.size)
             for name, element in self.elements.items()
         }
         sound = status[keep] == Verdict.OK
-        for found in answers.values():
-            judged = (status[keep] == Verdict.OK) & (found.verdicts != Verdict.OK)
-            status[keep[judged]] = found.verdicts[judged]
+        for name, found in answers.items():
+            blame(name, found.verdicts != Verdict.OK, found.verdicts)
         for name, found in answers.items():
             element = self.elements[name]
             must = np.array([found.values[r.name] for r in element.results if not r.may_be_undefined])
-            well = status[keep] == Verdict.OK
-            status[keep[well & np.isinf(must).any(axis=0)]] = element.infinite
-            status[keep[well & np.isnan(must).any(axis=0)]] = Verdict.NOT_FINITE
+            blame(name, np.isnan(must).any(axis=0), Verdict.NOT_FINITE)
+            blame(name, np.isinf(must).any(axis=0), element.infinite)
         for name in self.names:
             owner, _, result = name.partition(".")
             value, error = (part[result] for part in answers[owner][:2])
             known = sound & np.isfinite(value)
-            summaries[name][keep], errors[name][keep] = np.where(known, value, np.nan), np.where(known, error, np.nan)
+            outcome.summaries[name][keep] = np.where(known, value, np.nan)
+            outcome.errors[name][keep] = np.where(known, error, np.nan)
 
 
 def _evaluated(element: Element, n: Columns, variants: int) -> Answers:

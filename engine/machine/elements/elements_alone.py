@@ -76,7 +76,6 @@ class ElementsAlone:
     """
 
     dtype = np.dtype(np.float64)
-    groups = ()
     has_regimes = False
     mechanics = None
     available_fields: Mapping[str, Quantity] = {}
@@ -110,6 +109,11 @@ class ElementsAlone:
     def elements(self) -> tuple[str, ...]:
         """Elements with requested summaries."""
         return tuple(self._asked.elements)
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        """Paths of the elements, in the order of the indices in `Outcome.status_group`."""
+        return tuple(f"elements.{name}" for name in self.scene.elements)
 
     @property
     def available_summaries(self) -> dict[str, Quantity]:
@@ -153,7 +157,7 @@ class ElementsAlone:
         keep, outcome = np.flatnonzero(status == Verdict.OK), blank(status, self.asked_summaries, {})
         numbers = Numbers(self._limits, arrays).of_variants(keep)
         if keep.size:
-            self._asked.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
+            self._asked.fill(outcome, keep, numbers, self.groups)
         self._warnings.fill(outcome.status, outcome.summaries, outcome.errors, Numbers(self._limits, arrays))
         known = self.available_summaries
         return outcome._replace(units={name: known[name].units for name in self.asked_summaries})

@@ -326,6 +326,8 @@ def _choose(
 ) -> None:
     along, summaries = data.grid_parameters(), data.summaries
     if y is not None and np.ndim(data.arrays[y]) == 2:
+        if x or colour:
+            raise PictureError(f"{y!r} is a field, drawn over its own positions: leave out -x and --colour")
         return field_band(figure.add_subplot(), data, y, best)
     if not summaries:
         raise PictureError("this result has no summaries; choose a field, or add summaries to the study")

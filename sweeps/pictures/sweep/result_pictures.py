@@ -36,7 +36,7 @@ def result_pictures(
     ----------
     result : SweepResult
     out : Path, optional
-        Picture file (default: next to the result).
+        Picture file (default: next to the result, with the names of the columns).
     x, y, colour : str, optional
         Columns to show.
 
@@ -46,12 +46,12 @@ def result_pictures(
         Files written.
     """
     result.show_own_units()
-    path = result.path
-    if result.file.variants == 1:
-        return _pictures_of(result, 0, out or path.with_suffix(".png"))
-    best = result.best()
-    made = [out or path.with_suffix(".png")]
-    if out is None and x is y is colour is None and not is_front(result):
+    is_named, named = out is not None, [name.replace(".", "_") for name in (x, y, colour) if name]
+    out = out or result.path.with_name("_".join([result.path.stem, *named]) + ".png")
+    if result.file.variants == 1 and not named and not result.where:
+        return _pictures_of(result, 0, out)
+    best, made = result.best(), [out]
+    if not is_named and not named and not is_front(result):
         made += _pictures_of_one(result, best)
     # Last: where it is there, so are the others.
     save(sweep_figure(result, x, y, colour, best), made[0])

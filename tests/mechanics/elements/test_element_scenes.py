@@ -40,9 +40,11 @@ def test_elements_beside_a_mechanism__are_what_they_are_alone():
 
 
 def test_element_that_jams_beside_a_mechanism__is_the_verdict():
-    both = Scene.model_validate(slider_crank(elements={"bed": {**GUIDE, "overhang": 2.0}}))
-    outcome = made_ready(both, ["ram.stroke", "bed.drive_force"]).evaluate({})
+    both = Scene.model_validate(slider_crank(elements={"jack": JACK, "bed": {**GUIDE, "overhang": 2.0}}))
+    machine = made_ready(both, ["ram.stroke", "jack.raise_moment", "bed.drive_force"])
+    outcome = machine.evaluate({})
     assert outcome.status[0] == Verdict.JAMS
+    assert machine.groups[outcome.status_group[0]] == "elements.bed"
     assert made_ready(both, ["ram.stroke"]).evaluate({}).status[0] == Verdict.OK
 
 

@@ -56,6 +56,7 @@ def test_text_without_any_known_key__is_told_to_be_neither_study_nor_scene(press
 def test_result_under_another_name__is_known_by_its_content(press_result):
     Path(press_result).rename("r.dat")
     assert said("plot", "r.dat", "--variant", "2", "--out", "p.png").stdout.startswith("Wrote p.png")
+    assert said("plot", "r.dat", "-x", "input.length").stdout == "Wrote r_input_length.png\n"
     done("export", "r.dat", "--to", "r.csv")
     assert len(Path("r.csv").read_text().splitlines()) == 9
 

@@ -282,7 +282,11 @@ number that varies | check study.toml --set input.length=60mm | --set | varies i
 few positions | check press.toml --positions 7 | positions = 7: | an even number of at least 8
 accuracy above 1 | check press.toml --accuracy 2 | --accuracy | must be between 0 and 1
 accuracy as a length | check press.toml --accuracy 1mm | --accuracy | expected a number
-condition on a scene | plot press.toml --where ram.stroke>1mm | --where | chooses variants of a whole result file
+condition on a scene | plot press.toml --where ram.stroke>1mm | --where | no effect on the plot of a mechanism
+curves with plans | plot press.toml -y B.vx --plans --colour a | -y, --colour | no effect on the plot of a mechanism
+position of a sweep | plot r.h5 -y ram.stroke --at 30 | --at | no effect on the plot of a sweep, whose options are -x
+position in a result | plot r.h5 --at ten | --at | expected an angle such as '30 deg'
+path of a rotor | plot fan_rotor --paths B | --paths | no effect on the plot of machine elements
 condition on an export | export press.toml --to a.csv --where ram.stroke>1mm | --where | a whole result file
 condition on a variant | export r.h5 --variant 1 --to a.csv --where ram.stroke>1mm | --where | a whole result file
 sort by a misspelt name | show r.h5 --sort ram.strok | sort | did you mean 'ram.stroke'

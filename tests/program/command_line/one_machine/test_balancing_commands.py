@@ -241,5 +241,5 @@ def test_result_without_a_goal__shows_the_reactions_of_the_first_variant_that_wo
 
 @blank
 def test_elements_alone__are_no_mechanism(folder):
-    assert "needs a crank that turns fully" in refused("plot", "v_twin", "--hodograph")
+    assert "--hodograph: has no effect on the plot of machine elements" in refused("plot", "v_twin", "--hodograph")
     assert "there is no mechanism to draw" in refused("export", "v_twin", "--to", "a.dxf")

@@ -188,7 +188,9 @@ def test_motion_that_fails__is_explained_with_its_regime_and_a_mend(case, folder
     old, new, verdict, *words = FAILURES[case]
     change(old, new)
     ran = said("run", "press.toml", "--no-plots", "--replace").stdout
-    assert SweepResult(Path("results/press.h5")).columns["status"][0] == Verdict[verdict]
+    result = SweepResult(Path("results/press.h5"))
+    assert result.columns["status"][0] == Verdict[verdict]
+    assert result.record["groups"][result.columns["status_group"][0]] == words[0].replace("regime ", "regimes.")
     for text in (ran, said("check", "press.toml").stdout) if case == "weak motor" else (ran,):
         line = next(line for line in text.splitlines() if f"{words[0]}: " in line)
         assert all(word in line for word in words), line
@@ -200,6 +202,7 @@ def test_run_of_a_study__counts_what_stalls_and_says_where_to_look(folder):
     text = said("run", "study.toml", "--no-plots").stdout
     assert any(line.split()[:2] == ["2", "ok"] for line in text.splitlines())
     assert any(line.split()[:2] == ["1", "stalls"] for line in text.splitlines())
+    assert [line.split() for line in text.splitlines() if "regimes." in line] == [["regimes.work:", "1"]]
     shown = next(line for line in text.splitlines() if "motion of the first one" in line)
     command = shown.split(": sweeps ")[1].split()
     assert command == ["plot", "results/study.h5", "--variant", "1"]

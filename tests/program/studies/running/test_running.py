@@ -28,7 +28,7 @@ SCHEMA = {
     "input.length": ("<f8", ("variant",), "m", "input.length"),
     "bodies.ram.mass": ("<f8", ("variant",), "kg", "bodies.ram.mass"),
     "status": ("|u1", ("variant",), "1", "verdict"),
-    "status_group": ("<i2", ("variant",), "1", "number of the failing structural group, -1 if none"),
+    "status_group": ("<i2", ("variant",), "1", "number of the failing group, element or regime, -1 if none"),
     "status_at": ("<f8", ("variant",), "rad", "input position at which the variant fails"),
     "ram.stroke": ("<f8", ("variant",), "m", "stroke of slider ram"),
     "ram.stroke_error": ("<f8", ("variant",), "m", "error estimate of: stroke of slider ram"),
