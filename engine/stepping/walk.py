@@ -13,7 +13,7 @@ import math
 from typing import NamedTuple
 
 from engine.compiling.blocks import LANES, gather, in_lanes
-from engine.compiling.decorators import driver, routine, separate
+from engine.compiling.decorators import driver, inlined, routine, separate
 from engine.compiling.packed import call_at, unpacked
 from engine.stepping.methods import at_stage, step_end
 from engine.stepping.steps.repeated_steps import NEARLY, cycles_ahead, go_back, remember
@@ -21,8 +21,8 @@ from engine.stepping.steps.stage_rates import keep_place, look, rate, record, st
 from engine.stepping.steps.step_edges import (
     MOST_PARTS,
     NEARLY_ALL,
-    behind_instant,
     edge_ahead,
+    ends_at_instant,
     equal_part,
     find_edge,
     look_ahead,
@@ -67,7 +67,7 @@ from engine.stepping.steps.step_lanes import (
     WalkBatch,
     give_out,
 )
-from engine.stepping.walk_task import FADED, FULL, GOAL, GOING, GUARD, LOST, OTHER_GOAL, RANGE, STEEP, WalkTask
+from engine.stepping.walk_task import FADED, FULL, GOAL, GOING, GUARD, LONGEST, LOST, OTHER_GOAL, RANGE, STEEP, WalkTask
 
 # Steps after which a walk can be interrupted.
 MOST_STEPS = 1 << 13
@@ -136,6 +136,16 @@ def attempt(kept: int, keeps: bool, addresses: StepAddresses, batch: WalkBatch, 
 # Step lengths and decisions
 
 
+@inlined
+def first_part(length: float, lane: int, task: WalkTask, room: Room) -> float:
+    """Length of the first step to an end or event: only the longest walk makes a single one from where all walks start.
+
+    Else all would make the same one, and agree on its error.
+    """
+    parts = (task.along_time or task.fixed) and room.lane.alone[lane] > 0.0
+    return task.longer / LONGEST * length if parts else length
+
+
 @routine
 def choose(edges: int, instants: int, most_steps: int, task: WalkTask, room: Room) -> bool:
     """Choose the length of each lane's next step: an equal part of the distance to its next end, or 0 for no step.
@@ -172,11 +182,10 @@ def choose(edges: int, instants: int, most_steps: int, task: WalkTask, room: Roo
         rest = until - own.at[lane]
         # A distance of too many steps isn't divided.
         parts = math.ceil(rest / most * NEARLY_ALL) if rest < MOST_PARTS * most else 0
-        first = own.steps[lane] == 0.0 or (task.along_time and behind_instant(lane, instants, room))
-        if (task.along_time or task.fixed) and task.longer == 1.0 and first:
-            # A single step to the next end would have no comparison: make two.
-            parts = parts if parts != 1 else 2
-        own.length[lane] = most if parts == 0 else (rest / parts if parts > 1 else rest)
+        if parts == 1:
+            own.length[lane] = first_part(rest, lane, task, room)
+        else:
+            own.length[lane] = most if parts == 0 else rest / parts
         if not own.length[lane] > 0.0:
             # No step starts from a NaN or infinite state.
             own.length[lane], own.why[lane] = 0.0, LOST
@@ -197,8 +206,14 @@ def decide_steps(task: WalkTask, room: Room) -> bool:
                 own.pace[lane] = SAFETY / steepness(lane, room)
             elif hides_two(lane, task, room):
                 own.pace[lane] = 0.5 * own.length[lane]
-            elif (own.fired[lane] == 0.0 and own.trials[lane] == 0.0) or narrow(lane, task, room):
+            elif own.fired[lane] == 0.0 and own.trials[lane] == 0.0:
                 own.taken[lane], took = 1.0, True
+            elif narrow(lane, task, room):
+                part = first_part(own.length[lane], lane, task, room)
+                if part < own.length[lane]:
+                    own.pace[lane], own.trials[lane], own.alone[lane] = part, 0.0, 0.0
+                else:
+                    own.taken[lane], took = 1.0, True
     return took
 
 
@@ -281,6 +296,7 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
         if task.along_time and not task.signed and own.why[lane] == GOING and 0.0 < speed < own.floor[lane]:
             own.why[lane] = FADED
         own.trials[lane], own.refused[lane] = 0.0, math.inf
+        own.alone[lane] = 1.0 if at_edge or ends_at_instant(lane, room) else 0.0
         if task.fixed:
             own.pace[lane] = own.farthest[lane]
         else:
@@ -419,7 +435,7 @@ def take_in(first: int, batch: WalkBatch, task: WalkTask, room: Room) -> None:
         own.slowest[lane], own.fastest[lane], own.slope[lane] = math.inf, -math.inf, math.nan
         own.slow_off[lane], own.fast_off[lane] = math.nan, math.nan
         own.steps[lane], own.scale[lane], own.trials[lane], own.free[lane] = 0.0, 0.0, 0.0, -math.inf
-        own.begins[lane], own.ends[lane], own.refused[lane] = -math.inf, math.inf, math.inf
+        own.begins[lane], own.ends[lane], own.refused[lane], own.alone[lane] = -math.inf, math.inf, math.inf, 1.0
         own.why[lane] = GOING if lane < last and own.at[lane] < own.goal[lane] else GOAL
         find_edge(lane, edges, task, room)
         look_ahead(lane, edges, room)

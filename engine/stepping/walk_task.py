@@ -10,7 +10,8 @@ import numpy as np
 # those two is COARSER times as large, but at most COARSEST, beyond which it says nothing; their steps differ even where
 # growth, an instant or a longest step limits them. The range of the three results estimates the error: the difference
 # of two may cross zero.
-WALKS = (1.0, 2.0, math.sqrt(2.0))
+LONGEST = 2.0
+WALKS = (1.0, LONGEST, math.sqrt(2.0))
 COARSER, COARSEST = 2.0**7, 1e-1
 
 

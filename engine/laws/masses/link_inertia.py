@@ -84,7 +84,8 @@ def inertia_offset(gyration2: float, ax: float, ay: float, epsilon: float) -> fl
     """Distance h = M_U/U of the resultant's line from the centre of mass [m].
 
     Positive where the line passes to the right of S, seen along U. Accelerations may be transfer functions at constant
-    input speed: the speed cancels. Infinite for a pure moment, NaN without inertia forces.
+    input speed: the speed cancels. Infinite for a pure moment, 0 without a moment: a slider that doesn't accelerate for
+    an instant has no resultant, but its line passes through S before and after.
 
     Parameters
     ----------
@@ -95,4 +96,4 @@ def inertia_offset(gyration2: float, ax: float, ay: float, epsilon: float) -> fl
     epsilon : float
         Angular acceleration [rad/s²].
     """
-    return -gyration2 * epsilon / math.sqrt(ax * ax + ay * ay)
+    return -gyration2 * epsilon / math.sqrt(ax * ax + ay * ay) if epsilon != 0.0 else 0.0

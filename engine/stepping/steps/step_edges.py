@@ -93,8 +93,8 @@ def next_instant(lane: int, count: int, room: Room) -> float:
 
 
 @inlined
-def behind_instant(lane: int, count: int, room: Room) -> bool:
-    """Whether a lane's step starts at an instant at which a function of time jumps or bends."""
+def ends_at_instant(lane: int, room: Room) -> bool:
+    """Whether a lane's step ended at an instant at which a function of time jumps or bends."""
     own = room.lane
     now = own.clock[lane] + own.at[lane]
-    return count > 0 and now - own.begins[lane] <= ROUNDED * abs(now)
+    return own.ends[lane] - now <= ROUNDED * abs(now)

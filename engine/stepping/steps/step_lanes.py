@@ -87,6 +87,8 @@ class Lane(NamedTuple):
         Speed that may be reached within an implicit step with an extreme, unresolved; else NaN.
     refused : row
         Error estimate, relative to the tolerance, of the last rejected step; infinite if none since an accepted step.
+    alone : row
+        1 if the step starts where all walks do: at their start, an edge or an instant.
     """
 
     start: Row
@@ -140,6 +142,7 @@ class Lane(NamedTuple):
     top_off: Row
     settled: Row
     refused: Row
+    alone: Row
 
 
 GIVEN, FOUND = Lane._fields[:12], Lane._fields[10:20]

@@ -32,8 +32,11 @@ def coupled(coupling: dict, regime: dict, scene: dict | None = None) -> dict:
 
 
 COUPLED = run(START, from_speed=1.0, from_shaft_speed=300.0, time=0.3)
+# Behind the jump of `by_angle` at 1 rad, one step leads to the lock-up if little is asked.
+LOCKING = run(START, from_angle=0.93, from_speed=1.0, from_shaft_speed=100.0, lock_up=True)
 CASES = {
     "clutch": (coupled(CLUTCH, COUPLED), ("coupling_heat", "final_speed", "angle")),
+    "lock-up": (coupled(CLUTCH | {"capacity": 3.0}, LOCKING), ("coupling_heat", "coupling_slip_angle", "angle")),
     "fluid coupling": (coupled(FLUID, COUPLED), ("coupling_heat", "final_speed", "angle")),
     "steady fluid coupling": (coupled(FLUID, steady(START)), ("mean_speed", "speed_fluctuation")),
     "over time": (
