@@ -42,7 +42,7 @@ def run_coupled(
     final = State(runs.turned, runs.omega, runs.time, state[names["motors"] :], squares)
     most = np.maximum(np.maximum(started, ended), begun + after + np.abs(heat))
     # The engagement of an open coupling begins with the next regime.
-    engaged = np.zeros_like(clock) if sides.open else standing.coupled.engaged + runs.time
+    engaged = np.zeros_like(clock) if sides.two.open else standing.coupled.engaged + runs.time
     return RunOutcome(
         runs.verdict,
         final,

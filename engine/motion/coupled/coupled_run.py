@@ -147,7 +147,7 @@ class CoupledRuns(MachineRuns):
     def _knots(self, who: np.ndarray) -> np.ndarray:
         """Times from the start of the run between which a clutch's capacity is linear [s]."""
         knots = self.sides.coupling.times[:, who] - self.joined.engaged[who]
-        return knots[:0] if self.sides.open else knots
+        return knots[:0] if self.sides.two.open else knots
 
     def _fades(self, who: np.ndarray) -> np.ndarray:
         """Whether the crank slows down without ever stopping, since all torques vanish with the speed."""
@@ -173,8 +173,8 @@ class CoupledRuns(MachineRuns):
         # Evaluate behind a jump at this very angle.
         moving[TURNED] += np.sign(moving[CRANK_SPEED]) * sides.crank.beside(moving[TURNED])
         ways = np.sign(moving[CRANK_SPEED]), np.sign(moving[SHAFT_SPEED])
-        mode = np.full(who.size, APART if sides.open else FLUID)
-        if sides.is_clutch:
+        mode = np.full(who.size, APART if sides.two.open else FLUID)
+        if sides.two.is_clutch:
             mode = self._holding(sides, joined, moving, self.time[who], ways)
         ways = self._ways(sides, joined, moving, self.time[who], mode, ways)
         self.joined.mode[who], self.joined.crank_way[who], self.joined.shaft_way[who] = mode, *ways
@@ -371,7 +371,7 @@ class CoupledRuns(MachineRuns):
         column, begin, length, samples, _ = made_steps(gone.recorded, gone.steps)
         phase, moving, moment = some(joined, column), samples[: SHAFT_SPEED + 1], np.zeros((0, *samples.shape[1:]))
         moving[[CRANK_SPEED, SHAFT_SPEED]] *= np.array(faced_ways(phase))[:, None]
-        if self.stepping.peaks or self.observers or self.sides.is_clutch:
+        if self.stepping.peaks or self.observers or self.sides.two.is_clutch:
             time = self.time[who[column]] + begin + SHOWN[:, None] * length
             moment = self._moments(who[column], phase, moving, time, column, gone.numbers)[None]
         return Seen(column, begin, length, moving, moment)
@@ -382,7 +382,7 @@ class CoupledRuns(MachineRuns):
         Another walk to this time finds the beginning of the slip.
         """
         first, phase = np.full(who.size, np.inf), some(joined, seen.column)
-        if not self.sides.is_clutch:
+        if not self.sides.two.is_clutch:
             return first
         holds = (phase.mode == TOGETHER) & (phase.crank_way != 0.0)
         time = self.time[who[seen.column]] + seen.begin + SHOWN[:, None] * seen.length

@@ -151,8 +151,6 @@ class CoupledSides(NamedTuple):
     crank : EquationOfMotion
     shaft : ShaftSide
     coupling : CouplingNumbers or ElasticNumbers
-    open : bool
-        Whether the coupling is open and transmits nothing.
     two : TwoSides or OnElasticShaft
     whole : tuple of (CoupledSides, ndarray of int), optional
         The sides of which these are some, and their indices.
@@ -161,7 +159,6 @@ class CoupledSides(NamedTuple):
     crank: EquationOfMotion
     shaft: ShaftSide
     coupling: CouplingNumbers | ElasticNumbers
-    open: bool
     two: "TwoSides | OnElasticShaft"
     whole: "tuple[CoupledSides, np.ndarray] | None" = None
 
@@ -174,11 +171,6 @@ class CoupledSides(NamedTuple):
     def is_elastic(self) -> bool:
         """Whether the coupling is an elastic shaft."""
         return isinstance(self.coupling, ElasticNumbers)
-
-    @property
-    def is_clutch(self) -> bool:
-        """Whether the coupling is a clutch that is not open."""
-        return not (self.is_elastic or self.open or self.two.is_fluid)
 
     def some(self, who: np.ndarray) -> "CoupledSides":
         """A subset of the variants, by index."""
@@ -223,10 +215,10 @@ class CoupledSides(NamedTuple):
             if self.is_elastic:
                 given |= dict(zip((joining.stiffness, joining.damping, joining.backlash), own, strict=True))
             else:
-                given |= {joining.fluid: 0.0 if self.open else own.fluid}
+                given |= {joining.fluid: 0.0 if self.two.open else own.fluid}
                 given |= dict(zip(joining.times, own.times, strict=True))
                 capacity = zip(joining.capacity, own.capacity, strict=True)
-                given |= {node: 0.0 if self.open else row for node, row in capacity}
+                given |= {node: 0.0 if self.two.open else row for node, row in capacity}
             every = (self.two.crank, sizes.crank, way), (self.two.shaft, sizes.shaft, other)
             for dynamics, side, facing in every:
                 given |= dynamics.sized(side, variants.numbers, facing * variants.direction)
@@ -306,11 +298,11 @@ class OnElasticShaft:
     Attributes
     ----------
     crank, shaft : Dynamics
-    is_fluid : bool
-        False.
+    open, is_fluid, is_clutch : bool
+        False, as the shaft is none of these.
     """
 
-    is_fluid = False
+    open = is_fluid = is_clutch = False
 
     def __init__(self, reduction: Reduction, off: frozenset[str]) -> None:
         self._motors = frozenset(reduction.loads.motors)
@@ -341,7 +333,7 @@ class OnElasticShaft:
         stiffness, damping, own = shaft
         motors = ShaftSide(EquationOfMotion(self.shaft, self.shaft.driven(bare), np.zeros(bare.count)), own)
         crank = EquationOfMotion(self.crank, self.crank.driven(bare), start)
-        return CoupledSides(crank, motors, ElasticNumbers(stiffness, damping, backlash), False, self)
+        return CoupledSides(crank, motors, ElasticNumbers(stiffness, damping, backlash), self)
 
 
 class TwoSides:
@@ -360,8 +352,10 @@ class TwoSides:
     Attributes
     ----------
     crank, shaft : Dynamics
-    is_fluid : bool
-        Whether the coupling is a fluid coupling that is not open.
+    open : bool
+        Whether the coupling is open and transmits nothing.
+    is_fluid, is_clutch : bool
+        Whether it is a fluid coupling or a clutch, and not open.
     """
 
     def __init__(self, reduction: Reduction, off: frozenset[str], works: bool, rubs: bool = False) -> None:
@@ -369,6 +363,7 @@ class TwoSides:
         self.name, self.coupling = coupling_of(self.scene)
         self.open = self.name in off
         self.is_fluid = isinstance(self.coupling, FluidCoupling) and not self.open
+        self.is_clutch = isinstance(self.coupling, FrictionClutch) and not self.open
         on_shaft = {name for name, moment in self.scene.moments.items() if moment.on == self.coupling.shaft}
         elsewhere = {load.action for load in reduction.loads.terms} | set(reduction.loads.motors)
         self.crank = Dynamics(reduction, off | on_shaft, works, rubs)
@@ -411,4 +406,4 @@ class TwoSides:
         coupling = coupling_numbers(self.scene, n, count)
         inertia = coupling.ratio**2 * _of_all(n[f"shafts.{self.coupling.shaft}.inertia"], count)
         shaft = ShaftSide(EquationOfMotion(self.shaft, self.shaft.driven(whole), np.zeros(count)), inertia)
-        return CoupledSides(crank, shaft, coupling, self.open, self)
+        return CoupledSides(crank, shaft, coupling, self)
