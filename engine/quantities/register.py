@@ -1,7 +1,7 @@
 """The available quantities of a machine: fields, curves over the positions; and summaries, one number per variant."""
 
 from collections.abc import Callable, Iterable, Iterator
-from functools import partial
+from functools import cached_property, partial
 from typing import NamedTuple, TypeVar
 
 from engine.graph.nodes import Node
@@ -219,6 +219,11 @@ class Register:
         self._answers = answers
         self._statistics: dict[str, Summary] = {}
 
+    @cached_property
+    def _timed(self) -> list[str]:
+        """Loads that depend on time, so that the machine has no cycle at constant speed."""
+        return time_dependent(self.mechanics.scene) if self.mechanics.has_cycle else []
+
     def why_not(self, name: str) -> str | None:
         """Reason why a quantity is undefined over the cycle: a load depends on time; None if it is defined.
 
@@ -227,16 +232,16 @@ class Register:
         name : str
             A field, a summary or a statistic of a field.
         """
-        m = self.mechanics
-        timed = time_dependent(m.scene) if m.has_cycle else []
-        field, summary = self.fields.get(name), self.summary(name)
-        if not timed or (field is None and summary is None):
+        if not self._timed:
             return None
-        if not m.depends_on_time(nodes_of(field.curve() if summary is None else summary.expression())):
+        field, summary = self.fields.get(name), self.summary(name)
+        if field is None and summary is None:
+            return None
+        if not self.mechanics.depends_on_time(nodes_of(field.curve() if summary is None else summary.expression())):
             return None
         return (
-            f"{name!r}: a load depends on time ({', '.join(timed)}), so at constant speed {NOTHING_REPEATS}; ask for "
-            "results of a run, or give the load over the crank's angle"
+            f"{name!r}: a load depends on time ({', '.join(self._timed)}), so at constant speed {NOTHING_REPEATS}; ask "
+            "for results of a run, or give the load over the crank's angle"
         )
 
     @property
