@@ -18,6 +18,7 @@ from engine.motion.moments.dynamics import Variants
 from engine.motion.quantities import FieldAnswers
 from engine.motion.regime_motions import ROUNDING, OneRegime, RegimeMotion
 from engine.motion.runs.run_progress import Standing
+from engine.motion.runs.spread_errors import change_or_anything
 from engine.scene.scene import Numbers
 from engine.stepping.records import on_arrays
 from engine.stepping.walk_task import WALKS
@@ -155,6 +156,8 @@ class RegimesInOrder(AskedRegimes):
                 change = np.minimum(change, np.abs(self.reduction.cycle - change))
             if row.ndim > 1:
                 size, change = _greatest(size), _greatest(change)
+            else:
+                change = change_or_anything(change, row)
             change = share_of_change(name) * np.where(whole, change, size)
             rounding = ROUNDING * np.maximum(size, fine.scales.get(name, 0.0))
             error = np.maximum(change, fine.missed.get(name, 0.0)) + rounding

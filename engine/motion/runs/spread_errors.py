@@ -13,6 +13,11 @@ Motion = TypeVar("Motion", RunOutcome, Steady)
 SKIPPED = ("verdict", "record", "steep")
 
 
+def change_or_anything(change: np.ndarray, value: np.ndarray) -> np.ndarray:
+    """Change of a result with the errors of a motion; a result that they make undefined may be anything."""
+    return np.where(np.isnan(change) & np.isfinite(value), np.inf, change)
+
+
 def spread_errors(
     motion: Motion,
     errors: Changed | Steady,
@@ -43,7 +48,5 @@ def spread_errors(
             alone[i] = rows[i]
             changed = results_of(motion.shifted(nothing._replace(**{name: alone})))
             for result, value in known.items():
-                change = np.abs(changed[result] - value)
-                # A result that a number's error makes undefined may be anything.
-                off[result] += np.where(np.isnan(change) & np.isfinite(value), np.inf, change)
+                off[result] += change_or_anything(np.abs(changed[result] - value), value)
     return off

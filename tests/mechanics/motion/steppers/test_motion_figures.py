@@ -152,3 +152,13 @@ def test_result_that_an_error_makes_undefined__may_be_anything():
     motion, errors = Efficient(np.array([1.0, 1e-12, -1.0])), Efficient(np.array([0.5, -2e-12, 0.5]))
     found = spread_errors(motion, errors, Efficient.results, lambda name: True)["efficiency"]
     np.testing.assert_array_equal(found, [0.0625, np.inf, np.nan])
+
+
+def test_efficiency_of_a_useful_work_of_zero__is_covered():
+    # A constant moment on a link that swings does no work over a cycle; its rounding decides if there is an efficiency.
+    scene = slider_crank({"go": steady("dc oil load")}, load={"on": "rod"})
+    # With a field, the motion is also computed with its errors added.
+    found = ask(scene, "go.efficiency go.speed.max", varied={"moments.load.moment": np.linspace(-3.0, 3.0, 9)})
+    defined = np.isfinite(found.values["go.efficiency"])
+    assert defined.any()
+    assert (found.errors["go.efficiency"] >= found.values["go.efficiency"])[defined].all()
