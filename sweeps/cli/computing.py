@@ -11,6 +11,7 @@ import click
 from engine import counted
 from sweeps.cli import needed, shared
 from sweeps.cli.shared import main
+from sweeps.text.input_files import InputError
 from sweeps.text.interruption import keeping
 
 if TYPE_CHECKING:
@@ -45,6 +46,8 @@ def _made(asked: shared.Options, result: "SweepResult", study: Path) -> list[Pat
 
 def _compute(asked: shared.Options, bar: "ProgressBar", compute: Callable[..., Path]) -> None:
     """Compute a result file with progress, on the command's threads or cluster."""
+    if asked.out.suffix != ".h5":
+        raise InputError.of(str(asked.out), "results are HDF5: give a file that ends in .h5", key="--out")
     shared.use_threads(asked.jobs)
     with shared.cluster_client(asked.cluster, asked.jobs) as client:
 

@@ -35,6 +35,8 @@ class NamedMachine:
     name : str
     settings : tuple of str
         Changed numbers, as for `given_values`; they replace the variant's.
+    variant : int or None
+        Its index; None without a variant.
     """
 
     written: Scene
@@ -42,6 +44,7 @@ class NamedMachine:
     values: Mapping[str, float]
     name: str
     settings: tuple[str, ...] = ()
+    variant: int | None = None
 
     @cached_property
     def before(self) -> Scene:
@@ -89,7 +92,8 @@ def _written(file: str, variant: int | None) -> NamedMachine:
         if variant is None:
             variant = next(reversed(needed.answering(result)), 0)
         text = result.file.attributes.get("scene_text", "")
-        return NamedMachine(result.scene, text, result.variant_values(variant), f"{Path(file).stem}_{variant}")
+        values, name = result.variant_values(variant), f"{Path(file).stem}_{variant}"
+        return NamedMachine(result.scene, text, values, name, variant=variant)
     if variant is None and (alone := _scene_alone(find_study(file))):
         return alone
     study = needed.read_study(find_study(file))
@@ -98,7 +102,7 @@ def _written(file: str, variant: int | None) -> NamedMachine:
     if not 0 <= variant < study.design.size:
         raise InputError.of(file, f"{variant} is not one of 0 … {study.design.size - 1}", key="variant")
     values = {path: float(row[0]) for path, row in study.values(variant, variant + 1)[0].items() if path in study.fixed}
-    return NamedMachine(study.scene, study.scene_text, values, f"{study.name}_{variant}")
+    return NamedMachine(study.scene, study.scene_text, values, f"{study.name}_{variant}", variant=variant)
 
 
 def _scene_alone(path: Path) -> NamedMachine | None:

@@ -2,6 +2,7 @@
 
 import time
 from pathlib import Path
+from shlex import quote
 from threading import Thread
 
 import click
@@ -34,7 +35,7 @@ def report(file: str, out: Path | None) -> None:
     else:
         study = needed.read_study(text)
         if study.design.size > 1:
-            mend = f"run it first, `sweeps run {file}`, then report its result, results/{study.name}.h5"
+            mend = f"run it first, `sweeps run {quote(str(file))}`, then report its result, results/{study.name}.h5"
             raise InputError.of(file, f"is a study of {study.design.size} variants: {mend}")
         with needed.scratch_folder() as folder, doing("Writing the page"):
             needed.write_page(needed.run_study(study, folder / f"{study.name}.h5"), out)

@@ -5,7 +5,7 @@ import re
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import reduce, wraps
 from pathlib import Path
 from types import SimpleNamespace
@@ -137,9 +137,15 @@ def _in_its_file(error: Exception, files: Iterable[Path]) -> Exception:
 
 
 def foreseen_errors() -> tuple[type[Exception], ...]:
-    """Errors meant for the user; imported only when one occurs, as that is slow."""
-    of_engine = (engine.AskError, engine.BalanceError, engine.SceneError, engine.TableError, engine.UnitError)
-    return (InputError, needed.StoreError, *of_engine, needed.SynthesisError, needed.PictureError, needed.ClusterError)
+    """Errors meant for the user; imported only when one occurs, as that is slow.
+
+    None if an import fails: the error that occurred says why.
+    """
+    with suppress(Exception):
+        of_engine = (engine.AskError, engine.BalanceError, engine.SceneError, engine.TableError, engine.UnitError)
+        of_sweeps = (needed.StoreError, needed.SynthesisError, needed.PictureError, needed.ClusterError)
+        return (InputError, *of_engine, *of_sweeps)
+    return ()
 
 
 CLUSTER = click.option(

@@ -2,6 +2,7 @@
 
 import gc
 from pathlib import Path
+from shlex import quote
 
 import click
 
@@ -72,11 +73,13 @@ def show(asked: shared.Options) -> None:
 
 def _show_at(asked: shared.Options) -> None:
     """Show fields of one machine at given positions or times."""
-    scene = needed.machine_of(str(asked.file), asked.variant, asked.settings).scene
-    readings = needed.read_at(scene, asked.at, shared.names_in(asked.columns or ""))
+    machine = needed.machine_of(str(asked.file), asked.variant, asked.settings)
+    readings = needed.read_at(machine.scene, asked.at, shared.names_in(asked.columns or ""))
     if asked.as_json:
-        shared.tell_data(needed.table_data(needed.reading_table(readings, scene.title)))
+        shared.tell_data(needed.table_data(needed.reading_table(readings, machine.scene.title)))
         return
+    if machine.variant is not None:
+        shared.tell(f"variant {machine.variant} of {asked.file}:")
     shared.tell(needed.readings_text(readings, asked.every or bool(asked.columns)))
 
 
@@ -196,7 +199,7 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
     if file is not None:
         rows = needed.engine_rows(needed.machine_of(file, variant).scene)
         if not rows:
-            mend = f'add [elements.NAME] with type = "engine"; for a mechanism, `sweeps plot {file} --hodograph`'
+            mend = f'add [elements.NAME] with type = "engine"; for a mechanism, `sweeps plot {quote(file)} --hodograph`'
             raise InputError.of(file, f"has no engine; {mend}", key="elements")
     shared.tell(needed.order_table(rows))
     if out is not None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from shlex import quote
 
 import click
 
@@ -28,7 +29,8 @@ def new(template: str, out: Path | None) -> None:
     text = needed.template_text(template)
     out = out or Path(f"{template}.toml")
     write_text(out, text)
-    tell(f"Wrote {out}. Edit it, then: sweeps check {out}; sweeps plot {out}; sweeps run {out}")
+    file = quote(str(out))
+    tell(f"Wrote {out}. Edit it, then: sweeps check {file}; sweeps plot {file}; sweeps run {file}")
     tell("Editors complete and check it after: sweeps schema")
 
 
@@ -48,7 +50,7 @@ def import_command(file: Path, unit: str | None, speed: str | None, out: Path | 
     scene = needed.import_scene(file, size, speed)
     out = out or file.with_suffix(".toml")
     write_text(out, f"# Imported from {file.name}: kinematics only.\n\n{needed.write_scene(scene)}")
-    tell(f"Wrote {out}: sweeps check {out}; sweeps plot {out}")
+    tell(f"Wrote {out}: sweeps check {quote(str(out))}; sweeps plot {quote(str(out))}")
 
 
 @main.command()

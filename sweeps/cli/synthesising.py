@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from shlex import quote
 
 import click
 
@@ -138,4 +139,4 @@ def _write(out: Path, text: Callable[[], str], *quantities: str) -> None:
     given = [text for value in click.get_current_context().params.values() for text in _texts(value)]
     engine.show_units_of({"given": [part.strip() for text in (*given, *quantities) for part in text.split(",")]})
     write_text(out, text())
-    tell(f"Wrote {out}: sweeps check {out}; sweeps plot {out}")
+    tell(f"Wrote {out}: sweeps check {quote(str(out))}; sweeps plot {quote(str(out))}")

@@ -31,6 +31,8 @@ class Readings(NamedTuple):
         What is wrong with the machine as a whole, or "".
     further : tuple of str
         Fields that are shown only if all are.
+    regimes : sequence of str
+        Regime at each time; empty for positions.
     """
 
     place: str
@@ -40,6 +42,7 @@ class Readings(NamedTuple):
     long_names: dict[str, str]
     remark: str = ""
     further: tuple[str, ...] = ()
+    regimes: Sequence[str] = ()
 
 
 def readings_at(scene: engine.Scene, at: Sequence[float] | int, names: Sequence[str] = ()) -> Readings:
@@ -101,7 +104,7 @@ def _in_range(scene: engine.Scene, at: np.ndarray) -> np.ndarray:
 def readings_text(readings: Readings, every: bool = True) -> str:
     """Readings as a table: a row per quantity, of all or only the main ones, a column per position."""
     heads = [engine.quantity_text(float(at), readings.units[readings.place]) for at in readings.at]
-    rows = [["", *heads, ""]]
+    rows = [["", *heads, ""], *([["regime", *readings.regimes, ""]] if len(readings.regimes) else [])]
     shown = {name: row for name, row in readings.values.items() if every or name not in readings.further}
     for name, row in shown.items():
         cells = [engine.quantity_text(float(value), readings.units[name]) for value in row]

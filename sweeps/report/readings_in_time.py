@@ -64,12 +64,19 @@ def readings_in_time(scene: Scene, at: Sequence[float]) -> Readings:
         raise InputError.of("--at", message)
     slopes = dict(zip(whole.values, (seen.speed, seen.acceleration), strict=False))
     values = {name: _between(seen.time, times, row, slopes.get(name)) for name, row in whole.values.items()}
-    return whole._replace(at=times, values=values)
+    return whole._replace(
+        at=times, values=values, regimes=[str(name) for name in seen.regime[_after(seen.time, times)]]
+    )
+
+
+def _after(time: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Indices of the first instants after some times; of the last one for the end."""
+    return np.clip(np.searchsorted(time, at, "right"), 1, time.size - 1)
 
 
 def _between(time: np.ndarray, at: np.ndarray, row: np.ndarray, slopes: np.ndarray | None) -> np.ndarray:
     """Interpolate a row over time linearly, or by cubic Hermite polynomials."""
-    after = np.clip(np.searchsorted(time, at, "right"), 1, time.size - 1)
+    after = _after(time, at)
     step = time[after] - time[after - 1]
     # Adjacent regimes share an instant.
     share = np.where(step > 0, (at - time[after - 1]) / np.where(step > 0, step, 1.0), 1.0)

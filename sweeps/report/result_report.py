@@ -1,6 +1,7 @@
 """Text report on sweep results."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from shlex import quote
 
 import numpy as np
 
@@ -54,7 +55,7 @@ def counts_text(result: SweepResult) -> str:
             first = result.first_with(verdict)
             lines += [f"variant {first}, the first one, {line}" for line in _lacking(result, first)]
         if verdict in MOTION_VERDICTS and result.file.variants > 1:
-            shown = f"sweeps plot {result.path} --variant {result.first_with(verdict)}"
+            shown = f"sweeps plot {quote(str(result.path))} --variant {result.first_with(verdict)}"
             lines += [f"motion of the first one up to its failure: {shown}"]
         rows += [("", "", line) for line in lines]
     return "\n".join([table(rows), *accuracy_words.of_result(result)])
@@ -165,19 +166,21 @@ def _summaries_text(result: SweepResult, variant: int, every: bool) -> str:
     """Summaries of a variant, grouped by regime, or why its motion fails."""
     scene, verdict = result.scene, engine.Verdict(int(result.columns["status"][variant]))
     if not result.summaries:
-        return f"Kept: {', '.join(result.fields)}; `sweeps plot {result.path}` draws the machine with its diagrams."
-    shown, hidden = shown_summaries(result, every), hidden_text(result, every)
-    if verdict != engine.Verdict.OK:
+        plot = f"sweeps plot {quote(str(result.path))}"
+        return f"Kept: {', '.join(result.fields)}; `{plot}` draws the machine with its diagrams."
+    failed = None if verdict == engine.Verdict.OK else variant
+    shown, hidden = shown_summaries(result, every), hidden_text(result, every, failed)
+    if failed is not None:
         shown = [name for name in shown if not np.isnan(result.columns[name][variant])]
     if not scene.regimes:
         return "\n".join([table(summary_rows(result, variant, shown), "  "), *hidden])
-    parts, failed = [], verdict in MOTION_VERDICTS
+    parts, moves = [], verdict not in MOTION_VERDICTS
     for regime, names in by_regime(scene, shown).items():
-        if regime and failed:
+        if regime and not moves:
             continue
         head = f"{regime}: {regime_words(scene, regime)}" if regime else _cycle_words(scene)
         parts.append(f"{head}\n{table(summary_rows(result, variant, names), '  ')}")
-    if failed:
+    if not moves:
         parts.append(failure_text(result.scene_of(variant), verdict))
     return "\n".join([*parts, *hidden])
 

@@ -30,6 +30,7 @@ _NUMBERS_AT_ONCE = 1 << 18
 _SHOWN = 3
 _AGAIN = "Run its study again to recompute the damaged part."
 _DAMAGED = "It is damaged or from another program."
+_MADE_BY = "Results are .h5 files, made by `sweeps run`."
 
 
 class MappedResult:
@@ -415,7 +416,7 @@ def layout_record(file: h5py.File) -> dict[str, Any]:
         The file isn't a sweep result.
     """
     if "progress" not in file or "layout" not in file["progress"].attrs:
-        raise StoreError(f"{file.filename} is not a sweep result: it has no layout record.")
+        raise StoreError(f"{file.filename} is not a sweep result: it has no layout record. {_MADE_BY}")
     with explained(Path(file.filename), "read", _DAMAGED, DamagedError):
         record = json.loads(_shown_text(file["progress"].attrs["layout"]))
     if not isinstance(record, dict) or not {"variants", "block", "position", "columns"} <= record.keys():
@@ -438,17 +439,22 @@ def _open_unlocked(path: Path) -> h5py.File:
         raise
 
 
+def _there_is(results: Iterable[Path]) -> str:
+    near = [str(other) for other in sorted(results)]
+    return f"There is {' and '.join(near)}." if near else _MADE_BY
+
+
 def _existing(path: Path) -> Path:
     path = Path(path)
     if path.is_dir():
-        raise StoreError(f"cannot read {path}: this is a folder, not a sweep result.")
+        raise StoreError(f"cannot read {path}: this is a folder, not a sweep result. {_there_is(path.glob('*.h5'))}")
     if not path.exists():
         part = part_path(path)
         if part.exists():
             raise StoreError(f"{path} is not finished: run its sweep again to resume, or see {part}.")
-        near = [str(other) for other in sorted(path.parent.glob(f"{path.stem}*.h5"))]
-        mend = f"There is {' and '.join(near)}." if near else "Results are .h5 files, made by `sweeps run`."
-        raise StoreError(f"cannot read {path}: there is no such file. {mend}")
+        raise StoreError(
+            f"cannot read {path}: there is no such file. {_there_is(path.parent.glob(f'{path.stem}*.h5'))}"
+        )
     if not path.is_file():
         # Opening a pipe would block.
         raise StoreError(f"cannot read {path}: it is a device or a pipe, not a sweep result.")
@@ -456,6 +462,6 @@ def _existing(path: Path) -> Path:
         start = file.read(len(HDF5_SIGNATURE))
     if start != HDF5_SIGNATURE:
         found = "it is not an HDF5 file" if start else "it is empty"
-        mend = " For scenes and studies use `sweeps check`." if path.suffix == ".toml" else ""
-        raise StoreError(f"cannot read {path}: {found}, so not a sweep result.{mend}")
+        mend = "For scenes and studies use `sweeps check`." if path.suffix == ".toml" else _MADE_BY
+        raise StoreError(f"cannot read {path}: {found}, so not a sweep result. {mend}")
     return path

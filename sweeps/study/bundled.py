@@ -38,6 +38,8 @@ def find_study(name: str) -> Path:
     if name in known:
         return known[name]
     words = "there is no such file"
-    if not path.suffix:
+    if (text := path.with_name(f"{path.name}.toml")).is_file():
+        words = f"{words}; did you mean {str(text)!r}?"
+    elif not path.suffix:
         words = unknown_name_message(name, known, f"{words}, and no bundled study of that name")
     raise InputError.of(name, words)

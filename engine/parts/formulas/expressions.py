@@ -37,7 +37,7 @@ FUNCTIONS = {name: (ufunc, 1, 1) for name, ufunc in _OF_ONE.items()} | {
 }
 
 ALLOWED = (
-    "numbers, pi, quantities such as 300 mm or '6 %', dotted paths such as bodies.rod.center[0], "
+    "numbers, pi, quantities such as 300 mm or '6 %', dotted paths such as bodies.rod.mass, "
     "+ - * / ^, comparisons, and, or, not, A if CONDITION else B, parentheses, " + ", ".join(FUNCTIONS)
 )
 

@@ -2,6 +2,9 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
+from shlex import quote
+
+import numpy as np
 
 from engine import Rank, any_quantity, made_ready, parse_expression, scene_numbers
 from sweeps.report.sweep_result import SweepResult
@@ -64,11 +67,16 @@ def answers_among(machine: ReadyMachine, summaries: Sequence[str], in_conditions
     return tuple(name for name in dict.fromkeys([*first, *summaries]) if name not in checks)
 
 
-def hidden_text(result: SweepResult, every: bool = False) -> list[str]:
-    """A line on the number of results that are not shown, and how to show them, if there are any."""
-    hidden = len(result.parameters) + len(result.summaries)
-    hidden -= len(shown_parameters(result, every)) + len(shown_summaries(result, every))
-    return [f"{hidden} more with `sweeps show {result.path} --all`."] if hidden else []
+def hidden_text(result: SweepResult, every: bool = False, failed: int | None = None) -> list[str]:
+    """A line on the number of results that are not shown, and how to show them, if there are any.
+
+    Of a `failed` variant only the known ones count.
+    """
+    hidden = {*result.parameters, *result.summaries} - {*shown_parameters(result, every)}
+    hidden -= {*shown_summaries(result, every)}
+    if failed is not None:
+        hidden = {name for name in hidden if not np.isnan(result.columns[name][failed])}
+    return [f"{len(hidden)} more with `sweeps show {quote(str(result.path))} --all`."] if hidden else []
 
 
 def lacks_lines(names: Sequence[str]) -> list[str]:

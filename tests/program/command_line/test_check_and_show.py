@@ -91,6 +91,8 @@ def test_check_of_a_machine_that_nowhere_assembles__says_so(press_folder):
     answer = done("check", "press.toml")
     assert "can't be assembled at any input position" in answer
     assert "group slide fails first, at 0 °" in answer
+    # None of its numbers is known.
+    assert "more with" not in said("run", "press.toml", "--no-plots").stdout
 
 
 def test_check_of_a_governor__compiles_no_motion(press_folder, monkeypatch):

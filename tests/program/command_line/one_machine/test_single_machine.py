@@ -90,12 +90,14 @@ def test_reading__outside_the_range_of_the_input_is_refused():
 
 def test_reading_in_time__of_a_rotor_under_a_constant_moment():
     """φ = M t²/2J, ω = M t/J, which cubics follow exactly."""
-    scene = Scene.model_validate(rotor({"go": {"type": "run", "only": "push", "time": 1.0}}))
+    half = {"type": "run", "only": "push", "time": 0.5}
+    scene = Scene.model_validate(rotor({"go": half, "on": half}))
     found = readings_in_time(scene, [0.0, 0.123, 0.5, 1.0])
     rate, t = 3.0 / INERTIA, np.array([0.0, 0.123, 0.5, 1.0])
     # Steps of the run keep to 1e-9 or better.
     assert found.values["angle"] == pytest.approx(rate * t**2 / 2, rel=1e-8, abs=1e-12)
     assert found.values["speed"] == pytest.approx(rate * t, rel=1e-8, abs=1e-12)
+    assert found.regimes == ["go", "go", "on", "on"]
     with pytest.raises(InputError, match="last from 0 to 1 s"):
         readings_in_time(scene, [1.1])
 
@@ -119,6 +121,7 @@ def test_show_json__has_the_best_and_what_is_listed(press_result):
     assert len(told["listed"]) == 2
     assert told["listed"][0]["variant"] == told["best"]
     assert told["units"]["input.length"] == "m"
+    assert done("show", press_result, "--at", "30").startswith(f"variant {told['best']} of {press_result}:\n")
 
 
 # Pictures and tables
