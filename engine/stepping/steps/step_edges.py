@@ -56,7 +56,8 @@ def pass_edge(lane: int, count: int, task: WalkTask, room: Room) -> bool:
                 return False
             own.base[lane] += way * task.cycle
             k = 0 if way > 0 else count - 2
-        if edges[k + 1, lane] > edges[k, lane]:
+        # Edges that are nearly equal may be the same angle after some turns.
+        if own.base[lane] + edges[k + 1, lane] > own.base[lane] + edges[k, lane]:
             break
     own.edge[lane] = float(k)
     return True

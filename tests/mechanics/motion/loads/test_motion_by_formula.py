@@ -314,3 +314,20 @@ def test_regimes_under_formulas__are_those_under_the_loads_they_restate():
 def test_case_of_a_formula__follows_from_what_it_depends_on(formula, words, method):
     scene = crank({"load": moment(formula)}, {"work": (["load"], {"type": "run", "time": 1.5})})
     assert regime_text(Mechanics(Scene.model_validate(scene))) == [("work", words, method)]
+
+
+@pytest.mark.parametrize("friction", [{}, {"pivot": {"pair": "input", "coefficient": 0.1, "diameter": 0.02}}])
+def test_loads_that_jump_almost_together__are_one_jump_on_later_turns(friction):
+    # The angles differ by several roundings on the first turn, and by less than one on the next.
+    jump = moment("-3 N m if phi > at else 0 N m", numbers={"at": 0.04})
+    motor = {"type": "dc_motor", "on": "crank", "no_load_speed": 20.0, "stall_moment": 40.0}
+    regimes = {"go": ("motor one two", {"type": "run", "cycles": 3})}
+    scene = crank({"motor": motor, "one": jump, "two": jump}, regimes) | {"friction": friction}
+    asked = ["go.final_speed", "go.work_residual"]
+    machine = Machine(Scene.model_validate(scene), asked, varied="moments.two.numbers.at")
+    found = machine.evaluate({"moments.two.numbers.at": np.array([0.04, 0.04 + 1e-16])})
+    assert list(found.status) == [Verdict.OK] * 2
+    (same, almost), off = found.summaries["go.final_speed"], found.errors["go.final_speed"]
+    assert abs(almost - same) <= off.sum()
+    assert off.max() < 1e-6
+    assert (np.abs(found.summaries["go.work_residual"]) <= found.errors["go.work_residual"]).all()
