@@ -67,12 +67,7 @@ class OnPoint(Part):
 
 
 class ResistingOnPoint(OnPoint):
-    """A force that opposes the velocity of a point, or, with `angle`, its component in that direction.
-
-    `on` is the loaded point. `turns_with` names a link from whose x axis, instead of the frame's, `angle` is measured.
-    `acts` limits the force to motion of its point "along" or "against" that direction. `role` classifies its work:
-    "driving", "useful" or "harmful" (losses).
-    """
+    """A force that opposes the velocity of a point, or, with `angle`, its component in that direction."""
 
     angle: Angle | None = None
     role: Role = "harmful"

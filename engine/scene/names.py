@@ -61,6 +61,7 @@ class Referable(NamedTuple):
     wrong: str
     names: Callable[[Scene], Collection[str]]
     heading: str = "known are"
+    sample: str = ""
 
 
 def _on_frame(scene: Scene) -> set[str]:
@@ -81,8 +82,10 @@ def _links(scene: Scene) -> set[str]:
 
 # Kinds of `Refers`; those of the first table are known before the machine is ordered.
 DEFINED = {
-    "point": Referable("is not a point of this scene", lambda scene: definitions(scene)[0]),
-    "guide": Referable("is not a guide of this scene", lambda scene: definitions(scene)[1]),
+    "point": Referable(
+        "is not a point of this scene", lambda scene: definitions(scene)[0], sample='x = "0 mm", y = "0 mm"'
+    ),
+    "guide": Referable("is not a guide of this scene", lambda scene: definitions(scene)[1], sample='angle = "0 deg"'),
     "link": Referable("is not a link of this scene", _links),
     "action": Referable("is not an action of this scene", acting),
 }
@@ -137,7 +140,10 @@ def wrong_reference(scene: Scene, path: str, kind: str, name: str) -> Iterator[P
     what = (DEFINED | FITTING)[kind]
     known = what.names(scene)
     if name not in known:
-        yield path, f"{name!r} {what.wrong}; {listed(name, sorted(known), what.heading)}"
+        others = listed(name, sorted(known), what.heading)
+        if what.sample and not known:
+            others = f"there are none; add [{kind}s.{name}] with {what.sample}"
+        yield path, f"{name!r} {what.wrong}; {others}"
 
 
 @once

@@ -7,7 +7,7 @@ from pydantic import BaseModel, Tag, ValidationError
 
 from engine.elements.element import Element, element_kinds
 from engine.units.reading import in_text, shown
-from engine.words.glossary import listed
+from engine.words.glossary import listed, nearest
 
 # Maximum number of problems reported at once.
 MOST_PROBLEMS = 20
@@ -29,6 +29,9 @@ _EXPECTED = {
     "model_type": "a table of keys",
     "model_attributes_type": "a table of keys",
 }
+
+
+_WITHIN = re.compile(r"(\w+(?:\.\w+)+): ")
 
 
 def _merged(errors: list[dict]) -> list[dict]:
@@ -56,10 +59,21 @@ def wrong_input(model: type[BaseModel], data: object, error: ValidationError) ->
     error : ValidationError
     """
     found = []
-    for one in _merged(error.errors())[:MOST_PROBLEMS]:
+    for one in _once_misspelt(model, _merged(error.errors())[: 2 * MOST_PROBLEMS])[:MOST_PROBLEMS]:
         keys = _keys(data, one)
-        found.append((".".join(map(str, keys)), _message(model, one, keys)))
+        place, message = ".".join(map(str, keys)), _message(model, one, keys)
+        # What a model finds wrong may begin with the path of a key in it.
+        if one["type"] == "value_error" and (inner := _WITHIN.match(message)):
+            place, message = f"{place}.{inner[1]}".lstrip("."), message[inner.end() :]
+        found.append((place, message))
     return found
+
+
+def _once_misspelt(model: type[BaseModel], errors: list[dict]) -> list[dict]:
+    """Errors without those of keys that are missing because they are misspelt."""
+    unknown = [one["loc"] for one in errors if one["type"] == "extra_forbidden"]
+    meant = {(*at, key) for *at, name in unknown for key in nearest(str(name), _fields_at(model, tuple(at)))}
+    return [one for one in errors if one["type"] != "missing" or one["loc"] not in meant]
 
 
 def _keys(data: object, error: dict) -> list[str | int]:

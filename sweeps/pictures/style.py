@@ -221,9 +221,9 @@ def typeset(symbol: str) -> str:
 
 
 def wrapped(text: str, width: int) -> list[str]:
-    """Lines of at most `width` characters, broken at blanks and after dots of a path; longer words stay whole."""
+    """Lines of at most `width` characters, broken at blanks and after dots and underscores; longer words stay whole."""
     lines = [""]
-    for piece in re.split(r"(?<=\.)(?=[^\W\d])|(?<= )", text):
+    for piece in re.split(r"(?<=[._])(?=[^\W\d])|(?<= )", text):
         if lines[-1] and len((lines[-1] + piece).rstrip()) > width:
             lines.append("")
         lines[-1] += piece

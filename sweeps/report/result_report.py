@@ -170,7 +170,8 @@ def _summaries_text(result: SweepResult, variant: int, every: bool) -> str:
         return f"Kept: {', '.join(result.fields)}; `{plot}` draws the machine with its diagrams."
     failed = None if verdict == engine.Verdict.OK else variant
     shown, hidden = shown_summaries(result, every), hidden_text(result, every, failed)
-    if failed is not None:
+    if failed is not None or not (every or scene.input is None):
+        # A link that turns fully has no swing, a dwell no quick-return ratio.
         shown = [name for name in shown if not np.isnan(result.columns[name][variant])]
     if not scene.regimes:
         return "\n".join([table(summary_rows(result, variant, shown), "  "), *hidden])

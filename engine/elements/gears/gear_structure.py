@@ -5,7 +5,7 @@ or if one is a planet and the other is coaxial with the planet's carrier. Relati
 fixed train: z_a (ω_a − ω_h) = ∓ z_b (ω_b − ω_h), − external (Willis).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations
 from typing import NamedTuple
 
@@ -147,13 +147,13 @@ def gear_structure(wheels: Mapping[str, Part], shafts: Mapping[str, Part], meshe
     carriers = _carriers(shafts, number)
     for wheel, shaft in shaft_of.items():
         if shaft not in number:
-            raise TrainRefused(f"wheels.{wheel}.shaft: there is no shaft {shaft!r}; shafts are {', '.join(number)}")
+            raise TrainRefused(f"wheels.{wheel}.shaft: {_no_shaft(shaft, number)}")
     places = tuple(_mesh_place(name, mesh, shaft_of, number, carriers) for name, mesh in meshes.items())
     axes = _axes(shaft_of, shafts, number, places)
     turning = {i for place in places for i in (place.first, place.second, place.carrier)}
     idle = [name for name in names if number[name] not in turning]
     if idle:
-        raise TrainRefused(f"shafts.{idle[0]} has no wheel in mesh and carries no planet; leave it out")
+        raise TrainRefused(f"shafts.{idle[0]}: has no wheel in mesh and carries no planet; leave it out")
     carrying = {place.carrier for place in places if place.central is not None}
     wrong = [name for name, shaft in shafts.items() if shaft.planets is not None and number[name] not in carrying]
     if wrong:
@@ -183,12 +183,16 @@ def gear_structure(wheels: Mapping[str, Part], shafts: Mapping[str, Part], meshe
     return structure._replace(speeds_follow=follow[0], moments_follow=follow[1])
 
 
+def _no_shaft(name: str, shafts: Iterable[str]) -> str:
+    return f"there is no shaft {name!r}: add it to shafts, or name one of {', '.join(shafts)}"
+
+
 def _carriers(shafts: Mapping[str, Part], number: Mapping[str, int]) -> tuple[int, ...]:
     found = []
     for name, shaft in shafts.items():
         carrier = FRAME if shaft.carrier is None else shaft.carrier
         if carrier not in number:
-            raise TrainRefused(f"shafts.{name}.carrier: there is no shaft {carrier!r}; shafts are {', '.join(number)}")
+            raise TrainRefused(f"shafts.{name}.carrier: {_no_shaft(carrier, number)}")
         found.append(number[carrier])
     for i, name in enumerate(shafts):
         at, passed = found[i], {i}
@@ -207,7 +211,8 @@ def _mesh_place(
     ends = mesh.between
     for wheel in ends:
         if wheel not in wheels:
-            raise TrainRefused(f"meshes.{name}.between: there is no wheel {wheel!r}; wheels are {', '.join(wheels)}")
+            words = f"there is no wheel {wheel!r}: add it to wheels, or name one of {', '.join(wheels)}"
+            raise TrainRefused(f"meshes.{name}.between: {words}")
     first, second = (number[wheels[wheel]] for wheel in ends)
     if first == second:
         raise TrainRefused(f"meshes.{name}.between: both are fixed to {wheels[ends[0]]}, so that they can't roll")

@@ -128,7 +128,7 @@ class GearTrain(Element):
         given = [mesh.module is not None or self.module is not None for mesh in self.meshes.values()]
         if any(given) and not all(given):
             missing = list(self.meshes)[given.index(False)]
-            yield f"meshes.{missing}.module is missing: give it, or module once for the whole train"
+            yield f"meshes.{missing}.module: is missing; give it, or module once for the whole train"
         for name, wheel in self.wheels.items():
             lost = wheel.gives("bore", "density")
             if wheel.width is None and lost:

@@ -48,6 +48,6 @@ def cam_layout(ax: Axes, cam: CamElement) -> None:
     ax.annotate("", (ends[1].real, ends[1].imag), (ends[0].real, ends[0].imag), arrowprops=arrow, zorder=5)
     ax.set(aspect="equal", xlabel=unit)
     alpha = "" if cam.follower.contact == "flat" else f", α = {DEGREES * abs(curves.pressure_angle[at]):.1f}°"
-    ax.set_title(f"At {DEGREES * curves.angle[at]:.1f}°{alpha}")
+    ax.set_title(f"Drawn at {DEGREES * curves.angle[at]:.1f}°{alpha}")
     ax.margins(0.06)
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=2)

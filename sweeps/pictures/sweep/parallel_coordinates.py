@@ -137,6 +137,6 @@ def _label(ax: Axes, labels: Sequence[str]) -> None:
 
 
 def _short(data: SweepData, name: str) -> str:
-    """Name of a column as words, with its unit."""
+    """Name of a column with its unit."""
     _, unit = display_unit(data.units.get(name, "1"), np.asarray(data.arrays[name], float))
-    return name.replace("_", " ") + (f", {unit}" if unit not in ("", "1") else "")
+    return name + (f", {unit}" if unit not in ("", "1") else "")

@@ -200,16 +200,21 @@ def _ends_with(path: tuple[str, ...], parts: Sequence[str]) -> bool:
     return path[-1] not in (NAME, PATH) and _matches(path[-len(parts) :], parts) and path[-len(parts)] != NAME
 
 
+# Stands for the types that have a text in common.
+_TYPES = "\0"
+
+
 def _paragraphs(found: Sequence[Key]) -> Iterator[str]:
-    """A paragraph per distinct text, headed by all its paths."""
-    said: dict[str, list[str]] = {}
+    """A paragraph per distinct text, headed by all its paths; types with the same text share it."""
+    kinds: dict[tuple[str, str], list[str]] = {}
     for key in found:
         whole = key.is_type and key.kind
         text = f'  type = "{key.kind}": {paragraph(key.model)}\n{_keys_text(key.model)}' if whole else _one_text(key)
         place = ".".join(key.path[:-1] if whole else key.path)
-        places = said.setdefault(text, [])
-        if place not in places:
-            places.append(place)
+        kinds.setdefault((place, text), []).append(key.kind)
+    said: dict[str, list[str]] = {}
+    for (place, text), of in kinds.items():
+        said.setdefault(text.replace(_TYPES, ", ".join(map(repr, dict.fromkeys(of)))), []).append(place)
     for text, places in said.items():
         yield f"{', '.join(places)}\n{text}"
 
@@ -217,7 +222,7 @@ def _paragraphs(found: Sequence[Key]) -> Iterator[str]:
 def _one_text(key: Key) -> str:
     """Help on one key, or the keys of a table."""
     tables, kinds = key.tables, key.types
-    whose = f"of type {key.kind!r}: " if key.kind else ""
+    whose = f"of type {_TYPES}: " if key.kind else ""
     lines = [f"  {whose}{sentence}" for sentence in [_meaning(key)] if sentence]
     if not tables:
         lines = lines or [f"  {whose}a key of: {_sentences(key.model)[0]}"]
@@ -269,7 +274,8 @@ def _meaning(key: Key) -> str:
     if len(key.tables) == 1:
         return paragraph(key.tables[0])
     models = [m for m in key.model.__mro__ if issubclass(m, BaseModel) and m.__doc__]
-    return " ".join(s for model in models for s in _sentences(model) if f"`{key.path[-1]}`" in s)
+    sentences = [s for model in models for s in _sentences(model) if f"`{key.path[-1]}`" in s]
+    return " ".join(dict.fromkeys(sentences))
 
 
 def _necessity(field: FieldInfo) -> str:

@@ -162,6 +162,8 @@ def test_help__tells_unit_limit_default_and_example():
     # π/2 and 40° as people type them.
     assert re.search(r"angle, '30 deg', at least 0, less than 90 ° +default: 40 °\n", key_text("limits"))
     assert '"high" or "low"' in key_text("cylinders.gas.head")
+    # Once for all types of forces.
+    assert key_text("acts").count("limits the force to motion") == 1
 
 
 def test_help__knows_every_number_of_every_template():

@@ -351,9 +351,10 @@ def test_labels__horizontal_names_with_units():
         parallel(axes, data, [*data.varied, *data.summaries], "wheel_mass")
     labels = axes.get_xticklabels()
     assert {label.get_rotation() for label in labels} == {0.0}
-    assert labels[-1].get_text().replace("\n", " ") == "wheel mass, kg·m²/rad"
+    assert labels[-1].get_text().replace("_\n", "_").replace("\n", " ") == "wheel_mass, kg·m²/rad"
 
 
-def test_wrapped__broken_at_blanks_and_dots_only():
+def test_wrapped__broken_at_blanks_dots_and_underscores():
     assert wrapped("groups.drive.first.length, mm", 14) == ["groups.drive.", "first.length,", "mm"]
+    assert wrapped("ram.stroke_time_ratio", 8) == ["ram.", "stroke_", "time_", "ratio"]
     assert wrapped("at 0.25 of the eccentricity", 8) == ["at 0.25", "of the", "eccentricity"]

@@ -89,6 +89,8 @@ weight for mass | PRESS | "100 kg" | "980 N" | 24: bodies.ram.mass | expected a 
 misspelt key | PRESS | mass = | mas = | 24: bodies.ram.mas | unknown key; allowed: link, mass | did you mean 'mass'?
 unknown point | PRESS | joint = "A" | joint = "Z" | 19: groups.slide.first.joint | 'Z' is not a point of this scene
     | A, B, O
+no guide | PRESS | [guides]\nway = {angle = "-90 deg"} | # | 19: groups.slide.second.guide
+    | 'way' is not a guide of this scene; there are none; add [guides.way] with angle = "0 deg"
 name taken | PRESS | inner = "B" | inner = "A" | 18: groups.slide.inner | already taken by input.pin; choose another
 choice | PRESS | [flywheel] | [forces.f]\ntype = "table"\n[flywheel] | 33: forces.f.interpolation
     | add one of linear, pchip
@@ -406,11 +408,19 @@ def test_wrong_scene_in_python__is_answered(slip):
 
 
 def test_wrong_scene_in_python__is_answered_key_by_key():
+    drive = {"type": "crank", "pivot": "O", "pni": "A", "length": "50 rpm", "speed": -1.0}
+    train = {"type": "gear_train", "wheels": {"a": {"shaft": "i", "teeth": 9}, "b": {"shaft": "j", "teeth": 9}}}
+    train |= {"shafts": {"i": {"speed": 1.0}}, "meshes": {"m": {"between": ["a", "b"]}}}
     with pytest.raises(SceneError) as refused:
-        Scene(title=3, pionts={}, input={"type": "crank", "pivot": "O", "pin": "A", "length": "50 rpm", "speed": -1.0})
+        Scene(title=3, pionts={}, input=drive, elements={"train": train})
     assert dict(refused.value.problems)["title"] == "expected a text in quotes, got 3"
     assert dict(refused.value.problems)["input.length"] == "expected a length such as '80 mm', got 'rpm'"
     assert dict(refused.value.problems)["pionts"].endswith("did you mean 'points'?")
+    # A misspelt key isn't missing, too.
+    assert dict(refused.value.problems)["input.pni"].endswith("did you mean 'pin'?")
+    assert "input.pin" not in dict(refused.value.problems)
+    words = "there is no shaft 'j': add it to shafts, or name one of frame, i"
+    assert dict(refused.value.problems)["elements.train.wheels.b.shaft"] == words
 
 
 @pytest.fixture(scope="module")
