@@ -152,3 +152,15 @@ def fluid_coupling_moment(
         Profile diameter D [m].
     """
     return coefficient * density * speed**2 * diameter**5
+
+
+def slip_of(driving: float | np.ndarray, driven: float | np.ndarray) -> float | np.ndarray:
+    """Slip of a coupling, 1 − ω₂/ω₁; 0 where the driving side is at rest.
+
+    Parameters
+    ----------
+    driving, driven : float or ndarray
+        Speeds ω₁ and ω₂ [rad/s].
+    """
+    with np.errstate(all="ignore"):
+        return np.where(driving == 0.0, 0.0, 1.0 - driven / driving)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.elements.elastic_drives.shaft_touch import touch_turns, touching_moment
+from engine.elements.elastic_drives.shaft_touch import touch_turns
 from engine.motion.coupled.coupled_fields import CoupledMotion
 from engine.motion.coupled.two_sides import (
     APART,
@@ -316,7 +316,7 @@ class CoupledRuns(MachineRuns):
         limits, joining = self.speed_limits(who, sizes.crank, faced[0]), sizes.joining
         limits |= sides.joining(joined) | {joining.growing: self.growing[who]}
         if sides.two.is_fluid:
-            limits[joining.piece] = coupling_pull(sides, joined, state[: SHAFT_SPEED + 1], time).piece
+            limits[joining.piece] = sides.coupling.fluid_piece(state[CRANK_SPEED], state[SHAFT_SPEED])
         if stands.any():
             _, _, *ways = self._free(sides, joined, state[: SHAFT_SPEED + 1], time)
             limits |= {joining.resists: ways[0] - ways[2], joining.shaft_resists: ways[1] - ways[3]}
@@ -432,19 +432,19 @@ class CoupledRuns(MachineRuns):
         column : ndarray (steps,) of int
             Columns of `numbers`, those of the motion.
         """
-        sides, (turned, speed, other, shaft_speed), faced = self.sides, moving.copy(), faced_ways(joined)
-        if sides.is_elastic:
-            return touching_moment(tuple(some(sides.coupling, who)), joined.touch, other, shaft_speed - speed)
-        system = sides.two.system
-        crank = EquationOfMotion(self.dynamics, self.variants, self.start, who)
-        # Torques jump at the ends of a step, not within it.
-        turned[0] += joined.crank_way * crank.beside(turned[0])
-        turned[-1] -= joined.crank_way * crank.beside(turned[-1])
-        places, clock = self.start[who] + self.variants.direction[who] * turned, joined.clock + time
-        states = turned, faced[0] * speed, other, faced[1] * shaft_speed
-        # The last piece of a fluid's table isn't that of every step.
-        numbers = system.limited(numbers, {system.sizes.joining.piece: 0.0})
-        return system.at(numbers, places, states, [system.shown["coupling"]], clock, column)[0]
+        holds = (joined.mode == TOGETHER) & (joined.crank_way != 0.0)
+        sides = self.sides._replace(coupling=some(self.sides.coupling, who))
+        found = sides.apart_moment(joined, moving, time)
+        if holds.any():
+            system, own, (turned, speed, other, shaft_speed) = sides.two.system, who[holds], moving[..., holds]
+            ways, crank = joined.crank_way[holds], EquationOfMotion(self.dynamics, self.variants, self.start, own)
+            # Torques jump at the ends of a step, not within it.
+            turned[0] += ways * crank.beside(turned[0])
+            turned[-1] -= ways * crank.beside(turned[-1])
+            places = self.start[own] + self.variants.direction[own] * turned
+            states, clock = (turned, ways * speed, other, ways * shaft_speed), joined.clock[holds] + time[:, holds]
+            found[:, holds] = system.at(numbers, places, states, [system.shown["coupling"]], clock, column[holds])[0]
+        return found
 
     # After a walk
 

@@ -80,8 +80,9 @@ def _in_balance(sides: CoupledSides) -> tuple[np.ndarray, np.ndarray]:
     of_shaft = at(zero, speeds, speeds).shaft.total
     for k, speed in enumerate(speeds):
         mean = mean_of_rows(at(turned, speed, speed).crank.total)
-        others[k] = _highest_balance(speeds, of_shaft - at(zero, speed, speeds).moment)
-        left[k] = mean + at(zero, speed, others[k]).moment
+        passed = sides.coupling.fluid_moment(np.broadcast_to(speed, speeds.shape), speeds)
+        others[k] = _highest_balance(speeds, of_shaft - passed)
+        left[k] = mean + sides.coupling.fluid_moment(speed, others[k])
     found = _highest_balance(speeds, left)
     verdict = np.where(np.isfinite(found), Verdict.OK, np.where(left[0] > 0.0, Verdict.RUNS_AWAY, Verdict.STALLS))
     other = np.array([np.interp(found[v], speeds[::-1, v], others[::-1, v]) for v in range(count)]).reshape(count)

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from engine.elements.elastic_drives.shaft_touch import touching_moment
 from engine.motion.coupled.coupled_fields import CoupledMotion
 from engine.motion.coupled.coupled_run import CoupledRuns
 from engine.motion.coupled.two_sides import CoupledSides
@@ -71,7 +70,7 @@ def run_on_shaft(
     at_rest = (twist == 0.0) & (motor == 0.0) & (machine == 0.0)
     side = np.where(twist < 0.0, -1.0, 1.0)
     # Steady running ignores backlash: where the damper pulls, the sides part.
-    pressed = side * touching_moment(tuple(sides.coupling), 1.0, twist, motor - machine) > 0.0
+    pressed = side * sides.coupling.moment(np.ones_like(twist), twist, motor - machine) > 0.0
     runs.joined.touch[:] = np.where(backlash > 0.0, side * (pressed & ~at_rest), 1.0)
     behind = at_rest | (side < 0.0)
     runs.state[TURNED], runs.state[SHAFT_TURNED] = turned, twist - np.where(behind, backlash, 0.0)

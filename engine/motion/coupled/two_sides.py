@@ -8,9 +8,12 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import PPoly
 
+from engine.elements.elastic_drives.shaft_touch import touching_moment
 from engine.graph.nodes import Given
-from engine.laws.loads import fluid_coupling_moment
+from engine.laws.loads import fluid_coupling_moment, slip_of
+from engine.laws.tables import make_table
 from engine.motion.coupled.two_speeds import at_two_speeds, ramp
 from engine.motion.moments.dynamics import Dynamics, Reduction, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion, MotionAt
@@ -38,17 +41,37 @@ class CouplingNumbers(NamedTuple):
         Capacity at the knots, reduced to the crank [N·m]; no rows for a fluid coupling.
     fluid : ndarray (variants,)
         Reduced torque of a fluid coupling over λ ω² [kg·m²].
+    coefficient : PPoly or None
+        λ over slip.
     """
 
     ratio: np.ndarray
     times: np.ndarray
     capacity: np.ndarray
     fluid: np.ndarray
+    coefficient: PPoly | None
 
     def capacity_at(self, engaged: np.ndarray) -> np.ndarray:
         """Torque capacity of a clutch [N·m], a given time after its engagement [s]."""
         rises = zip(np.diff(self.capacity, axis=0), self.times, self.times[1:], strict=False)
         return self.capacity[0] + sum((rise * ramp(engaged, *knots) for rise, *knots in rises), np.zeros_like(engaged))
+
+    def fluid_moment(self, crank: np.ndarray, shaft: np.ndarray) -> np.ndarray:
+        """Torque of a fluid coupling on the crank [N·m], from the speeds of both sides."""
+        side, fast, slip = _driving(crank, shaft)
+        return side * np.sign(fast) * self.fluid * fluid_coupling_moment(self.coefficient(slip), 1.0, fast, 1.0)
+
+    def fluid_piece(self, crank: np.ndarray, shaft: np.ndarray) -> np.ndarray:
+        """Piece of the table of a fluid coupling at its slip, as in `fluid_torque`."""
+        side, _, slip = _driving(crank, shaft)
+        return side * (2.0 + np.searchsorted(self.coefficient.x[2:-1], slip))
+
+
+def _driving(crank: np.ndarray, shaft: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Which side of a fluid coupling is faster, +1 the shaft, −1 the crank; its speed, and the slip."""
+    shaft_drives = np.abs(shaft) >= np.abs(crank)
+    fast, slow = np.where(shaft_drives, shaft, crank), np.where(shaft_drives, crank, shaft)
+    return np.where(shaft_drives, 1.0, -1.0), fast, slip_of(fast, slow)
 
 
 class ElasticNumbers(NamedTuple):
@@ -62,6 +85,10 @@ class ElasticNumbers(NamedTuple):
     def times(self) -> np.ndarray:
         """Empty: nothing about the shaft depends on time."""
         return np.zeros((0, self.stiffness.size))
+
+    def moment(self, touch: np.ndarray, twist: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        """Torque of the shaft [N·m]."""
+        return touching_moment(tuple(self), touch, twist, slip)
 
 
 def coupling_numbers(scene: Scene, numbers: Numbers, count: int) -> CouplingNumbers:
@@ -79,11 +106,12 @@ def coupling_numbers(scene: Scene, numbers: Numbers, count: int) -> CouplingNumb
     at, none = f"couplings.{name}", np.zeros((0, count))
     ratio = _of_all(np.abs(numbers[f"shafts.{coupling.shaft}.ratio"]), count)
     if isinstance(coupling, FluidCoupling):
+        table = make_table(coupling.slip, coupling.coefficient, coupling.interpolation)
         unit = fluid_coupling_moment(1.0, numbers[f"{at}.density"], ratio, numbers[f"{at}.diameter"])
-        return CouplingNumbers(ratio, none, none, ratio * unit)
+        return CouplingNumbers(ratio, none, none, ratio * unit, PPoly(table.coefficients.T, table.breaks))
     full = ratio * numbers[f"{at}.capacity"]
     times, shares = _engagement(coupling, at, numbers, count)
-    return CouplingNumbers(ratio, times, shares * full, np.zeros(count))
+    return CouplingNumbers(ratio, times, shares * full, np.zeros(count), None)
 
 
 def _engagement(clutch: FrictionClutch, at: str, numbers: Numbers, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -178,6 +206,17 @@ class CoupledSides(NamedTuple):
         crank, coupling = self.crank.some(who), some(self.coupling, who)
         return self._replace(crank=crank, shaft=shaft, coupling=coupling, whole=(self, who))
 
+    def apart_moment(self, joined: Joined, moving: np.ndarray, time: np.ndarray) -> np.ndarray:
+        """Torque of a coupling on the crank if it isn't locked [N·m]; parameters as for `coupling_pull`."""
+        _, crank, twist, shaft = moving
+        if self.is_elastic:
+            return self.coupling.moment(joined.touch, twist, shaft - crank)
+        if self.two.is_fluid:
+            return self.coupling.fluid_moment(crank, shaft)
+        if self.two.open:
+            return np.zeros_like(time)
+        return joined.mode * self.coupling.capacity_at(joined.engaged + time)
+
     def numbers(self, joined: Joined) -> np.ndarray:
         """Numbers of the motion at two speeds, (numbers, variants), without those of the joining and of the ends."""
         faced = faced_ways(joined)
@@ -240,14 +279,11 @@ class Pull(NamedTuple):
     ----------
     moment : ndarray
         Torque of the coupling on the crank [N·m]; for locked sides the torque required.
-    piece : ndarray
-        Of the table of a fluid coupling, as in `fluid_torque`; 0 for others.
     crank, shaft : MotionAt
         Both with the inertia of the crank.
     """
 
     moment: np.ndarray
-    piece: np.ndarray
     crank: MotionAt
     shaft: MotionAt
 
@@ -274,16 +310,16 @@ def coupling_pull(
     places = sides.crank.start + sides.crank.variants.direction * turned
     names = ["inertia", "acceleration", "motors", *CHANNELS]
     wanted = [system.shown[f"{side} {name}"] for side in ("crank", "shaft") for name in names]
-    wanted += [system.shown["coupling"], system.shown["piece"]]
+    wanted.append(system.shown["coupling"])
     states = turned, faced[0] * w1, other, faced[1] * w2
-    *found, moment, piece = system.at(numbers, places, states, wanted, joined.clock + time)
+    *found, moment = system.at(numbers, places, states, wanted, joined.clock + time)
     crank, shaft = (
         MotionAt(inertia, way * epsilon, way * motors, way * np.array(loads))
         for way, (inertia, epsilon, motors, *loads) in zip(
             faced, (found[: len(names)], found[len(names) :]), strict=True
         )
     )
-    return Pull(moment, piece, crank, shaft)
+    return Pull(moment, crank, shaft)
 
 
 class OnElasticShaft:

@@ -240,7 +240,7 @@ def at_two_speeds(
     steepness = graph.apply(greater, *(abs(a) + abs(b) for a, b in slopes))
     # The stiffness of a shaft isn't among the slopes.
     solved = () if coupling is None else tuple(slope for row in slopes for slope in row)
-    shown = {"coupling": moment, "piece": kept.get(joining.piece, graph.zero)}
+    shown = {"coupling": moment}
     for side, epsilon, moments in (("crank", rises[0], of_crank), ("shaft", rises[1], of_shaft)):
         shown |= {f"{side} {name}": node for name, node in shown_of(inertia, epsilon, moments).items()}
     system = System(
