@@ -38,10 +38,10 @@ def make_folder_of(path: Path) -> None:
     Raises
     ------
     StoreError
-        It can't be made, as where the folder above it is missing.
+        It can't be made.
     """
     try:
-        path.parent.mkdir(exist_ok=True)
+        path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise StoreError(f"{path.parent}: can't be made: {error.strerror}") from None
 

@@ -69,7 +69,7 @@ def new_file(path: Path | str, refusal: Callable[[str, str], Exception] = InputE
         The file can't be written.
     """
     try:
-        Path(path).parent.mkdir(exist_ok=True)
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
         with whole_file(path) as draft:
             yield draft
     except OSError as error:

@@ -24,7 +24,7 @@ def test_modes_of_a_group_on_one_whose_mode_is_open__are_open_and_the_first_ones
     modes = assembly_modes(scene)
     assert len(modes["group_of_plate"]) == 2
     assert modes["group_of_ram"] is None
-    assert "group_of_ram: depends on a group without a mode" in mode_table(scene, modes)
+    assert "group_of_ram: depends on a group without a mode" in mode_table(modes)
 
 
 def test_place_of_another_group__is_not_taken_for_one_that_tells():
@@ -48,7 +48,7 @@ def test_group_without_points__has_its_modes_listed():
     data["guides"] = {"slot": {"link": "lever", "x": 0.01, "y": 0.02, "angle": 0.3}}
     data["links"] = {"lever": {"joints": ["P"]}, "block": {"joints": ["A"], "guide": "slot"}}
     scene = Scene.model_validate(data)
-    told = mode_table(scene, assembly_modes(scene))
+    told = mode_table(assembly_modes(scene))
     assert "group_of_lever: 2 real assembly modes" in told
     assert "with a point of one of the group's links" in told
 

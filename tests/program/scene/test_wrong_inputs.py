@@ -271,7 +271,6 @@ COMMANDS = cases(r"""
 no such file | run nope.toml | nope.toml | there is no such file
 name without its ending | check press | press | did you mean 'press.toml'?
 ending of a result | run press.toml --out a.txt | a.txt | --out: results are HDF5: give a file that ends in .h5
-folder in no folder | run press.toml --out no/such/a.h5 | no/such | can't be made
 folder for a result | show . | this is a folder | There is r.h5.
 scene for a result | show press.toml | press.toml | For scenes and studies use `sweeps check`
 misspelt command | chekc press.toml | chekc | did you mean 'check'?
