@@ -435,7 +435,7 @@ class MeasuredCycles:
         return self._numbers[node]
 
     def sines(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """For each group, the minimum of what vanishes where it is singular, relative to its scale, and where."""
+        """For each group, the minimum of its transmission index, or of its arm over its scale, and the place."""
         found = []
         for curve, beyond in self._m.vanishing:
             least, place = self.read(LeastMagnitude(curve)), self.read(("place", LeastMagnitude(curve)))

@@ -9,7 +9,7 @@ import numpy as np
 from machines import changed, check, crank, four_bar, frame, on, prp, rpp, rpr, rrp, rrr
 from oracle import Motion
 
-from engine import Machine, Scene, Verdict
+from engine import Machine, MovingMachine, Scene, Verdict
 
 
 def test_whitworth_and_oscillating_cylinder__oracle():
@@ -173,3 +173,7 @@ def test_pin_near_the_pivot_of_a_slotted_link__turns_it_fast_and_through_the_piv
     rounding = exact * 4e-16 * lengths[3:] / np.abs(lengths[3:] - away)
     off = np.abs(outcome.summaries["rocker.angular_velocity.peak"][3:] - exact)
     assert (off <= outcome.errors["rocker.angular_velocity.peak"][3:] + rounding).all()
+    # One machine is judged at equal steps; here one of them meets the pivot.
+    for share, verdict in ((1.0, Verdict.SINGULAR), (1.0 + 1e-5, Verdict.OK)):
+        scene["points"]["D"] = frame(share * scene["input"]["length"], 0.0)
+        assert MovingMachine(Scene.model_validate(scene)).verdict(["rocker.angular_velocity"]) == verdict
