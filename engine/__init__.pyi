@@ -58,6 +58,8 @@ from engine.elements.torsional_trains.reduced_train import ReducedTrain, reduced
 from engine.elements.torsional_trains.torsional_train import TorsionalTrain
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.tables import TableError
+from engine.machine.asked_quantities import ACCURACY_REACHED, POSITIONS_USED
+from engine.machine.asked_quantities import OF_ACCURACY as ACCURACY_SUMMARIES
 from engine.machine.balancing.counterweights import BalancedMachine, BalanceError, CounterweightPlace, balance
 from engine.machine.checks import full_names, outside_limits
 from engine.machine.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
@@ -66,8 +68,7 @@ from engine.machine.derivatives import Derivatives, Move, derivatives_along, sca
 from engine.machine.drives.elastic_drives import DriveCycle, DriveRun, drive_cycle, drive_run
 from engine.machine.drives.governed_scene import governed_scene
 from engine.machine.elements.elements_alone import ElementsAlone, made_ready
-from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine, numbers_for_trains, seconds_of_runs
-from engine.machine.machine import OF_ACCURACY as ACCURACY_SUMMARIES
+from engine.machine.machine import Machine, numbers_for_trains, seconds_of_runs
 from engine.machine.one_machine.assembly_modes import assembly_modes, assembly_ranges, near_of_variant
 from engine.machine.one_machine.history import History, history, history_fields
 from engine.machine.one_machine.moving_machine import Motions, MovingMachine, NowhereDefinedError

@@ -6,6 +6,8 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from engine.machine.results import AskError
+from engine.parts.skeleton import CrankInput
+from engine.scene import structure
 from engine.scene.pairs import pairs
 from engine.scene.scene import Scene, SceneNumber, within_limits
 from engine.units.display import quantity_text
@@ -110,6 +112,36 @@ def check_names(names: Iterable[str], known: Iterable[str], kind: str) -> None:
         if name not in known:
             own = [n for n in known if n.startswith(f"{name.partition('.')[0]}.")] or sorted(known)
             raise AskError(f"{name!r} is not a {kind} of this scene; {nearest_or_known(name, known, own)}")
+
+
+def check_varied(scene: Scene, varied: Iterable[str], limits: Mapping[str, SceneNumber]) -> None:
+    """Check that numbers can differ between the variants of a machine.
+
+    Parameters
+    ----------
+    scene : Scene
+    varied : iterable of str
+        Their paths.
+    limits : mapping of path to SceneNumber
+        Numbers of the scene.
+
+    Raises
+    ------
+    AskError
+        A path is unknown, or its number is the same for all variants.
+    """
+    check_names(varied, limits, "number")
+    turning = {f"shafts.{cam.on}.ratio": name for name, cam in scene.cams.items()}
+    by_laws = structure.input_laws.fixed_by_laws(scene) if scene.inputs else ()
+    for path in varied:
+        if isinstance(scene.input, CrankInput) and path in ("input.start", "input.stop"):
+            raise AskError("input.start and input.stop of a crank are the same for all variants; vary another number")
+        if path.startswith("near."):
+            raise AskError(f"{path} selects the scene's assembly mode for all variants; vary another number")
+        if path in turning:
+            raise AskError(f"{path} turns cam {turning[path]!r}, whose cycle must close; vary another number")
+        if path in by_laws:
+            raise AskError(f"{path}: its turns in a cycle are the same for all variants; vary another number")
 
 
 def full_names(scene: Scene, text: str) -> str:

@@ -3,74 +3,40 @@
 import math
 from collections.abc import Iterable, Mapping
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
-from engine import elements, machine, motion, warnings
+from engine import machine, stepping
 from engine.compiling.blocks import LANES
 from engine.compiling.threads import on_all_threads, threads
 from engine.cycle.measured import UNKNOWN_ROOT, Measured
-from engine.elements.element import Element
 from engine.graph.nodes import Found, Node, Return, reached
+from engine.machine.asked_quantities import ACCURACY_REACHED, POSITIONS_USED, AskedQuantities
 from engine.machine.checks import (
     allowed_share,
-    check_names,
     check_positions,
     check_scene,
-    full_names,
+    check_varied,
     given_numbers,
     names_of,
     size_remarks,
 )
-from engine.machine.judgement import Failures, judge_cycles, judge_runs
+from engine.machine.judgement import judge_cycles, judge_runs
 from engine.machine.measuring import MeasuredCycles, Measuring
-from engine.machine.results import AskError, Outcome, asked_text, blank, field_room, front_of
+from engine.machine.results import Outcome, asked_text, blank, field_room, front_of
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.skeleton import CrankInput
 from engine.quantities.expressions import Angle, Expression, Followed, Speed, Work
-from engine.quantities.machine import register_of
-from engine.quantities.register import Field, Summary
-from engine.scene import structure
 from engine.scene.scene import Numbers, Scene, scene_numbers
-from engine.words.quantity import STATISTICS, Quantity, Rank
+from engine.words.quantity import STATISTICS, Quantity
 from engine.words.verdicts import Verdict
 
 # Errors of quantities that vanish identically: differences of two roots.
 SURELY_NOTHING = 4.0 * UNKNOWN_ROOT
 # Variants measured together by a thread, so that their data stays in its caches.
 VARIANTS_AT_ONCE = 8192
-# Variants whose machine curves are computed together for governors.
-GOVERNED_AT_ONCE = 1024
 # Summaries that are relative differences, zero if two numbers agree.
 _RELATIVE_ALREADY = ("_difference", "_residual", "_disagreement")
-
-POSITIONS_USED = Quantity("positions_used", "input positions at which it was evaluated", "1", rank=Rank.CHECK)
-ACCURACY_REACHED = Quantity(
-    "accuracy_reached",
-    "1 where every error estimate is within the requested accuracy, else 0",
-    "1",
-    rank=Rank.CHECK,
-)
-OF_ACCURACY = (POSITIONS_USED.name, ACCURACY_REACHED.name)
-
-
-class _NoElements(NamedTuple):
-    """Stand-in for `AskedElements` in a scene without machine elements."""
-
-    names: tuple[str, ...] = ()
-    elements: Mapping[str, Element] = {}
-
-
-class _NoRegimes(NamedTuple):
-    """Stand-in for `motion.regimes.Regimes` in a scene without regimes."""
-
-    summaries: Mapping[str, Quantity] = {}
-    fields: Mapping[str, Quantity] = {}
-    asked: tuple[str, ...] = ()
-    kept_at: Mapping[str, "motion.quantities.KeptAt"] = {}
-    in_order: None = None
-    nodes: tuple[Node, ...] = ()
 
 
 class Machine:
@@ -139,120 +105,26 @@ class Machine:
         self.scene, self.positions, self.dtype = scene, positions, np.dtype(dtype)
         self.accuracy, self.varied = allowed_share(accuracy), names_of(varied)
         self._limits = scene_numbers(scene)
-        check_names(self.varied, self._limits, "number")
-        if isinstance(scene.input, CrankInput) and {"input.start", "input.stop"} & set(self.varied):
-            raise AskError("input.start and input.stop of a crank are the same for all variants; vary another number")
-        fixed = [path for path in self.varied if path.startswith("near.")]
-        if fixed:
-            raise AskError(f"{fixed[0]} selects the scene's assembly mode for all variants; vary another number")
-        turning = {f"shafts.{cam.on}.ratio": name for name, cam in scene.cams.items()}
-        fixed = [path for path in self.varied if path in turning]
-        if fixed:
-            raise AskError(f"{fixed[0]} turns cam {turning[fixed[0]]!r}, whose cycle must close; vary another number")
-        fixed = sorted(set(self.varied) & structure.input_laws.fixed_by_laws(scene)) if scene.inputs else []
-        if fixed:
-            raise AskError(f"{fixed[0]}: its turns in a cycle are the same for all variants; vary another number")
+        check_varied(scene, self.varied, self._limits)
         self.mechanics = Mechanics(scene, frozenset(self.varied))
-        self.register = register_of(self.mechanics)
-        self._ask(summaries, fields)
-
-    def _ask(self, summaries: Iterable[str], fields: Iterable[str]) -> None:
-        """Resolve the requested names."""
-        scene, positions, accuracy = self.scene, self.positions, self.accuracy
-        summaries, fields = names_of(summaries), names_of(fields)
-        self.asked_summaries = list(dict.fromkeys(full_names(scene, name) for name in summaries))
-        self.asked_fields = list(dict.fromkeys(full_names(scene, name) for name in fields))
-        asked_as = {name: full_names(scene, name) for name in (*summaries, *fields)}
-        self._asked_as = {name: full for name, full in asked_as.items() if name != full}
-        # Warnings require summaries that may not have been requested.
-        self._warnings = self._asked_warnings()
-        required = self._warnings.reads if self._warnings else ()
-        self._computed = list(dict.fromkeys((*self.asked_summaries, *required)))
-        self._elements = (
-            machine.elements.asked_elements.AskedElements(scene, self._computed) if scene.elements else _NoElements()
-        )
-        of_machine = {n: e for n, e in self._elements.elements.items() if any(e.machine_needed())}
-        self._trains = [name for name, element in of_machine.items() if element.type == "torsional_train"]
-        drives = [name for name, element in of_machine.items() if element.type == "machine_drive"]
-        self._governing = [name for name in of_machine if name not in (*self._trains, *drives)]
-        self._drives = machine.drives.elastic_drives.ElasticDrives(self.mechanics, drives) if drives else None
-        asked = (*self._computed, *self.asked_fields)
-        self.regimes = (
-            motion.regimes.Regimes(self.mechanics, asked, positions, accuracy) if scene.regimes else _NoRegimes()
-        )
-        self._check_asked()
-        others = {*self._elements.names, *OF_ACCURACY, *self.regimes.asked, *self._warning_names}
-        measured = [name for name in self._computed if name not in others]
-        self._summaries: dict[str, Summary] = {name: self.register.summary(name) for name in measured}
-        self._fields: dict[str, Field] = {
-            name: self.register.fields[name] for name in self.asked_fields if name not in others
-        }
-        self.kept_at = {name: at for name, at in self.regimes.kept_at.items() if name in self.asked_fields}
-        self.fields_with_error = tuple(name for name in self.asked_fields if name in self.regimes.fields)
+        asked = AskedQuantities(self.mechanics, summaries, fields, self.varied, positions, self.accuracy)
+        self._asked, self.register, self._attached, self.regimes = asked, asked.register, asked.elements, asked.regimes
+        self.asked_summaries, self.asked_fields = asked.summaries, asked.fields
+        self.kept_at = {name: at for name, at in self.regimes.kept_at.items() if name in asked.fields}
+        self.fields_with_error = tuple(name for name in asked.fields if name in self.regimes.fields)
 
     def __repr__(self) -> str:
         return asked_text(self)
 
-    def _check_asked(self) -> None:
-        """Reject unknown names, with similar ones in the message."""
-        fields = {**self.register.fields, **self.regimes.fields}
-        for name in self.asked_summaries:
-            if name in fields and name not in self.available_summaries:
-                statistics = ", ".join(f"{name}.{statistic}" for statistic in STATISTICS)
-                raise AskError(f"{name!r} is a field, a curve: ask for it as a field, or for its {statistics}")
-        for name in self.asked_fields:
-            if name not in fields and self.register.summary(name) is not None:
-                raise AskError(f"{name!r} is a summary, a single number: ask for it as a summary")
-        check_names(self.asked_fields, fields, "field")
-        known = {*self._elements.names, *OF_ACCURACY, *self.regimes.asked, *self._warning_names}
-        unknown = [n for n in self.asked_summaries if n not in known and self.register.summary(n) is None]
-        if unknown:
-            statistics = [f"{field}.{statistic}" for field in self.register.fields for statistic in STATISTICS]
-            check_names(unknown, [*self.available_summaries, *statistics], "summary")
-        for name in (*self.asked_summaries, *self.asked_fields):
-            why = self.register.why_not(name)
-            if why is not None:
-                raise AskError(why)
-
-    # Available quantities
-
     @property
     def available_fields(self) -> dict[str, Quantity]:
         """Every field of this scene."""
-        own = {name: field.quantity for name, field in self.register.available_fields.items()}
-        return own | self.regimes.fields
+        return self._asked.available_fields
 
     @property
     def available_summaries(self) -> dict[str, Quantity]:
         """Every summary, except the statistics of fields: FIELD.max, FIELD.rms, … (see STATISTICS)."""
-        of_warnings = warnings.asked_warnings.warning_summaries(self.scene, self._has_summary)
-        return self._computed_summaries | {q.name: q for q in of_warnings}
-
-    @property
-    def _computed_summaries(self) -> dict[str, Quantity]:
-        """All except the warnings, which are plain numbers."""
-        names = [name for name in self.register.summaries if self.register.why_not(name) is None]
-        summaries = {name: self.register.summary(name) for name in (*names, *self.asked_summaries)}
-        own = {name: summary.quantity for name, summary in summaries.items() if summary is not None}
-        of_scene = machine.elements.asked_elements.element_summaries(self.scene) if self.scene.elements else []
-        others = {q.name: q for q in (*of_scene, POSITIONS_USED, ACCURACY_REACHED)}
-        return own | self.regimes.summaries | others
-
-    def _has_summary(self, name: str) -> bool:
-        """Whether a summary of the cycle or of a regime exists."""
-        if self.register.summary(name) is not None:
-            return self.register.why_not(name) is None
-        return bool(self.scene.regimes) and name in {q.name for q in motion.quantities.motion_summaries(self.scene)}
-
-    def _asked_warnings(self) -> "warnings.asked_warnings.AskedWarnings | None":
-        """Warnings among the requested summaries; None if there are none."""
-        if not any(map(warnings.is_warning, self.asked_summaries)):
-            return None
-        return warnings.asked_warnings.AskedWarnings(self.scene, self.asked_summaries, self._has_summary)
-
-    @property
-    def _warning_names(self) -> list[str]:
-        return self._warnings.names if self._warnings else []
+        return self._asked.available_summaries
 
     # Positions of the kept fields
 
@@ -283,7 +155,7 @@ class Machine:
     @cached_property
     def _curves(self) -> dict[str, Node | Followed]:
         """Curves of the kept fields."""
-        return {name: field.curve() for name, field in self._fields.items()}
+        return {name: field.curve() for name, field in self._asked.of_mechanism.items()}
 
     @cached_property
     def _followed(self) -> dict[str, Work | Speed]:
@@ -307,17 +179,10 @@ class Machine:
         return machine.kept_fields.KeptFields(list(self._kept_curves.values()), measuring.functions, self.dtype)
 
     @cached_property
-    def _harmonics(self) -> list[Expression]:
-        """Excitation of torsional trains by the machine."""
-        if not self._trains:
-            return []
-        return machine.drives.excited_trains.machine_harmonics(self.mechanics)
-
-    @cached_property
     def _measuring(self) -> Measuring:
         """Functions and plan for all measurements; they also decide whether the regimes' groups can be assembled."""
-        expressions = [summary.expression() for summary in self._summaries.values()]
-        expressions += self._harmonics
+        expressions = [summary.expression() for summary in self._asked.measured.values()]
+        expressions += self._attached.harmonics
         followed, grid = list(self._followed.values()), (self.positions, self.nodes.size)
         kept = [machine.kept_fields.field_node(c) for c in self._kept_curves.values()]
         return Measuring(self.mechanics, expressions, kept, followed, grid, self.accuracy, self._moving)
@@ -330,7 +195,7 @@ class Machine:
     @property
     def _moving(self) -> list[Node]:
         """Position-dependent nodes required by regimes and elastic drives."""
-        return [*self.regimes.nodes, *(self._drives.nodes if self._drives else ())]
+        return [*self.regimes.nodes, *self._attached.nodes]
 
     @property
     def groups(self) -> tuple[str, ...]:
@@ -405,69 +270,34 @@ class Machine:
         spaced = dict(zip(self._spaced, room, strict=True))
         instants = {n: np.full((variants, at.values.size), np.nan, self.dtype) for n, at in self.kept_at.items()}
         fields = {name: spaced[name] if name in spaced else instants[name] for name in self.asked_fields}
-        outcome = blank(status, self._computed, fields, self.fields_with_error)
+        outcome = blank(status, self._asked.computed, fields, self.fields_with_error)
         if keep.size:
             self._fill(outcome, room, keep, whole if keep.size == variants else whole.of_variants(keep))
-        if self._warnings:
-            self._warnings.fill(outcome.status, outcome.summaries, outcome.errors, whole)
+        if self._asked.warnings:
+            self._asked.warnings.fill(outcome.status, outcome.summaries, outcome.errors, whole)
         remarks = () if (status == Verdict.OK).any() else size_remarks(self._limits, arrays)
         outcome = outcome.with_summaries(self.asked_summaries)._replace(units=self._units, remarks=remarks)
-        return outcome.with_names(self._asked_as) if self._asked_as else outcome
+        return outcome.with_names(self._asked.other_names)
 
     @cached_property
     def _units(self) -> dict[str, str]:
-        """SI unit of every requested quantity."""
-        known = self._computed_summaries | self.available_fields
-        names = (*self.asked_summaries, *self.asked_fields)
-        return {name: known[name].units if name in known else "1" for name in names}
+        return self._asked.units
 
     def _fill(self, outcome: Outcome, room: np.ndarray, keep: np.ndarray, numbers: Numbers) -> None:
         """Evaluate the variants `keep`, and write their summaries, fields and verdicts."""
         if self.has_regimes:
-            self.regimes.compile_ahead()
+            stepping.system.compile_walks_ahead()
         # Whole blocks of lanes for each thread.
         batch = min(-(-keep.size // (threads() * LANES)) * LANES, VARIANTS_AT_ONCE)
         batches = [slice(first, first + batch) for first in range(0, keep.size, batch)]
         measured = on_all_threads(
             lambda some: self._measure(outcome, room, keep[some], numbers.of_variants(some)), batches
         )
-        panels, excess, of_trains = zip(*measured, strict=True)
-        excitation = {key: np.concatenate([found[key] for found in of_trains]) for key in of_trains[0]}
-        of_machine = {f"elements.{t}.{key}": row for t in self._trains for key, row in excitation.items()}
-        if self._drives is not None:
-            of_machine |= self._drives.numbers(numbers, outcome.status[keep] == Verdict.OK)
-        if self._elements.elements:
-            self._fill_elements(outcome, keep, numbers.with_values(of_machine))
+        panels, excess, excitation = zip(*measured, strict=True)
+        self._attached.fill_all(outcome, keep, numbers, self.groups, excitation)
         if self.has_regimes:
             self._move(outcome, keep, numbers)
         self._note_accuracy(outcome, keep, np.concatenate(panels), np.concatenate(excess))
-
-    def _fill_elements(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
-        """Write the requested results of machine elements for the variants `keep`."""
-        batch = GOVERNED_AT_ONCE if self._governing else keep.size
-        for first in range(0, keep.size, batch):
-            some = slice(first, first + batch)
-            own = self._governed(outcome, keep[some], numbers.of_variants(some))
-            self._elements.fill(outcome, keep[some], own, self.groups)
-
-    def _governed(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> Numbers:
-        """Numbers in which the engine of each governor of this machine has the machine's inertia and curves.
-
-        Verdicts on the machine pass to the variants `keep`.
-        """
-        if not self._governing:
-            return numbers
-        engines, mechanism = self._governed_engines
-        found = mechanism.evaluate({path: np.broadcast_to(numbers[path], keep.shape) for path in self.varied})
-        Failures(*found[:3]).write(outcome, keep)
-        return numbers.with_values(engines.numbers(found, numbers))
-
-    @cached_property
-    def _governed_engines(self) -> "tuple[machine.drives.governed_engines.GovernedEngines, Machine]":
-        """Engines of the governors of this machine, and the machine with the quantities they require."""
-        engines = machine.drives.governed_engines.GovernedEngines(self.scene, self._governing)
-        positions = elements.governors.transients.CYCLE_POSITIONS
-        return engines, Machine(self.scene, engines.summaries, engines.fields, self.varied, positions)
 
     def _measure(
         self, outcome: Outcome, room: np.ndarray, keep: np.ndarray, numbers: Numbers
@@ -480,14 +310,14 @@ class Machine:
             Number of panels used for each.
         excess : ndarray (variants,)
             Maximum ratio of error estimate to permitted error of each, if requested, else 0.
-        of_trains : dict of str to ndarray
+        excitation : dict of str to ndarray
             Excitation of torsional trains.
         """
         table = self._measuring.numbers(numbers, keep.size)
         answers = self._measuring(table)
         undefined, excess = np.zeros(keep.size, bool), np.zeros(keep.size)
         own = slice(keep[0], keep[-1] + 1) if keep[-1] - keep[0] == keep.size - 1 else keep
-        for (name, summary), expression in zip(self._summaries.items(), self._measuring.expressions, strict=False):
+        for (name, summary), expression in zip(self._asked.measured.items(), self._measuring.expressions, strict=False):
             # An overflow in a calculation results in a status, not in a warning.
             with np.errstate(all="ignore"):
                 found = answers.value_of(expression)
@@ -500,23 +330,14 @@ class Machine:
                 value, error = np.where(nothing, np.nan, value), np.where(nothing, np.nan, error)
             outcome.summaries[name][own], outcome.errors[name][own] = value, error
         self._measuring.fill_found(table, answers.outcome.landmarks)
-        if self._fields:
+        if self._asked.of_mechanism:
             undefined |= ~self._keep(room, keep, table, answers)
         judge_cycles(self._measuring, numbers, table, answers, undefined, outcome, keep)
         failed = keep[outcome.status[keep] != Verdict.OK]
         if failed.size:
-            for name in self._summaries:
+            for name in self._asked.measured:
                 outcome.summaries[name][failed] = outcome.errors[name][failed] = np.nan
-        return answers.outcome.panels, excess, self._for_trains(answers, numbers, keep.size)
-
-    def _for_trains(self, answers: MeasuredCycles, numbers: Numbers, variants: int) -> dict[str, np.ndarray]:
-        """Excitation of torsional trains by the machine; empty without trains."""
-        if not self._trains:
-            return {}
-        harmonics = self._harmonics
-        return machine.drives.excited_trains.machine_numbers(
-            numbers, self.mechanics, harmonics, answers.value_of, variants
-        )
+        return answers.outcome.panels, excess, self._attached.excitation(answers, numbers, keep.size)
 
     def _move(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
         """Compute the regimes of the variants `keep` whose status is OK so far.
@@ -549,7 +370,7 @@ class Machine:
     def _runs_alone_count(self) -> bool:
         """Whether no requested quantity depends on the cycle as a whole, for instance by the ends of a stroke."""
         in_order = self.regimes.in_order
-        if in_order is None or self._summaries or self._fields or self._trains or self._governing or self._drives:
+        if in_order is None or self._asked.measured or self._asked.of_mechanism or self._attached.need_machine:
             return False
         strokes = any(isinstance(node, Found) for node in reached(self._moving))
         return in_order.steady.isdisjoint(in_order.needed) and not strokes and not self._measuring.windings
@@ -620,7 +441,7 @@ def numbers_for_trains(made: Machine) -> dict[str, np.ndarray]:
         With a requested quantity of a train; otherwise the result is empty.
     """
     numbers = Numbers(made._limits, {})
-    return made._for_trains(made._measuring(made._measuring.numbers(numbers, 1)), numbers, 1)
+    return made._attached.excitation(made._measuring(made._measuring.numbers(numbers, 1)), numbers, 1)
 
 
 def seconds_of_runs(made: Machine, varied: Mapping[str, np.ndarray]) -> float:
@@ -632,9 +453,9 @@ def seconds_of_runs(made: Machine, varied: Mapping[str, np.ndarray]) -> float:
     varied : mapping of path to ndarray (variants,)
         As in `Machine.evaluate`.
     """
-    if made._drives is None or not made._drives.runs:
+    drives = made._attached.drives
+    if drives is None:
         return 0.0
     arrays, status = given_numbers(made._limits, made.varied, varied, None)
     well = np.flatnonzero(status == Verdict.OK)
-    numbers = Numbers(made._limits, arrays)
-    return made._drives.seconds_of_runs(numbers.of_variants(well), well.size) if well.size else 0.0
+    return drives.seconds_of_runs(Numbers(made._limits, arrays).of_variants(well), well.size)

@@ -275,15 +275,12 @@ def _of_couplings(scene: Scene, name: str) -> list[Quantity]:
 
 def motion_fields(mechanics: Mechanics, kind: str = "steady") -> list[Quantity]:
     """Fields of the regimes of one kind, "steady" or "run", of a scene."""
-    found: list[Quantity] = []
-    loads = load_fields(mechanics)
-    for name, regime in mechanics.scene.regimes.items():
-        if regime.type == kind:
-            found += _made(mechanics.scene, name, FIELDS)
-            if kind == "steady":
-                instant = {INSTANT: ("time since the crank angle 0 in {name}", "s")}
-                found += _made(mechanics.scene, name, instant)
-            found += [Quantity(f"{name}.{key}", words.format(name=name), unit) for key, (words, unit) in loads.items()]
+    of_kind = [name for name, regime in mechanics.scene.regimes.items() if regime.type == kind]
+    found, loads = [], load_fields(mechanics) if of_kind else {}
+    instant = {INSTANT: ("time since the crank angle 0 in {name}", "s")} if kind == "steady" else {}
+    for name in of_kind:
+        found += _made(mechanics.scene, name, FIELDS | instant)
+        found += [Quantity(f"{name}.{key}", words.format(name=name), unit) for key, (words, unit) in loads.items()]
     return found
 
 

@@ -20,7 +20,6 @@ from engine.motion.quantities import (
 )
 from engine.quantities.register import InputUnits
 from engine.scene.scene import Numbers
-from engine.stepping.system import compile_walks_ahead
 from engine.words.quantity import Quantity
 from engine.words.verdicts import Verdict
 
@@ -81,10 +80,6 @@ class Regimes:
     def nodes(self) -> list[Node]:
         """Nodes from which the motion is computed at a position."""
         return [] if self.in_order is None else self.in_order.nodes
-
-    def compile_ahead(self) -> None:
-        """Compile what the regimes of all machines share in another process."""
-        compile_walks_ahead()
 
     def answers(self, numbers: Numbers, count: int) -> "motion.regimes_in_order.RegimeAnswers":
         """Requested results of a number of variants.
