@@ -42,7 +42,6 @@ class AskedQuantities:
     mechanics : Mechanics
     summaries, fields : str or iterable of str
         Their names.
-    varied : tuple of str
     positions : int
     accuracy : float or None
         As in `Machine`.
@@ -59,7 +58,6 @@ class AskedQuantities:
         Requested warnings.
     computed : list of str
         Requested summaries, and those that the warnings read.
-    elements : AttachedElements
     regimes : Regimes
     measured : dict of str to Summary
         Summaries of the mechanism.
@@ -77,7 +75,6 @@ class AskedQuantities:
         mechanics: Mechanics,
         summaries: str | Iterable[str],
         fields: str | Iterable[str],
-        varied: tuple[str, ...],
         positions: int,
         accuracy: float | None,
     ) -> None:
@@ -90,12 +87,12 @@ class AskedQuantities:
         self.warnings = self._asked_warnings()
         # Warnings read summaries that may not have been requested.
         self.computed = list(dict.fromkeys([*self.summaries, *(self.warnings.reads if self.warnings else ())]))
-        self.elements = machine.elements.attached_elements.AttachedElements(mechanics, self.computed, varied)
+        of_elements = {q.name for q in self._of_elements}
         asked = (*self.computed, *self.fields)
         regimes = self._scene.regimes
         self.regimes = motion.regimes.Regimes(mechanics, asked, positions, accuracy) if regimes else _NoRegimes()
         of_warnings = self.warnings.names if self.warnings else ()
-        of_others = {*self.elements.names, *OF_ACCURACY, *self.regimes.asked, *of_warnings}
+        of_others = {*of_elements, *OF_ACCURACY, *self.regimes.asked, *of_warnings}
         self._check(of_others)
         self.measured: dict[str, Summary] = {
             name: self.register.summary(name) for name in self.computed if name not in of_others
@@ -148,12 +145,15 @@ class AskedQuantities:
         return self._without_warnings | {q.name: q for q in of_warnings}
 
     @property
+    def _of_elements(self) -> list[Quantity]:
+        return machine.elements.asked_elements.element_summaries(self._scene) if self._scene.elements else []
+
+    @property
     def _without_warnings(self) -> dict[str, Quantity]:
         names = [name for name in self.register.summaries if self.register.why_not(name) is None]
         summaries = {name: self.register.summary(name) for name in (*names, *self.summaries)}
         own = {name: summary.quantity for name, summary in summaries.items() if summary is not None}
-        of_scene = machine.elements.asked_elements.element_summaries(self._scene)
-        others = {q.name: q for q in (*of_scene, POSITIONS_USED, ACCURACY_REACHED)}
+        others = {q.name: q for q in (*self._of_elements, POSITIONS_USED, ACCURACY_REACHED)}
         return own | self.regimes.summaries | others
 
     @property

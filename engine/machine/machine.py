@@ -21,6 +21,7 @@ from engine.machine.checks import (
     names_of,
     size_remarks,
 )
+from engine.machine.elements.attached_elements import AttachedElements
 from engine.machine.judgement import judge_cycles, judge_runs
 from engine.machine.measuring import MeasuredCycles, Measuring
 from engine.machine.results import Outcome, asked_text, blank, field_room, front_of
@@ -107,11 +108,16 @@ class Machine:
         self._limits = scene_numbers(scene)
         check_varied(scene, self.varied, self._limits)
         self.mechanics = Mechanics(scene, frozenset(self.varied))
-        asked = AskedQuantities(self.mechanics, summaries, fields, self.varied, positions, self.accuracy)
-        self._asked, self.register, self._attached, self.regimes = asked, asked.register, asked.elements, asked.regimes
+        asked = AskedQuantities(self.mechanics, summaries, fields, positions, self.accuracy)
+        self._asked, self.register, self.regimes = asked, asked.register, asked.regimes
+        self._attached = AttachedElements(self.mechanics, asked.computed, self._asked_otherwise)
         self.asked_summaries, self.asked_fields = asked.summaries, asked.fields
         self.kept_at = {name: at for name, at in self.regimes.kept_at.items() if name in asked.fields}
         self.fields_with_error = tuple(name for name in asked.fields if name in self.regimes.fields)
+
+    def _asked_otherwise(self, summaries: Iterable[str], fields: Iterable[str], positions: int) -> "Machine":
+        """The machine with other requested quantities."""
+        return Machine(self.scene, summaries, fields, self.varied, positions)
 
     def __repr__(self) -> str:
         return asked_text(self)

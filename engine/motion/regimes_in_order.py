@@ -17,8 +17,10 @@ from engine.motion.asked_regimes import AskedRegimes
 from engine.motion.moments.dynamics import Variants
 from engine.motion.quantities import FieldAnswers
 from engine.motion.regime_motions import ROUNDING, OneRegime, RegimeMotion
+from engine.motion.run_motions import RunAtOneSpeed, RunAtTwoSpeeds
 from engine.motion.runs.run_progress import Standing
 from engine.motion.runs.spread_errors import change_or_anything
+from engine.motion.steady_motions import SteadyAtOneSpeed, SteadyAtTwoSpeeds
 from engine.scene.scene import Numbers
 from engine.stepping.records import on_arrays
 from engine.stepping.walk_task import WALKS
@@ -88,7 +90,14 @@ class RegimesInOrder(AskedRegimes):
 
     def __init__(self, mechanics: Mechanics, asked: set[str], steps: int, accuracy: float | None = None) -> None:
         super().__init__(mechanics, asked, steps, accuracy)
-        self.motions = {name: RegimeMotion(self, name) for name in self.needed}
+        self.motions = {name: self._motion(name) for name in self.needed}
+
+    def _motion(self, name: str) -> RegimeMotion:
+        two = self.sides.get(frozenset(self.regimes[name].off))
+        if name in self.steady:
+            # A clutch holds in steady running; a fluid coupling always slips.
+            return (SteadyAtTwoSpeeds if two is not None and two.is_fluid else SteadyAtOneSpeed)(self, name)
+        return (RunAtOneSpeed if two is None else RunAtTwoSpeeds)(self, name)
 
     def at_begin(self, variants: Variants) -> Standing:
         """Initial state before the first regime: at φ = 0 or at the start of the input's range, at rest."""

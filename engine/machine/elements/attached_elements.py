@@ -1,6 +1,6 @@
 """Machine elements of a scene with a mechanism: some of them are excited or driven by the machine, or govern it."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -28,8 +28,8 @@ class AttachedElements(AskedElements):
     mechanics : Mechanics
     asked : iterable of str
         Names of summaries; those of other parts are ignored.
-    varied : sequence of str
-        The machine's varied paths.
+    asked_otherwise : callable
+        Returns the machine with other requested summaries and fields, these at a number of positions.
 
     Attributes
     ----------
@@ -39,9 +39,9 @@ class AttachedElements(AskedElements):
         Elastic shafts between the machine's motors and its crank.
     """
 
-    def __init__(self, mechanics: Mechanics, asked: Iterable[str], varied: Sequence[str]) -> None:
+    def __init__(self, mechanics: Mechanics, asked: Iterable[str], asked_otherwise: Callable) -> None:
         super().__init__(mechanics.scene, asked)
-        self._mechanics, self._varied = mechanics, varied
+        self._mechanics, self._asked_otherwise = mechanics, asked_otherwise
         kinds = {name: element.type for name, element in self.elements.items() if any(element.machine_needed())}
         self.need_machine = bool(kinds)
         self._trains = [name for name, kind in kinds.items() if kind == "torsional_train"]
@@ -118,14 +118,13 @@ class AttachedElements(AskedElements):
         if not self._governors:
             return numbers
         engines, mechanism = self._governed_engines
-        found = mechanism.evaluate({path: np.broadcast_to(numbers[path], keep.shape) for path in self._varied})
+        found = mechanism.evaluate({path: np.broadcast_to(numbers[path], keep.shape) for path in mechanism.varied})
         Failures(*found[:3]).write(outcome, keep)
         return numbers.with_values(engines.numbers(found, numbers))
 
     @cached_property
-    def _governed_engines(self) -> "tuple[machine.drives.governed_engines.GovernedEngines, machine.machine.Machine]":
+    def _governed_engines(self) -> tuple:
         """Engines of the governors of this machine, and the machine with the quantities they require."""
-        scene = self._mechanics.scene
-        engines = machine.drives.governed_engines.GovernedEngines(scene, self._governors)
+        engines = machine.drives.governed_engines.GovernedEngines(self._mechanics.scene, self._governors)
         positions = elements.governors.transients.CYCLE_POSITIONS
-        return engines, machine.machine.Machine(scene, engines.summaries, engines.fields, self._varied, positions)
+        return engines, self._asked_otherwise(engines.summaries, engines.fields, positions)

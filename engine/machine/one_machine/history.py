@@ -18,6 +18,7 @@ from engine.motion.quantities import load_fields, sized_regimes
 from engine.motion.regimes_in_order import RegimesInOrder
 from engine.motion.runs.run_progress import CoupledStanding, Standing
 from engine.motion.settled.steady_with_friction import settled_motion
+from engine.motion.steady_motions import SteadyAtOneSpeed, SteadyAtTwoSpeeds
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.stepping.records import elements_of_counts
 from engine.words.quantity import Quantity
@@ -123,7 +124,7 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
             standing = standing._replace(verdict=hindered)
             break
         record = _Record()
-        if motion.is_steady and not motion.at_two_speeds:
+        if isinstance(motion, SteadyAtOneSpeed):
             variants, verdict = motion.with_sized_flywheel(variants)
             steady = settled_motion(dynamics, variants, in_order.tolerance, 1.0, record.observers)
             begin = np.sqrt(2.0 * steady.energy / dynamics.inertia(variants, zero))
@@ -135,8 +136,8 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
             # A motion that was not found is a row of NaN.
             parts.append(_Part(name, begun, along, record.motions or [at_instant(equation, zero, zero, begin)], sides))
         else:
-            if motion.is_steady:
-                _, outcome, standing = motion.settled_at_two_speeds(variants, standing, record=record.of)
+            if isinstance(motion, SteadyAtTwoSpeeds):
+                _, outcome, standing = motion.settled(variants, standing, record=record.of)
             else:
                 outcome, _, standing = motion.run(variants, standing, record=record.of)
             if not record.motions:
