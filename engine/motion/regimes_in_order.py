@@ -197,7 +197,7 @@ class RegimesInOrder(AskedRegimes):
         numbers = next(iter(driven.values())).numbers
         for name, (reduced, motor) in self.at_shaft.items():
             ratio = np.abs(motor_ratio(self.scene, self.scene.moments[motor], numbers))
-            for rows in every[:3]:
+            for rows in (every.values, every.missed, every.scales):
                 if reduced in rows:
                     rows[name] = rows[reduced] / ratio
         for name in self.only_for_shafts:

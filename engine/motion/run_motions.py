@@ -49,8 +49,8 @@ class _Ready(NamedTuple):
         """Which variants start from the same state as in other runs, (variants,) of bool."""
         if not np.array_equal(self.which, other.which):
             return np.zeros(self.which.size, bool)
-        states = zip(self.standing[:3], other.standing[:3], strict=True)
-        return np.all([mine == its for mine, its in states], axis=0)
+        parts = ("angle", "omega", "clock")
+        return np.all([getattr(self.standing, part) == getattr(other.standing, part) for part in parts], axis=0)
 
 
 class RunMotion(RegimeMotion):
@@ -132,10 +132,10 @@ class RunMotion(RegimeMotion):
         # The work residual is relative to the works, and rounds as they do.
         answers.scales.update(end_reached=np.zeros(variants.count), work_residual=np.ones(variants.count))
         low, high = self.reduction.range_of(variants.numbers, variants.count)
-        turned = outcome.state.turned
+        state, turned = outcome.state, outcome.state.turned
         made = turned / (high - low) * self._asked.steps
         covered = np.sort(after.angle + variants.direction * (outcome.covered - turned), axis=0)
-        ends = None if self.regime.method is None else np.stack(outcome.state[:3])
+        ends = None if self.regime.method is None else np.stack((turned, state.omega, state.time))
         known = False if outcome.known is None else outcome.known == 1.0
         return OneRegime(answers, after, made, outcome.energy, covered, ends, known)
 
@@ -189,7 +189,8 @@ class RunAtOneSpeed(RunMotion):
         watch = FieldWatch(self._along(run), self.fields, self._asked.field_tolerance, *at)
         outcome = run_to_end(self.dynamics, *run.begin, self._asked.steps, self._stepping(longer), watch.observers)
         if watch.instants is not None:
-            watch.instants.finish(outcome.verdict == Verdict.OK, *outcome.state[:3])
+            state = outcome.state
+            watch.instants.finish(outcome.verdict == Verdict.OK, state.turned, state.omega, state.time)
         return watch.answers(), outcome.known
 
     def _of_run(self, variants: Variants, outcome: RunOutcome) -> dict[str, np.ndarray]:

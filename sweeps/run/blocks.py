@@ -105,5 +105,8 @@ def _repeated(outcome: Outcome, drop: np.ndarray) -> Outcome:
         return np.repeat(array, drop.size, axis=0)
 
     status = np.where(drop, np.uint8(Verdict.DROPPED), again(outcome.status))
-    tables = ({k: again(v) for k, v in table.items()} for table in outcome[3:6])
-    return Outcome(status.astype(np.uint8), again(outcome.status_group), again(outcome.status_at), *tables)
+    summaries, errors, fields = (
+        {name: again(row) for name, row in rows.items()} for rows in (outcome.summaries, outcome.errors, outcome.fields)
+    )
+    group, at = again(outcome.status_group), again(outcome.status_at)
+    return Outcome(status.astype(np.uint8), group, at, summaries, errors, fields)

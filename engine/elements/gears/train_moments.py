@@ -77,7 +77,8 @@ def train_moments(v: TrainVariants, efficiencies: np.ndarray, backwards: bool = 
     moves = found.agrees & found.gives
     with np.errstate(invalid="ignore"):
         hidden = np.where(moves, 1.0, np.nan)
-        return TrainMoments(*(Measured(part.value * hidden, part.error) for part in found[:3]), moves)
+        known = (found.moments, found.tooth_moments, found.powers)
+        return TrainMoments(*(Measured(part.value * hidden, part.error) for part in known), moves)
 
 
 class _Solved(NamedTuple):

@@ -46,8 +46,8 @@ def drive_over_angle(mechanics: Mechanics, motors: frozenset[str], loads: frozen
     graph = mechanics.graph
     labels = ("elastic torque", "speed at the motor end", "kinetic energy")
     states = elastic, motor_speed, energy = tuple(graph.given(label, Stage.STATE) for label in labels)
-    numbers = (graph.given(f"drive: {name}", Stage.VARIANT) for name in DriveSizes._fields[2:])
-    stiffness, damping, motor_inertia = shaft = tuple(numbers)
+    names = ("stiffness", "damping", "motor_inertia")
+    stiffness, damping, motor_inertia = shaft = tuple(graph.given(f"drive: {name}", Stage.VARIANT) for name in names)
     speed = graph.function("sqrt", energy * (2.0 / inertia_with_flywheel(mechanics)[0]))
     of_machine, clock, machine_sizes = sizes_of(mechanics, speed)
     at_end, _, motor_sizes = sizes_of(mechanics, motor_speed, "shaft: ")

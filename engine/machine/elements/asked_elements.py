@@ -88,7 +88,7 @@ class AskedElements:
             blame(name, np.isinf(must).any(axis=0), element.infinite)
         for name in self.names:
             owner, _, result = name.partition(".")
-            value, error = (part[result] for part in answers[owner][:2])
+            value, error = answers[owner].values[result], answers[owner].errors[result]
             known = sound & np.isfinite(value)
             outcome.summaries[name][keep] = np.where(known, value, np.nan)
             outcome.errors[name][keep] = np.where(known, error, np.nan)

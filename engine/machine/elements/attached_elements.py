@@ -119,7 +119,7 @@ class AttachedElements(AskedElements):
             return numbers
         engines, mechanism = self._governed_engines
         found = mechanism.evaluate({path: np.broadcast_to(numbers[path], keep.shape) for path in mechanism.varied})
-        Failures(*found[:3]).write(outcome, keep)
+        Failures(found.status, found.status_group, found.status_at).write(outcome, keep)
         return numbers.with_values(engines.numbers(found, numbers))
 
     @cached_property

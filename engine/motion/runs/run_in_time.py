@@ -175,7 +175,8 @@ def _walk(runs: OneSpeedRuns, who: np.ndarray, method: int, goal: np.ndarray, fl
     longest = STRIDE * _span(runs, who) / WAITS if dynamics.changing else np.inf
     pace, new = runs.pace[who], np.isinf(runs.pace[who])
     if new.any():
-        first = runs.equation(who).first_step(*state[:2], runs.clock[who] + state.time, facing, runs.spacing[who])
+        clock = runs.clock[who] + state.time
+        first = runs.equation(who).first_step(state.turned, state.omega, clock, facing, runs.spacing[who])
         pace = np.where(new, runs.longer * first, pace)
     goals = {"goal": runs.ends.time[who] - state.time, "other_goal": goal, "floor": floor}
     lanes = runs.lanes(who, facing, farthest=farthest, longest=longest, pace=pace, **goals)

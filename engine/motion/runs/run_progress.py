@@ -79,7 +79,7 @@ class Ends(NamedTuple):
     @classmethod
     def never(cls, count: int, **given: np.ndarray) -> "Ends":
         """Ends of runs that nothing ends but what is given."""
-        return cls(**{name: np.full(count, np.inf) for name in cls._fields[:4]} | given)
+        return cls(**{name: np.full(count, np.inf) for name in ("turned", "time", "speed", "most_turned")} | given)
 
     @property
     def standing(self) -> bool:

@@ -145,8 +145,9 @@ class Lane(NamedTuple):
     alone: Row
 
 
-GIVEN, FOUND = Lane._fields[:12], Lane._fields[10:20]
-FIRST_FOUND = 10
+_FIRST_ROWS = Lane._fields[: Lane._fields.index("steps") + 1]
+GIVEN, FIRST_FOUND = _FIRST_ROWS[: Lane._fields.index("pace") + 1], Lane._fields.index("turned")
+FOUND = _FIRST_ROWS[FIRST_FOUND:]
 
 
 class Room(NamedTuple):
