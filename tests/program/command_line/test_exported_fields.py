@@ -11,7 +11,7 @@ from pyarrow import parquet
 from scipy.io import loadmat
 
 from sweeps import read
-from sweeps.report import sweep_result
+from sweeps.report import result_file
 from sweeps.report.files import data_files, exports
 
 STUDY = """\
@@ -84,7 +84,7 @@ def test_table_in_parts__is_the_table_as_a_whole(result, monkeypatch):
         done("export", "r.h5", "--to", f"all.{ending}")
     # A part for each variant, of two groups of variants of which the second has one that failed.
     monkeypatch.setattr(exports, "ROWS_AT_A_TIME", 16)
-    monkeypatch.setattr(sweep_result, "VARIANTS_AT_A_TIME", 2)
+    monkeypatch.setattr(result_file, "VARIANTS_AT_A_TIME", 2)
     for ending in endings:
         exported(f"t.{ending}")
         exported(f"none.{ending}", "--where", "ram.stroke < '1 mm'")

@@ -25,7 +25,7 @@ from sweeps.optimising.optimum import front
 from sweeps.page import digest as digest_module
 from sweeps.page.digest import Digest
 from sweeps.pictures.style import new_figure, save
-from sweeps.report import sweep_result
+from sweeps.report import result_file
 from sweeps.report.sweep_result import SweepResult
 from sweeps.store import FileLayout, Store
 
@@ -58,7 +58,7 @@ def page(result):
 
 @pytest.mark.parametrize("at_a_time", [1, 7])
 def test_digest__is_what_the_whole_file_says(result, at_a_time, monkeypatch):
-    monkeypatch.setattr(sweep_result, "VARIANTS_AT_A_TIME", at_a_time)
+    monkeypatch.setattr(result_file, "VARIANTS_AT_A_TIME", at_a_time)
     digest, whole = Digest(result), SweepResult(result)
     assert digest.best == whole.best()
     assert digest.rivals == whole.rivals(whole.best())
@@ -112,7 +112,7 @@ def test_digest__a_million_variants_take_the_memory_of_a_piece(tmp_path, result,
         store.write(0, values)
         store.finish()
     least = np.where(values["ram.stroke"] > 0.08, values["excess_work"], np.inf)
-    monkeypatch.setattr(sweep_result, "VARIANTS_AT_A_TIME", 15_000)
+    monkeypatch.setattr(result_file, "VARIANTS_AT_A_TIME", 15_000)
     tracemalloc.start()
     try:
         digest = Digest(path)

@@ -6,7 +6,7 @@ from pathlib import Path
 from commands import STUDY, done, refused, row, said
 from press_texts import PRESS
 
-from sweeps.report import sweep_result
+from sweeps.report import result_file
 from sweeps.report.answers import comparison as comparing
 from sweeps.report.answers.comparison import comparison
 from sweeps.report.sweep_result import SweepResult
@@ -47,7 +47,7 @@ def test_same_variants_in_another_order__each_beside_itself(press_result, monkey
     vars(other)["columns"] = turned
     turned["input.length"][7] *= 1.5
     for at_a_time, indexed in ((3, 100), (100, 100), (3, 5), (100, 1)):
-        monkeypatch.setattr(sweep_result, "VARIANTS_AT_A_TIME", at_a_time)
+        monkeypatch.setattr(result_file, "VARIANTS_AT_A_TIME", at_a_time)
         monkeypatch.setattr(comparing, "INDEXED", indexed)
         text = comparison(one, other).text
         assert "Variants: 8 and 8, 7 in common" in text

@@ -12,7 +12,7 @@ from engine import Verdict
 from sweeps import SweepResult, read_study, run_study
 from sweeps.pictures.sweep import result_pictures
 from sweeps.pictures.sweep.sweep_data import evenly_chosen
-from sweeps.report import sweep_result
+from sweeps.report import result_file
 from sweeps.report.result_report import counts_text
 from sweeps.run import cost
 from sweeps.run.blocks import block_size
@@ -27,8 +27,8 @@ def path(tmp_path_factory):
 
 @pytest.fixture
 def in_pieces(path, monkeypatch):
-    monkeypatch.setattr(sweep_result, "VARIANTS_AT_A_TIME", 97)
-    monkeypatch.setattr(sweep_result, "CHOSEN_AT_A_TIME", 5)
+    monkeypatch.setattr(result_file, "VARIANTS_AT_A_TIME", 97)
+    monkeypatch.setattr(result_file, "CHOSEN_AT_A_TIME", 5)
     return SweepResult(path)
 
 
@@ -74,7 +74,7 @@ def test_verdicts_piece_by_piece__are_told_as_those_of_all_at_once(tmp_path, mon
         told = next(line for line in whole.splitlines() if line.strip().startswith(condition))
         assert told.endswith(f": {fails.sum()}, {only.sum()} only by this condition")
     counts = dict(zip(*np.unique(columns["status"], return_counts=True), strict=True))
-    monkeypatch.setattr(sweep_result, "VARIANTS_AT_A_TIME", 7)
+    monkeypatch.setattr(result_file, "VARIANTS_AT_A_TIME", 7)
     result = SweepResult(path)
     assert counts_text(result) == whole
     assert result.verdict_counts() == {Verdict(int(code)): count for code, count in counts.items()}
