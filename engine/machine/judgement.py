@@ -9,7 +9,8 @@ import numpy as np
 from engine import machine
 from engine.graph.nodes import Node
 from engine.machine.conditions import ON_MARGINS, SINGULAR_SINE
-from engine.machine.measuring import MeasuredCycles, Measuring
+from engine.machine.measured_cycles import MeasuredCycles
+from engine.machine.measuring import Measuring
 from engine.machine.results import Outcome
 from engine.scene.scene import Numbers
 from engine.words.verdicts import Verdict

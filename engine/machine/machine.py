@@ -23,7 +23,8 @@ from engine.machine.checks import (
 )
 from engine.machine.elements.attached_elements import AttachedElements
 from engine.machine.judgement import judge_cycles, judge_runs
-from engine.machine.measuring import MeasuredCycles, Measuring
+from engine.machine.measured_cycles import MeasuredCycles
+from engine.machine.measuring import Measuring
 from engine.machine.results import Outcome, asked_text, blank, field_room, front_of
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.skeleton import CrankInput

@@ -9,7 +9,7 @@ from engine import elements, machine
 from engine.graph.nodes import Node
 from engine.machine.elements.asked_elements import AskedElements
 from engine.machine.judgement import Failures
-from engine.machine.measuring import MeasuredCycles
+from engine.machine.measured_cycles import MeasuredCycles
 from engine.machine.results import Outcome
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import Expression
