@@ -8,13 +8,14 @@ All quantities are reduced to the crank. Each side has a non-negative speed and 
 count in that direction, T in the machine's direction of motion.
 """
 
+from functools import partial
 from typing import NamedTuple
 
 from engine.compiling.decorators import scalar
 from engine.compiling.instructions import chosen
 from engine.elements.elastic_drives.shaft_touch import touch_left, touch_turns, touching_moment
 from engine.graph.derivatives import derivative
-from engine.graph.nodes import Given, Node, Stage
+from engine.graph.nodes import Given, Graph, Node, Stage
 from engine.laws.kinematics.closure import greater
 from engine.laws.tables import in_memory, make_table
 from engine.mechanism.mechanics import Mechanics
@@ -131,6 +132,70 @@ BY_SLIP = {touching_moment: {5: lambda *operands: operands[2] * (operands[4] * o
 ENDINGS = ("crank rests", "shaft rests", "locks up", "astray", "breaks loose", "sets off", "touch", "turns")
 
 
+class _Joint:
+    """What joins the sides, as long as they turn separately.
+
+    Attributes
+    ----------
+    torque : Node
+    capacity : Node
+        Of a clutch, else 0.
+    held : dict of Given to Node
+        Held modes, as in `System`.
+    """
+
+    def __init__(self, torque: Node, capacity: Node, held: dict[Given, Node] | None = None) -> None:
+        self.torque, self.capacity, self.held = torque, capacity, held or {}
+
+    def endings(self, rise: Node, shaft_rise: Node) -> dict[str, Node]:
+        """Further events that end a walk; the arguments are the sides' accelerations in the machine's direction."""
+        return {}
+
+    def changes(self, rise: Node, shaft_rise: Node) -> dict[str, Node]:
+        """Events at which a held mode changes; arguments as for `endings`."""
+        return {}
+
+
+class _Clutch(_Joint):
+    """A clutch that slips transmits its capacity, which may rise in the time after its engagement."""
+
+    def __init__(self, graph: Graph, joining: Joining, clock: Node) -> None:
+        capacity = joining.capacity[0]
+        for i in range(1, len(joining.capacity)):
+            rise = graph.apply(ramp, clock - joining.engaged, *joining.times[i - 1 : i + 1])
+            capacity = capacity + (joining.capacity[i] - joining.capacity[i - 1]) * rise
+        super().__init__(joining.sense * capacity, capacity)
+
+
+class _FluidCoupling(_Joint):
+    """A fluid coupling, whose coefficient is read from a table over the slip, piece by piece."""
+
+    def __init__(self, graph: Graph, joining: Joining, coupling: FluidCoupling, ahead: Node, shaft_ahead: Node) -> None:
+        table = graph.store(in_memory(make_table(coupling.slip, coupling.coefficient, coupling.interpolation)))
+        slips = joining.piece, ahead, shaft_ahead
+        torque = graph.apply(fluid_moment, graph.memory, table, joining.fluid, *slips)
+        piece = graph.apply(fluid_piece, graph.memory, table, *slips)
+        super().__init__(torque, graph.zero, {joining.piece: piece})
+        self._ends = partial(graph.apply, slip_guards, graph.memory, table, *slips)
+
+    def changes(self, rise: Node, shaft_rise: Node) -> dict[str, Node]:
+        return dict(zip(("slip left", "slip near"), self._ends(rise, shaft_rise), strict=True))
+
+
+class _ElasticShaft(_Joint):
+    """An elastic shaft with a backlash, of which one contact touches or none."""
+
+    def __init__(self, graph: Graph, joining: Joining, twist: Node, slip: Node) -> None:
+        elastic = joining.stiffness, joining.damping, joining.backlash
+        super().__init__(graph.apply(touching_moment, elastic, joining.touch, twist, slip), graph.zero)
+        self._touch = graph.apply(touch_left, elastic, joining.touch, twist, slip)
+        turns = partial(graph.apply, touch_turns, elastic, joining.touch, slip)
+        self._turns = lambda parting: joining.growing * turns(parting)
+
+    def endings(self, rise: Node, shaft_rise: Node) -> dict[str, Node]:
+        return {"touch": self._touch, "turns": self._turns(shaft_rise - rise)}
+
+
 def at_two_speeds(
     mechanics: Mechanics,
     coupling: Coupling | None,
@@ -156,113 +221,111 @@ def at_two_speeds(
     rubs : bool
         Whether pairs have friction.
     """
-    graph, inertia = mechanics.graph, inertia_with_flywheel(mechanics)[0]
+    graph, joining = mechanics.graph, _joining(mechanics, ENDINGS, knots)
     labels = ("angle turned", "speed of a state", "angle turned by the shaft", "speed of the shaft")
     states = tuple(graph.given(label, Stage.STATE) for label in labels)
     _, speed, twist, shaft_speed = states
-
-    (loads, clock, crank), (shaft_loads, _, shaft) = (
-        sizes_of(mechanics, *side) for side in ((speed, ""), (shaft_speed, "shaft: "))
-    )
+    loads, clock, crank = sizes_of(mechanics, speed)
+    shaft_loads, _, shaft = sizes_of(mechanics, shaft_speed, "shaft: ")
     of_crank = moments_of(mechanics, loads, crank, speed, on_shaft)
     of_shaft = moments_of(mechanics, shaft_loads, shaft, shaft_speed, elsewhere)
-    joining = _joining(mechanics, ENDINGS, knots)
-    capacity = joining.capacity[0] if knots else graph.zero
-    for i in range(1, knots):
-        rise = graph.apply(ramp, clock - joining.engaged, *joining.times[i - 1 : i + 1])
-        capacity = capacity + (joining.capacity[i] - joining.capacity[i - 1]) * rise
-    own, other = joining.shaft_inertia, shaft.facing
     of_inertia, unknown = (0.5 * speed * speed) * (crank.way * mechanics.reduced.slope), {}
     # Motors and fluids make steps stiff. Friction doesn't, and its derivative is as long as all reactions.
-    smooth, m2 = of_crank.total - of_inertia, of_shaft.total
+    smooth = of_crank.total - of_inertia
     if rubs:
         unknown[speed] = graph.given("acceleration", Stage.STATE)
         rubbed = friction_of(mechanics, loads, crank, speed, unknown[speed], on_shaft)
         of_crank.channels["harmful"] += rubbed
-    m1 = of_crank.total - of_inertia
-    ahead, shaft_ahead = crank.facing * speed, other * shaft_speed
+    ahead, shaft_ahead = crank.facing * speed, shaft.facing * shaft_speed
     slip = shaft_ahead - ahead
-    touch, turns, kept = graph.zero, graph.zero, {}
-    elastic = joining.stiffness, joining.damping, joining.backlash
     if coupling is None:
-        apart = graph.apply(touching_moment, elastic, joining.touch, twist, slip)
-        touch = graph.apply(touch_left, elastic, joining.touch, twist, slip)
+        joint: _Joint = _ElasticShaft(graph, joining, twist, slip)
     elif isinstance(coupling, FluidCoupling):
-        table = graph.store(in_memory(make_table(coupling.slip, coupling.coefficient, coupling.interpolation)))
-        slips = joining.piece, ahead, shaft_ahead
-        apart = graph.apply(fluid_moment, graph.memory, table, joining.fluid, *slips)
-        kept = {joining.piece: graph.apply(fluid_piece, graph.memory, table, *slips)}
+        joint = _FluidCoupling(graph, joining, coupling, ahead, shaft_ahead)
     else:
-        apart = joining.sense * capacity
+        joint = _Clutch(graph, joining, clock)
+    facing, inertia = (crank.facing, shaft.facing), inertia_with_flywheel(mechanics)[0]
 
-    def moved(m1: Node) -> tuple[Node, Node, Node]:
-        """Torque of a locked clutch, and the accelerations of both sides."""
-        held, rises = apart, ((m1 + crank.facing * apart) / inertia, (m2 - other * apart) / own)
-        if knots:
-            # Locked sides have the same direction.
-            together = (m1 + m2) / (inertia + own)
-            held = other * (m2 - own * together)
-            rises = tuple(joining.holds * together + (1.0 - joining.holds) * alone for alone in rises)
-        return held, rises[0] * joining.moves, rises[1] * joining.shaft_moves
+    def moved(m1: Node) -> _Moved:
+        return _accelerated(joining, joint, (m1, of_shaft.total), facing, inertia)
 
-    held, *rises = moved(m1)
-    moment = joining.holds * held + (1.0 - joining.holds) * apart if knots else apart
-    if coupling is None:
-        parting = other * rises[1] - crank.facing * rises[0]
-        turns = joining.growing * graph.apply(touch_turns, elastic, joining.touch, slip, parting)
-    motors = of_crank.motors + of_shaft.motors
-    powers = {name: of_crank.channels[name] * speed + of_shaft.channels[name] * shaft_speed for name in CHANNELS}
-    power = of_crank.motors * speed + of_shaft.motors * shaft_speed
-    gathered = dict(zip(GATHERED, (moment * slip, abs(slip), motors * motors, power), strict=True)) | (
-        powers if works else {}
-    )
-    endings = (
-        speed,
-        shaft_speed,
-        joining.sense * slip,
-        joining.sense * slip + ASTRAY * (speed + shaft_speed),
-        capacity * (1.0 + GRIP) - abs(held),
-        _held_back(joining, capacity, apart, m1, m2),
-        touch,
-        turns,
-    )
-    named = zip(ENDINGS, endings, joining.never, strict=True)
+    moving = moved(of_crank.total - of_inertia)
+    accelerations = crank.facing * moving.rise, shaft.facing * moving.shaft_rise
+    endings = {
+        "crank rests": speed,
+        "shaft rests": shaft_speed,
+        "locks up": joining.sense * slip,
+        "astray": joining.sense * slip + ASTRAY * (speed + shaft_speed),
+        "breaks loose": joint.capacity * (1.0 + GRIP) - abs(moving.held),
+        "sets off": _held_back(joining, joint, *moving.moments),
+        **joint.endings(*accelerations),
+    }
     guards = [Guard("above", crank.above - speed), Guard("below", speed - crank.below)]
-    guards += [Guard(name, value + never) for name, value, never in named]
-    if kept:
-        accelerations = crank.facing * rises[0], other * rises[1]
-        of_slip = graph.apply(slip_guards, graph.memory, table, *slips, *accelerations)
-        guards += [Guard(f"slip {end}", value, False) for end, value in zip(("left", "near"), of_slip, strict=True)]
+    guards += [
+        Guard(name, endings.get(name, graph.zero) + never) for name, never in zip(ENDINGS, joining.never, strict=True)
+    ]
+    guards += [Guard(name, value, False) for name, value in joint.changes(*accelerations).items()]
+    rises = moved(smooth)
     slopes = [
         [derivative(rise, {by: graph.one}, SLOPES | BY_SLIP) for by in (speed, shaft_speed)]
-        for rise in moved(smooth)[1:]
+        for rise in (rises.rise, rises.shaft_rise)
     ]
-    steepness = graph.apply(greater, *(abs(a) + abs(b) for a, b in slopes))
-    # The stiffness of a shaft isn't among the slopes.
-    solved = () if coupling is None else tuple(slope for row in slopes for slope in row)
-    shown = {"coupling": moment}
-    for side, epsilon, moments in (("crank", rises[0], of_crank), ("shaft", rises[1], of_shaft)):
-        shown |= {f"{side} {name}": node for name, node in shown_of(inertia, epsilon, moments).items()}
+    motors = of_crank.motors + of_shaft.motors
+    power = of_crank.motors * speed + of_shaft.motors * shaft_speed
+    gathered = dict(zip(GATHERED, (moving.torque * slip, abs(slip), motors * motors, power), strict=True))
+    if works:
+        gathered |= {n: of_crank.channels[n] * speed + of_shaft.channels[n] * shaft_speed for n in CHANNELS}
+    shown = {"coupling": moving.torque}
+    for side, rise, moments in (("crank", moving.rise, of_crank), ("shaft", moving.shaft_rise, of_shaft)):
+        shown |= {f"{side} {name}": node for name, node in shown_of(inertia, rise, moments).items()}
     system = System(
         "time",
         states=states,
-        rates=(ahead, rises[0], slip if coupling is None else shaft_ahead, rises[1]),
+        rates=(ahead, moving.rise, slip if coupling is None else shaft_ahead, moving.shaft_rise),
         speed=speed,
-        slope=rises[0],
+        slope=moving.rise,
         clock=clock,
-        steepness=steepness,
+        steepness=graph.apply(greater, *(abs(a) + abs(b) for a, b in slopes)),
         unknown=unknown,
         gathered=gathered,
-        slopes=solved,
+        # The stiffness of a shaft isn't among the slopes.
+        slopes=() if coupling is None else tuple(slope for row in slopes for slope in row),
         guards=tuple(guards),
-        held=kept,
+        held=joint.held,
         shown=shown,
     )
     return system, TwoSizes(crank, shaft, joining)
 
 
-def _held_back(joining: Joining, capacity: Node, moment: Node, m1: Node, m2: Node) -> Node:
+class _Moved(NamedTuple):
+    """Torque of a locked clutch, torque of the coupling as it is, accelerations and moments of both sides."""
+
+    held: Node
+    torque: Node
+    rise: Node
+    shaft_rise: Node
+    moments: tuple[Node, Node]
+
+
+def _accelerated(
+    joining: Joining, joint: _Joint, moments: tuple[Node, Node], facing: tuple[Node, Node], inertia: Node
+) -> _Moved:
+    """Motion of both sides under their moments, whether the coupling holds them together or not."""
+    (m1, m2), (ahead, other), own, apart = moments, facing, joining.shaft_inertia, joint.torque
+    rises = (m1 + ahead * apart) / inertia, (m2 - other * apart) / own
+    held = moment = apart
+    if joining.capacity:
+        # Locked sides have the same direction.
+        together = (m1 + m2) / (inertia + own)
+        held = other * (m2 - own * together)
+        rises = tuple(joining.holds * together + (1.0 - joining.holds) * alone for alone in rises)
+        moment = joining.holds * held + (1.0 - joining.holds) * apart
+    return _Moved(held, moment, rises[0] * joining.moves, rises[1] * joining.shaft_moves, moments)
+
+
+def _held_back(joining: Joining, joint: _Joint, m1: Node, m2: Node) -> Node:
     """Margin of the resistances of standing sides over the torques that would start one, in either direction."""
+    moment, capacity = joint.torque, joint.capacity
     # Resistances keep their sign when the direction reverses; all other torques change it.
     graph, m1_back, m2_back = m1.graph, joining.resists - m1, joining.shaft_resists - m2
 
