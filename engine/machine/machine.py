@@ -22,9 +22,9 @@ from engine.machine.checks import (
     size_remarks,
 )
 from engine.machine.elements.attached_elements import AttachedElements
-from engine.machine.judgement import judge_cycles, judge_runs
-from engine.machine.measured_cycles import MeasuredCycles
-from engine.machine.measuring import Measuring
+from engine.machine.judging.judgement import judge_cycles, judge_runs
+from engine.machine.measuring.measured_cycles import MeasuredCycles
+from engine.machine.measuring.measuring import Measuring
 from engine.machine.results import Outcome, asked_text, blank, field_room, front_of
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.skeleton import CrankInput
@@ -181,9 +181,11 @@ class Machine:
         return [*self._kept_curves, *others]
 
     @cached_property
-    def _kept(self) -> "machine.kept_fields.KeptFields":
+    def _kept(self) -> "machine.measuring.kept_fields.KeptFields":
         measuring = self._measuring
-        return machine.kept_fields.KeptFields(list(self._kept_curves.values()), measuring.functions, self.dtype)
+        return machine.measuring.kept_fields.KeptFields(
+            list(self._kept_curves.values()), measuring.functions, self.dtype
+        )
 
     @cached_property
     def _measuring(self) -> Measuring:
@@ -191,7 +193,7 @@ class Machine:
         expressions = [summary.expression() for summary in self._asked.measured.values()]
         expressions += self._attached.harmonics
         followed, grid = list(self._followed.values()), (self.positions, self.nodes.size)
-        kept = [machine.kept_fields.field_node(c) for c in self._kept_curves.values()]
+        kept = [machine.measuring.kept_fields.field_node(c) for c in self._kept_curves.values()]
         return Measuring(self.mechanics, expressions, kept, followed, grid, self.accuracy, self._moving)
 
     @cached_property
@@ -386,7 +388,7 @@ class Machine:
         """Fill the kept fields; return which variants have finite values only."""
         finite = np.ones(keep.size, bool)
         if self._kept_curves:
-            ends = self._measuring.ends if self._ranges_vary else machine.kept_fields.NONE
+            ends = self._measuring.ends if self._ranges_vary else machine.measuring.kept_fields.NONE
             finite = self._kept.fill(table, self._positions_kept, room[: len(self._kept_curves)], keep, ends)
         for name, curve in self._followed.items():
             # A value may become infinite in single precision.

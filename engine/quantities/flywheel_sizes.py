@@ -39,7 +39,7 @@ class CycleReadings(Protocol):
         """Whether there is a result of this key."""
 
     def read(self, key: Hashable) -> Measured:
-        """The result of a key: see `engine.machine.measured_cycles`."""
+        """The result of a key: see `engine.machine.measuring.measured_cycles`."""
 
 
 def without_result(steady: SteadyCycle) -> SteadyCycle:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 import engine
-from sweeps.report.result_file import ResultFile
+from sweeps.report.recorded.result_file import ResultFile
 from sweeps.study.study import Requirements
 from sweeps.study.study_content import number_units
 from sweeps.study.study_text import Best

@@ -8,8 +8,8 @@ import numpy as np
 from engine import elements, machine
 from engine.graph.nodes import Node
 from engine.machine.elements.asked_elements import AskedElements
-from engine.machine.judgement import Failures
-from engine.machine.measured_cycles import MeasuredCycles
+from engine.machine.judging.judgement import Failures
+from engine.machine.measuring.measured_cycles import MeasuredCycles
 from engine.machine.results import Outcome
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import Expression

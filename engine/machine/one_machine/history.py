@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.machine.judgement import failures_within
-from engine.machine.measuring import Measuring
+from engine.machine.judging.judgement import failures_within
+from engine.machine.measuring.measuring import Measuring
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.fields.motion_fields import MotionFields

@@ -30,7 +30,7 @@ from machines import crank, frame, rrr
 from engine import Machine, Scene, Verdict
 from engine.compiling.threads import set_threads, threads
 from engine.machine.checks import MOST_POSITIONS
-from engine.machine.measuring import CLOSELY
+from engine.machine.measuring.measuring import CLOSELY
 from engine.machine.results import AskError
 
 

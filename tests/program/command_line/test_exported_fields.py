@@ -11,8 +11,8 @@ from pyarrow import parquet
 from scipy.io import loadmat
 
 from sweeps import read
-from sweeps.report import result_file
 from sweeps.report.files import data_files, exports
+from sweeps.report.recorded import result_file
 
 STUDY = """\
 scene = "press.toml"

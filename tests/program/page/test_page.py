@@ -25,7 +25,7 @@ from sweeps.optimising.optimum import front
 from sweeps.page import digest as digest_module
 from sweeps.page.digest import Digest
 from sweeps.pictures.style import new_figure, save
-from sweeps.report import result_file
+from sweeps.report.recorded import result_file
 from sweeps.report.sweep_result import SweepResult
 from sweeps.store import FileLayout, Store
 

@@ -6,9 +6,9 @@ from pathlib import Path
 from commands import STUDY, done, refused, row, said
 from press_texts import PRESS
 
-from sweeps.report import result_file
 from sweeps.report.answers import comparison as comparing
 from sweeps.report.answers.comparison import comparison
+from sweeps.report.recorded import result_file
 from sweeps.report.sweep_result import SweepResult
 
 

@@ -12,7 +12,7 @@ from engine import Verdict
 from sweeps import SweepResult, read_study, run_study
 from sweeps.pictures.sweep import result_pictures
 from sweeps.pictures.sweep.sweep_data import evenly_chosen
-from sweeps.report import result_file
+from sweeps.report.recorded import result_file
 from sweeps.report.result_report import counts_text
 from sweeps.run import cost
 from sweeps.run.blocks import block_size

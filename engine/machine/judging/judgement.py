@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import machine
 from engine.graph.nodes import Node
-from engine.machine.conditions import ON_MARGINS, SINGULAR_SINE
-from engine.machine.measured_cycles import MeasuredCycles
-from engine.machine.measuring import Measuring
+from engine.machine import judging
+from engine.machine.judging.conditions import ON_MARGINS, SINGULAR_SINE
+from engine.machine.measuring.measured_cycles import MeasuredCycles
+from engine.machine.measuring.measuring import Measuring
 from engine.machine.results import Outcome
 from engine.scene.scene import Numbers
 from engine.words.verdicts import Verdict
@@ -236,7 +236,7 @@ def _blame_first(
     """Blame the group whose curve fails first for the failure of the variants `who`."""
     if not (who.size and watched):
         return
-    at, place = machine.first_failure.first_failure(measuring, [one.curve for one in watched], table[:, who], fails)
+    at, place = judging.first_failure.first_failure(measuring, [one.curve for one in watched], table[:, who], fails)
     for k, one in enumerate(watched):
         hidden = (at < 0) & one.hidden[who]
         here = (at == k) | hidden

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 import engine
-from sweeps.report.recorded_study import recorded_scene, recorded_study
+from sweeps.report.recorded.recorded_study import recorded_scene, recorded_study
 from sweeps.store import FieldAxis, MappedResult
 from sweeps.study.study import Study
 from sweeps.text.input_files import InputError, check_file

@@ -21,8 +21,8 @@ from engine.cycle.panels.chebyshev import COARSE, DEGREE
 from engine.cycle.plan import CycleSpeed, Difference, Kept, Measure, Plan, Recorded, Running, VectorAngle
 from engine.graph.nodes import Node, reached
 from engine.graph.values import LevelValues
-from engine.machine.measured_cycles import MeasuredCycles, Planned, Read
-from engine.machine.required_curves import RequiredCurves
+from engine.machine.measuring.measured_cycles import MeasuredCycles, Planned, Read
+from engine.machine.measuring.required_curves import RequiredCurves
 from engine.mechanism.assembly import Vanishing
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import (

@@ -9,7 +9,7 @@ from engine.cycle.regula_falsi import bisected
 from engine.graph.at_points import Points, fill_points
 from engine.graph.functions import function_at
 from engine.graph.nodes import Node
-from engine.machine.measuring import Measuring
+from engine.machine.measuring.measuring import Measuring
 
 # Equally spaced positions that are examined.
 LOOKED_AT = 720
