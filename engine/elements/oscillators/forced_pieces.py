@@ -171,7 +171,8 @@ def follow_pieces(
                 states[i, kept, 0], states[i, kept, 1], states[i, kept, 2] = now, q, rate
                 kept += 1
             u, v = q - level, rate - slope
-            rounded += abs(level) + abs(slope * length) + abs(q)
+            # A velocity moves the mass by at most v/ω₀, and less with strong damping.
+            rounded += abs(level) + abs(slope * length) + abs(q) + (abs(rate) + abs(slope)) / (w + beta)
             top, at = _greatest_in(length, w, beta, u, v, level, slope)
             if top > greatest * _HIGHER:
                 greatest, greatest_at = top, now + at

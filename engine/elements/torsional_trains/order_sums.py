@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from itertools import chain, pairwise
 
 import numpy as np
 
@@ -88,8 +89,25 @@ def _peaks(h: np.ndarray, amplitudes: np.ndarray) -> np.ndarray:
         return (parts * turned).real.sum(axis=0)
 
     chosen = amplitudes[:, who]
-    slopes = 1j * waves * chosen
-    turns = (sums(low, slopes) > 0.0) & (sums(high, slopes) < 0.0)
-    at = np.where(turns, regula_falsi(lambda phi: sums(phi, slopes), low, high), low)
-    np.maximum.at(found, who, sums(at, chosen))
+
+    derivatives = [(1j * waves) ** order * chosen for order in range(4)]
+    # The curvature changes within an interval by less than this from the nearer end.
+    change = 0.5 * (high - low) * np.abs(derivatives[3]).sum(axis=0)
+    several = np.maximum(*(sums(end, derivatives[2]) for end in (low, high))) > -change
+
+    def root_between(order: int, begin: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """Where a derivative changes its sign, else `end`; higher ones are needed where there may be several peaks."""
+        parts, root = derivatives[order], end.copy()
+        there = np.flatnonzero((begin < end) & (several | (order == 1)))
+        before, after = (sums(at[there], parts[:, there]) > 0.0 for at in (begin, end))
+        changes = there[before != after]
+        root[changes] = regula_falsi(lambda phi: sums(phi, parts[:, changes]), begin[changes], end[changes])
+        return root
+
+    ends = [low, high]
+    for order in (3, 2, 1):
+        roots = [root_between(order, *piece) for piece in pairwise(ends)]
+        ends = [low, *chain.from_iterable(zip(roots, ends[1:], strict=True))]
+    for at in roots:
+        np.maximum.at(found, who, sums(at, chosen))
     return np.where(np.isfinite(bends), found, math.nan)

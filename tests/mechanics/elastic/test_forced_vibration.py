@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from element_samples import asked, element
 from engine_samples import EPS
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from train_samples import BRANCHED, chain, matrices, solved
 
@@ -171,6 +171,8 @@ def on_circle(waves, amplitudes):
     st.floats(-0.1, 0.1),
     st.floats(0, math.tau),
 )
+# Two peaks beside a sample at which the slope vanishes.
+@example([(1, 1), (5, 1)], 0.0625, 0.0, 0.0)
 def test_sums_of_orders__reach_the_peaks_of_flat_tops(parts, curvature, lean, at):
     waves, cosines = np.array([h for h, _ in parts]), np.array([float(a) for _, a in parts])
     # Without curvature at an angle, but for a share: a flat top, or two peaks closer than samples.
