@@ -18,11 +18,11 @@ def regula_falsi(f: Callable[[np.ndarray], np.ndarray], a: np.ndarray, b: np.nda
     f : callable
         Maps an array of the shape of a to one of the same shape.
     a, b : ndarray
-        Ends of the brackets; NaN yields NaN.
+        Ends of the brackets; b is returned where f doesn't change its sign.
     """
     fa, fb = f(a), f(b)
     small = _LAST_STEP * np.abs(b - a)
-    moving = np.isfinite(fa + fb) & (fb != 0.0) & (small > 0.0)
+    moving = np.isfinite(fa + fb) & (fb != 0.0) & (((fa > 0.0) != (fb > 0.0)) | (fa == 0.0)) & (small > 0.0)
     step = before = np.full(np.shape(fb), np.inf)
     for _ in range(_ITERATIONS):
         with np.errstate(all="ignore"):

@@ -34,7 +34,6 @@ def test_roots__are_found_whatever_the_shape_and_alone_as_together(before, after
         assert alone == one
 
 
-def test_an_exact_root_at_an_end__is_returned_and_nan_stays_nan():
-    f = lambda x: x - np.array([1.0, 2.0, math.nan])  # noqa: E731
-    assert regula_falsi(f, np.zeros(3), np.full(3, 2.0)).tolist()[:2] == [1.0, 2.0]
-    assert np.isnan(regula_falsi(f, np.zeros(3), np.array([2.0, 2.0, math.nan]))[2])
+def test_brackets__may_end_at_a_root_or_have_none():
+    found = regula_falsi(lambda x: x - np.array([0.0, 2.0, 3.0, math.nan]), np.zeros(4), np.full(4, 2.0))
+    assert found.tolist() == [0.0, 2.0, 2.0, 2.0]
