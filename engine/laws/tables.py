@@ -416,7 +416,7 @@ def _spline(x: np.ndarray, y: np.ndarray, periodic: bool) -> np.ndarray:
     gap = np.diff(x)
     chord = np.diff(y) / gap
     before, after = (np.concatenate(([gap[-1]], gap)), np.concatenate((gap, [gap[0]])))
-    # Not one from the other: next to a long gap its share differs from 1 by less than it is rounded.
+    # Both are computed separately: next to a long gap, 1 − share would be lost in rounding.
     share, other = after / (before + after), before / (before + after)
     if not periodic:
         share[[0, -1]], other[[0, -1]] = (0.0, 1.0), (1.0, 0.0)
