@@ -1,4 +1,4 @@
-"""What a walk is asked: its system, method, tolerance and ends; and why a walk may end."""
+"""Settings of a walk: its system, method, tolerance and ends; and the reasons why a walk may end."""
 
 import math
 from enum import IntEnum
