@@ -145,7 +145,7 @@ class RunRegime(Part):
             what = "none is" if not given else f"{' and '.join(given)} are"
             yield (
                 f"a run ends after cycles, after a time, at a speed or at rest: {what} given; give exactly one of "
-                "cycles, time, speed, rest = true, reversal = true (where it first stands still, be it for a moment), "
+                "cycles, time, speed, rest = true, reversal = true (where it first stands still, even for an instant), "
                 "velocity of a sliding input, end_of_range = true of an input that doesn't turn fully, or with a "
                 "clutch lock_up = true"
             )

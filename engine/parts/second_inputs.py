@@ -83,8 +83,8 @@ class SecondCrank(MovedByLaw):
     Its angle relative to the link that carries the pivot is `phase` + `ratio`·τ + `speed`·t, plus the sum of
     `harmonics` and the swing of `sections` or of a `table`, which start at τ = `begin`. τ is the crank angle φ, or
     makes a turn in each `period` or `travel`. If the sections don't return fully, the next turn of τ continues from
-    their end. `drive` is "own", a separate drive, or "crank": gears or cams that stand on the frame, not modelled,
-    driven by the crank.
+    their end. `drive` is "own", a separate drive, or "crank": gears or cams on the frame, not modelled, driven by
+    the crank.
     """
 
     type: Literal["crank"]
@@ -123,8 +123,7 @@ class SecondSlider(MovedByLaw):
 
     The distance of its origin from the guide's point is `start`, plus the sum of `harmonics` and the lift of `sections`
     or of a `table`, which start at τ = `begin`. τ is the crank angle φ, or makes a turn in each `period` or `travel`.
-    `drive` is "own", a separate drive, or "crank": gears or cams that stand on the frame, not modelled, driven by the
-    crank.
+    `drive` is "own", a separate drive, or "crank": gears or cams on the frame, not modelled, driven by the crank.
     """
 
     type: Literal["slider"]

@@ -53,7 +53,7 @@ class SceneError(ValueError):
 
 
 class _RefusedInWords(type(Part)):
-    """Refuses wrong input of `Scene(...)` in a person's words."""
+    """Reports wrong input of `Scene(...)` in plain words."""
 
     def __call__(cls, *args: Any, **data: Any) -> Any:
         try:

@@ -317,8 +317,8 @@ REGIMES = {"go": LOADED | {"time": 0.8}}
 
 test_uncounted_parts__are_refused_in_words = refusals(
     lambda changes: order(Scene.model_validate(changed(FIVE_BAR, regimes=REGIMES, **changes))),
-    ({"regimes__go": {"type": "steady"}}, "regimes.go: counts on one drive, and 'second' has its own"),
-    ({"flywheel": {"inertia": 0.05}}, "flywheel: counts on one drive"),
+    ({"regimes__go": {"type": "steady"}}, "regimes.go: needs a single drive, but 'second' has its own"),
+    ({"flywheel": {"inertia": 0.05}}, "flywheel: needs a single drive"),
     ({"friction": {"f": {"pair": "arms.inner", "coefficient": 0.1, "diameter": 0.02}}}, "friction.f: a run with"),
     (
         {"inputs__second__period": None, "inputs__second__drive": "crank", "inputs__other": SECOND},
@@ -327,7 +327,7 @@ test_uncounted_parts__are_refused_in_words = refusals(
     ({"shafts": {"s": {"geared_to": "crank", "ratio": 2, "pivot": "C"}}}, "shafts.s.pivot: a run with 'second'"),
     (
         {"inputs__second__sections": {"a": {"type": "dwell"}}},
-        "inputs.second.sections: a run with 'second', which has a drive of its own, doesn't count this",
+        "inputs.second.sections: a run with 'second', which has its own drive, ignores this",
     ),
 )
 
