@@ -96,7 +96,7 @@ class TiltedBody(Element):
             square = n["speed"] ** 2 * defined
             words = "couple of the inertia forces on the bearings of the fixed z axis"
             yield main_result("tilting_couple", words, "N m"), square * np.hypot(products[1], products[2])
-            words = "force of inertia of the centre of mass"
+            words = "inertia force at the centre of mass"
             yield main_result("centrifugal_force", words, "N"), mass * square * np.hypot(n["x"], n["y"])
 
     def evaluate(self, n: Numbers) -> Answers:

@@ -282,7 +282,7 @@ def follow_drives(
     # A load below the rounding of the motor torque counts as zero.
     drive = drive._replace(load=np.where(driving + drive.load > driving, drive.load, 0.0))
     mobility, load_mobility, stiffness, _, backlash, load = drive
-    # Stay within the backlash whatever is rounded.
+    # Stay within the backlash despite rounding.
     twist, touch = -backlash * (1.0 - 4.0 * EPS), np.where(backlash > 0.0, 0.0, 1.0)
     if begin.runs:
         # Up to now both masses had the same acceleration.

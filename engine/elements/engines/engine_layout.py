@@ -207,7 +207,7 @@ def radial_engine(cylinders: int) -> Pattern:
         Fewer than two cylinders.
     """
     if cylinders < 2:
-        raise LayoutError(f"a radial engine has two cylinders at least, not {cylinders}")
+        raise LayoutError(f"a radial engine has at least two cylinders, not {cylinders}")
     return Pattern(Station(math.tau * k / cylinders, 0.0, 0.0, 0.0, 0.0, 0.0) for k in range(cylinders))
 
 

@@ -66,7 +66,7 @@ class ScrewElement(FrictionElement):
         yield main_result("lower_moment", words, "N m"), down
         yield main_result("collar_moment", "moment of friction at the thrust collar", "N m"), held
         yield main_result("raise_efficiency", "efficiency of raising the load", "1"), work / up
-        words = "share of the sinking load's work that the screw passes on"
+        words = "efficiency of lowering: output work over the work of the sinking load"
         yield main_result("lower_efficiency", words, "1"), np.where(down < 0.0, -down / work, 0.0)
         words = "whether the load stays by itself (1 or 0)"
         yield main_result("self_locking", words, "1", exact=True), np.where(down < 0.0, 0.0, 1.0)

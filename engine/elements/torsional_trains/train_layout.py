@@ -95,8 +95,8 @@ def train_layout(masses: Sequence[str], joints: Sequence[Joint]) -> TrainLayout:
             passed.add(joint.name)
             if other in node_of:
                 raise LayoutProblem(
-                    f"{joint.name} closes a loop of shafts and gears: a train is a chain or a tree; shafts side by "
-                    "side are one with parts in parallel"
+                    f"{joint.name} closes a loop of shafts and gears: a train is a chain or a tree; combine "
+                    "parallel shafts into one with parts in parallel"
                 )
             path.append((other, mass, joint.name, joint.first == mass))
             if joint.rigid:
