@@ -243,7 +243,7 @@ class ElasticDrives:
 
 
 class DriveCycle(NamedTuple):
-    """Steady running of a machine on an elastic shaft over its cycle, (places,): the ends of every step.
+    """Steady running of a machine on an elastic shaft over its cycle, (positions,): the ends of every step.
 
     Attributes
     ----------
@@ -425,7 +425,7 @@ def _steps_of(variants: Variants, cycle: float, count: int) -> np.ndarray:
 
 
 class _Energy(MotionFields):
-    """Kinetic energy alone, as a field of a motion."""
+    """Only the kinetic energy, as a field of a motion."""
 
     def __call__(self, states: Snapshots) -> dict[str, np.ndarray]:
         """The energy at states [J], with the inertia of a rigid shaft."""

@@ -21,7 +21,7 @@ GOVERNED_AT_ONCE = 1024
 
 
 class AttachedElements(AskedElements):
-    """Requested results of machine elements, with what those that belong to the machine need to know of it.
+    """Requested results of machine elements, with the machine's data for those that depend on it.
 
     Parameters
     ----------
