@@ -60,7 +60,7 @@ class Joining(NamedTuple):
     sense : Given
         Sign of a clutch's slip, +1 if the shaft is faster, −1 if slower; 0 without slip.
     moves, shaft_moves : Given
-        1 if a side moves, 0 if it stands.
+        1 if a side moves, 0 at rest.
     fluid : Given
         Torque of a fluid coupling over λ ω² [kg·m²].
     piece : Given
@@ -173,7 +173,7 @@ def at_two_speeds(
         capacity = capacity + (joining.capacity[i] - joining.capacity[i - 1]) * rise
     own, other = joining.shaft_inertia, shaft.facing
     of_inertia, unknown = (0.5 * speed * speed) * (crank.way * mechanics.reduced.slope), {}
-    # Motors and fluids make steps stiff. Friction doesn't, and its derivative is as long as all reactions.
+    # Motors and fluids make steps stiff. Friction doesn't, and its derivative would contain those of all reactions.
     smooth, m2 = of_crank.total - of_inertia, of_shaft.total
     if rubs:
         unknown[speed] = graph.given("acceleration", Stage.STATE)

@@ -332,17 +332,17 @@ test_uncounted_parts__are_refused_in_words = refusals(
 )
 
 
-JUMPS = "may neither jump nor"
+JUMPS = "can't jump, act"
 test_what_a_second_input_does_not_allow__is_refused = refusals(
     lambda changes: Machine(Scene.model_validate(changed(FIVE_BAR, regimes=REGIMES, **changes)), ["go.time"]),
     ({"forces__rub": {"type": "against_motion", "on": "B", "force": 1.0}}, JUMPS),
-    ({"forces__rub": {"type": "linear_drag", "on": "B", "coefficient": 1.0}}, "use a linear one with an angle"),
+    ({"forces__rub": {"type": "linear_drag", "on": "B", "coefficient": 1.0}}, "give an angle and a load linear"),
     ({"forces__oil__acts": "along"}, JUMPS),
     ({"moments__air": {"type": "quadratic_drag", "on": "left", "coefficient": 1e-3}}, JUMPS),
     ({"moments__air": {"type": "torsion_spring", "on": "left", "stiffness": 1.0}}, JUMPS),
     ({"forces__rub": {"type": "formula", "on": "B", "force": "9 N/m * B.x", "angle": 0.0}}, JUMPS),
     (
         {"regimes__go__method": "rk4", "regimes__go__steps_per_turn": 64, "inputs__second__period": None},
-        "don't follow a second input with a drive of its own",
+        "can't follow a second input with its own drive",
     ),
 )
