@@ -160,7 +160,7 @@ def table_segment(memory: np.ndarray, offset: float, x: float) -> tuple[float, f
     left : float
         Start of the piece; for a periodic table, in the period of x.
     c3, c2, c1, c0 : float
-        At a step those after it.
+        At a step, the coefficients after it.
     """
     at = int(offset)
     pieces, start, period = int(memory[at]), memory[at + 1], memory[at + 2]
@@ -250,7 +250,7 @@ def sum_of_segments(
     Returns
     -------
     c3, c2, c1, c0 : float
-        At a step those after it.
+        At a step, the coefficients after it.
     """
     s3, s2, s1, s0 = 0.0, 0.0, 0.0, 0.0
     first = int(offsets)

@@ -224,7 +224,7 @@ class Measuring(RequiredCurves):
 
     @cached_property
     def _first_pass(self) -> Planned:
-        """Without speed fluctuations, if these require flywheels that are computed from the cycle."""
+        """Plan without speed fluctuations, if these require flywheels that are computed from the cycle."""
         given = any(steady.wheel is not None and steady.unknown_wheel is None for steady in self._steady)
         return self._whole if given else self._planned(speeds=False)
 

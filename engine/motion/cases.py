@@ -36,7 +36,7 @@ def regime_text(mechanics: Mechanics) -> list[tuple[str, str, str]]:
     Parameters
     ----------
     mechanics : Mechanics
-        Of a scene with regimes.
+        Mechanics of a scene with regimes.
     """
     reduction, regimes = Reduction(mechanics), mechanics.scene.regimes
     return [(name, *_case_of(Dynamics(reduction, frozenset(r.off)), r)) for name, r in regimes.items()]

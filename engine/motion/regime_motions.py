@@ -55,7 +55,7 @@ class RegimeMotion(ABC):
     ----------
     asked : AskedRegimes
     name : str
-        Of the regime.
+        Name of the regime.
 
     Attributes
     ----------

@@ -68,7 +68,7 @@ class WalkTask(NamedTuple):
     solves : int
         State with an implicit rate, −1: none; the row of that rate in P follows those of the states.
     matrix, inverse : ndarray
-        Of an implicit method.
+        A and its inverse, for an implicit method.
     states, width : int
         Rows of `rates`: those of the states, and those including the integrals.
     scales : int

@@ -215,7 +215,7 @@ def column_in_text(cells: Sequence[str] | np.ndarray, unit: str, dimension: str)
     cells : sequence of str, or ndarray
         Numbers without units; of texts each is rounded correctly, like "80 mm" by `in_text`.
     unit : str
-        Of all of them, "" for none.
+        Their common unit, "" for none.
     dimension : str
         As in `to_si`.
 

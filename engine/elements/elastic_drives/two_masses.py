@@ -30,7 +30,7 @@ from engine.stepping.records import put
 from engine.stepping.system import Guard, PrintedSystem, System, Walks
 from engine.stepping.walk_task import Why, tolerance_of_walk
 
-# Of a step.
+# Tolerance of a step.
 TOLERANCE = 1e-12
 # First step, in radians of the vibration.
 FIRST = 0.1
@@ -228,7 +228,7 @@ class FollowedDrives(NamedTuple):
     ----------
     held : HeldOfDrive
     speed, load_speed : ndarray
-        Of motor and load at the end [rad/s].
+        Final speeds of motor and load [rad/s].
     too_stiff : ndarray of bool
         Drives not computed because they vibrate too often within their duration.
     steps, recorded : ndarray

@@ -120,7 +120,7 @@ def throttled(governor: Element, graph: Graph, lift: Node, whole: Node, opens: N
     governor : Governor
     graph : Graph
     lift, whole : Node
-        Of the sleeve, and at its outer stop [m].
+        Lift of the sleeve, and its lift at the outer stop [m].
     opens : Node or None
         As in `equilibrium_nodes`.
     """

@@ -197,7 +197,7 @@ def follow_changes(
 class _Runs(WalkedRuns):
     """Runs of a number of variants, in progress; rows (variants,)."""
 
-    # Of MOST_STEPS steps at most; abandoned at once if that number gains less than this fraction of its time.
+    # Walks of up to MOST_STEPS steps; a run is abandoned if they cover less than this fraction of its duration.
     most_walks, of_its_time = 14, 1e-3
 
     def __init__(self, g: GovernorVariants, marks: Marks, cycle: np.ndarray, longer: float, records: bool) -> None:

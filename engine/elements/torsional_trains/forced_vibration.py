@@ -23,7 +23,7 @@ class ForcedVibration(NamedTuple):
     Attributes
     ----------
     angles : list of Measured (orders, variants)
-        Of each node [rad]; infinite at a resonance without damping.
+        Angle of each node [rad]; infinite at a resonance without damping.
     moments : list of Measured (orders, variants)
         Torque of the shaft from each node to its parent, k (q_parent − q); 0 for the first node [N·m].
     dissipated : Measured (variants,)

@@ -273,7 +273,7 @@ def drive_cycle(scene: Scene, name: str) -> DriveCycle | None:
     ----------
     scene : Scene
     name : str
-        Of the element.
+        Name of the element.
 
     Returns
     -------
@@ -323,7 +323,7 @@ def drive_run(scene: Scene, name: str) -> DriveRun | None:
     ----------
     scene : Scene
     name : str
-        Of the element.
+        Name of the element.
 
     Returns
     -------
@@ -342,7 +342,7 @@ class Ready(NamedTuple):
     ----------
     dynamics : Dynamics
     system : MachineSystem
-        Of the drive over the crank angle.
+        System of the drive over the crank angle.
     rigid, bare : Variants
     given : ndarray (variants, 3)
         As for `elastic_cycle`.

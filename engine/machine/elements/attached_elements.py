@@ -67,7 +67,7 @@ class AttachedElements(AskedElements):
         answers : MeasuredCycles
             Including `harmonics`.
         numbers : Numbers
-            Of the scene.
+            Numbers of the scene.
         variants : int
         """
         if not self._trains:

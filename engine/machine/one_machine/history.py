@@ -47,7 +47,7 @@ class History(NamedTuple):
     angle : ndarray
         Crank angle [rad], continuing beyond a turn.
     speed, acceleration : ndarray
-        Of the crank [rad/s, rad/s²], positive counter-clockwise.
+        Speed and acceleration of the crank [rad/s, rad/s²], positive counter-clockwise.
     motor_moment : ndarray
         Motor torque reduced to the crank [N·m].
     load_moments : dict of str to ndarray

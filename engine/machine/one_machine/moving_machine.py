@@ -240,7 +240,7 @@ class MovingMachine:
         mass, length, time = (powers.get(f"[{base}]", 0) for base in ("mass", "length", "time"))
         longest, speed, energy = self._own_sizes
         with np.errstate(all="ignore"):
-            # Of the mass only the energy m (l/t)² is known.
+            # Masses enter only through the energy m (l/t)².
             size = energy**mass * longest ** (length - 2 * mass) * speed ** (-time - 2 * mass)
             return np.where((np.abs(row) <= _ROUNDED * size) & np.isfinite(size), 0.0, row)
 

@@ -133,7 +133,7 @@ class ShaftSide(NamedTuple):
     Attributes
     ----------
     form : EquationOfMotion
-        Of the torques on the shaft, its speed reduced to the crank.
+        Equation of the torques on the shaft, its speed reduced to the crank.
     inertia : ndarray (variants,)
         Reduced to the crank [kg·m²].
     """

@@ -64,7 +64,7 @@ class Joining(NamedTuple):
     fluid : Given
         Torque of a fluid coupling over λ ω² [kg·m²].
     piece : Given
-        Of the table of a fluid coupling, as in `fluid_torque`.
+        Piece of a fluid coupling's table, as in `fluid_torque`.
     engaged : Given
         Clock time at which the coupling was engaged [s].
     times, capacity : tuple of Given
@@ -72,7 +72,7 @@ class Joining(NamedTuple):
     shaft_inertia : Given
         Reduced to the crank [kg·m²].
     stiffness, damping, backlash : Given
-        Of an elastic shaft [N·m/rad, N·m·s/rad, rad].
+        Numbers of an elastic shaft [N·m/rad, N·m·s/rad, rad].
     touch : Given
         Contact of the elastic shaft: 1 forward, −1 backward, 0 none.
     growing : Given

@@ -52,7 +52,7 @@ class WithServos(Loads):
     time : Node
         [s].
     speed : Node
-        Of the first input, in its direction of motion [rad/s].
+        Speed of the first input, in its direction of motion [rad/s].
     magnitude : Node, optional
         Its magnitude, for formulas; by default, `speed`.
     epsilon : Node, optional

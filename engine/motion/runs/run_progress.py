@@ -188,7 +188,7 @@ class MachineRuns(WalkedRuns):
     Parameters
     ----------
     form : EquationOfMotion
-        Of the crank, with the initial crank angles.
+        Equation for the crank, with the initial crank angles.
     standing : Standing
         Initial state.
     ends : Ends
