@@ -106,7 +106,7 @@ class MotionProgram(Part):
                 moves = "slides" if self.translating else "turns"
                 yield f"{place}.{wrong}: this link {moves}; give {right} instead"
             if isinstance(part, RiseSection) and getattr(part, right) is None:
-                yield f"{place}.{right} is missing: say how far it moves away"
+                yield f"{place}.{right} is missing: give how far the link moves"
 
     def _faults_of_angles(self) -> Faults:
         angles = [section.angle for section in self.sections.values()]

@@ -66,7 +66,7 @@ class MovedByLaw(MotionProgram):
     def _faults(self) -> Faults:
         lost = self.gives("period", "travel")
         if lost and not self.repeats and getattr(self, "ratio", 0.0) == 0.0:
-            yield f"{lost[0]} has no meaning without a ratio, harmonics, sections or a table"
+            yield f"{lost[0]} has no meaning without a ratio, harmonics, sections or a table; give one, or leave it out"
         if self.gives("begin") and not self.sections and self.table is None:
             yield "begin has no meaning without sections or a table; leave it out"
         if self.drive == "crank" and (self.period is not None or getattr(self, "speed", 0.0) != 0.0):

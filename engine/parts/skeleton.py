@@ -199,7 +199,7 @@ class Part(BaseModel):
                 if given and value not in values:
                     yield f"{key} goes with {other} = {' or '.join(map(repr, values))}; the {other} is {value!r}"
                 if rule == "required_with" and not given and value in values:
-                    yield f"{key} is missing: {other} = {value!r} needs it"
+                    yield f"{key} is missing: {other} = {value!r} needs it; add it"
 
     def _ascending(self, keys: Iterable[str]) -> Iterator[tuple[str, str]]:
         """Neighbours among the keys that are given."""

@@ -184,7 +184,7 @@ def _regimes(scene: Scene) -> Iterator[Problem]:
         at = f"regimes.{name}"
         for action in regime.off:
             if isinstance(scene.moments.get(action), Carried):
-                yield f"{at}.off", f"the mass of {action!r} always moves with the machine: it can't be off"
+                yield f"{at}.off", f"the mass of {action!r} always moves with the machine: leave it out of off"
         if name in taken:
             yield at, f"the name {name!r} is already taken; choose another"
         if regime.type == "steady":
@@ -222,7 +222,7 @@ def _machine_drives(scene: Scene) -> Iterator[Problem]:
         elif not motors - set(element.off):
             yield f"{at}.off", "every motor is off; leave one on"
         if shaft is not None and scene.shafts[shaft].inertia == 0.0:
-            yield f"{at}.driver", f"shafts.{shaft}.inertia = 0: the motors' end needs inertia"
+            yield f"{at}.driver", f"shafts.{shaft}.inertia = 0: the motors' end needs inertia; give it"
         for load, moment in scene.moments.items():
             if isinstance(moment, Carried) and moment.on == shaft:
                 yield f"{at}.driver", f"{load!r} moves other masses with this shaft; name another"

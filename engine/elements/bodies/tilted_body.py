@@ -67,7 +67,7 @@ class TiltedBody(Element):
         if not (all(moments) and not any(axes)) and not (all(axes) and not any(moments)):
             yield f"give {', '.join(MOMENTS)}, or {', '.join(SEMI_AXES)} of an ellipsoid: all three of one"
         if all(axes) and (self.product_xy or self.product_yz or self.product_zx):
-            yield "products belong to given moments: an ellipsoid has none about its own axes"
+            yield "products belong to given moments: an ellipsoid has none about its own axes; leave them out"
 
     def named(self, n: Numbers) -> NamedRows:
         """Results of a set of variants; NaN if no body has such moments of inertia."""

@@ -149,7 +149,7 @@ class EngineElement(Element):
         if self.knuckle_radius is not None and self.gas is not None:
             yield "gas: the torque can't be computed with link rods; leave out gas, or the link rods"
         if self.master_cylinder > self.cylinders:
-            yield f"master_cylinder = {self.master_cylinder}: there are {self.cylinders} cylinders"
+            yield f"master_cylinder = {self.master_cylinder}: there are {self.cylinders} cylinders; give one of them"
 
     def pattern(self) -> Pattern:
         """Arrangement of the cylinders, without dimensions.

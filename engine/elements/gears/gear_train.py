@@ -170,7 +170,7 @@ class GearTrain(Element):
         if not self.has_loads:
             loaded = [name for name, shaft in self.shafts.items() if shaft.loaded]
             if loaded:
-                yield f"shafts.{loaded[0]}.loaded: no shaft has a moment that it could follow from"
+                yield f"shafts.{loaded[0]}.loaded: no shaft has a moment that it could follow from; give one"
             return
         follow = tuple(name for name in structure.unknown_moments if name not in structure.held)
         if len(follow) != structure.mobility:

@@ -119,7 +119,7 @@ class TorsionalTrain(Element):
         if twice:
             yield f"{twice[0]} names two things; masses, shafts and gears need distinct names"
         if not self.layout.shaft_to[1:] and not self.layout.grounded:
-            yield "shafts is missing: masses without a shaft between them don't vibrate"
+            yield "shafts is missing: masses without a shaft between them don't vibrate; add one"
         yield from self._faults_of_excitations()
         for name, mass in self.masses.items():
             if mass.inertia is None and name != self.machine_at:
@@ -147,7 +147,7 @@ class TorsionalTrain(Element):
                 "damping; leave it out, or give excitations, engine or machine_at"
             )
         if self.excitations and not given:
-            yield "speed is missing: excitations are given by multiples of it"
+            yield "speed is missing: excitations have multiples of it; give it"
         if self.engine is not None:
             yield from self._faults_of_engine(self.engine)
         elif self.cylinders_at:
@@ -166,7 +166,7 @@ class TorsionalTrain(Element):
 
     def _faults_of_engine(self, engine: EngineElement) -> Faults:
         if engine.gas is None:
-            yield "engine.gas is missing: without it the engine has no torque"
+            yield "engine.gas is missing: without it the engine has no torque; add it"
         lost = engine.gives(*OF_SHAKING)
         if lost:
             yield f"engine.{lost[0]} affects the shaking forces of the engine, not its torque; leave it out"

@@ -109,6 +109,6 @@ def train_layout(masses: Sequence[str], joints: Sequence[Joint]) -> TrainLayout:
                 waiting.append(other)
     apart = [mass for mass in masses if mass not in node_of]
     if apart:
-        raise LayoutProblem(f"{', '.join(apart)}: no shafts or gears join them to {masses[0]!r}")
+        raise LayoutProblem(f"{', '.join(apart)}: no shafts or gears join them to {masses[0]!r}; add one")
     in_order = {mass: node_of[mass] for mass in masses}
     return TrainLayout(tuple(masses), in_order, tuple(parents), tuple(shaft_to), grounded, tuple(path))

@@ -203,7 +203,7 @@ def _radius(scene: Scene, radius: float | None) -> float:
     if radius is None:
         return scene.input.length
     if not radius > 0:
-        raise BalanceError(f"radius = {radius!r}: counterweights sit at a positive distance from the axis")
+        raise BalanceError(f"radius = {radius!r}: give a positive distance of the counterweights from the axis")
     return radius
 
 

@@ -94,7 +94,7 @@ def why_not_grouped(scene: Scene, known: Iterable[str]) -> list[Problem]:
     at = f"links.{links[0]}"
     far = sorted({name for p in pairs for name in (p.link, p.other)} - {*links, *known})
     if far:
-        return [(at, f"needs {', '.join(far)}, which can't be ordered either")]
+        return [(at, f"needs {', '.join(far)}, which can't be ordered either; connect those first")]
     if not pairs:
         return [(at, f"{', '.join(links)}: no joint or guide joins this to the machine; name its joints or its guide")]
     constraints = _constraints(links, pairs)

@@ -262,7 +262,7 @@ def order(scene: Scene) -> Structure:
         or to the frame only, free links that can't move or move too freely, and actions on parts that can't carry them.
     """
     if scene.input is None:
-        raise SceneError([("input", "is missing: a mechanism needs one, and this scene has only machine elements")])
+        raise SceneError([("input", "is missing: add one; this scene has only machine elements and no mechanism")])
     # Phases: checking ends with the first that finds problems, as these cause others in the next.
     for phase in (_of_names, _of_order, _of_parts, _of_gears, _of_details):
         if problems := phase(scene):

@@ -261,7 +261,7 @@ test_what_cannot_be_balanced__is_said = refusals(
     ({}, "no link may have a counterweight"),
     ({"links": ["crank"], "criterion": "least"}, "criterion = 'least': allowed are 'full', 'rms' and 'peak'"),
     ({"links": ["crank"], "most": {"rod": 1.0}}, "most['rod'] = 1.0: give mass times radius above 0"),
-    ({"links": ["crank"], "criterion": "rms", "radius": 0.0}, "radius = 0.0: counterweights sit at a positive"),
+    ({"links": ["crank"], "criterion": "rms", "radius": 0.0}, "radius = 0.0: give a positive distance"),
     (
         {"links": ["crank"], "places": [CounterweightPlace("crank", 0.1)]},
         "counterweights on crank have the same effect",
