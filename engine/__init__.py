@@ -1,8 +1,8 @@
 """Planar machines: kinematics, reduced inertia and moments, flywheels; one variant or millions, with error estimates.
 
-All that others use of this package is imported from here: `from engine import Scene, Machine`. The names stand in
-`__init__.pyi`, with the modules they come from; a module is loaded when the first of its names is used, so that
-`import engine` costs next to nothing and Numba is loaded only for what computes.
+The public names are imported from here: `from engine import Scene, Machine`. `__init__.pyi` lists them with the modules
+they come from; a module is loaded when the first of its names is used, so that `import engine` costs next to nothing
+and Numba is loaded only for computations.
 """
 
 import ast
@@ -18,9 +18,9 @@ def door(file: str, names: dict[str, object]) -> tuple[list[str], Callable[[str]
     Parameters
     ----------
     file : str
-        Path of the package's `__init__.py`; the stub beside it lists the names and their modules.
+        Path of the package's `__init__.py`; the stub next to it lists the names and their modules.
     names : dict of str to object
-        The package's globals, in which names are kept once loaded.
+        The package's globals, which cache the loaded names.
     """
     stub = ast.parse(Path(file).with_suffix(".pyi").read_text(encoding="utf8"))
     homes = {
@@ -45,9 +45,9 @@ def door(file: str, names: dict[str, object]) -> tuple[list[str], Callable[[str]
 def on_use(room: str) -> Callable[[str], ModuleType]:
     """The `__getattr__` of a package that loads each of its modules with the first use of a name in it.
 
-    What few machines have is reached by its full name, `mechanism.higher_pairs.cam_motion.add_cam`, after an import of
-    the room alone, `from engine import mechanism`: such an import loads nothing, and the module is loaded for the first
-    scene with a cam. What most machines have is imported by name as usual.
+    Modules that few machines need are used by full name, `mechanism.higher_pairs.cam_motion.add_cam`, after the
+    package alone is imported, `from engine import mechanism`: that import loads nothing, and the module is loaded for
+    the first scene with a cam. Modules that most machines need are imported by name as usual.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
-"""What the engine offers: the one list of its names, for type checkers, editors and the door itself.
+"""The public names of the engine: their only list, for type checkers, editors and `door`.
 
-An import with `as` offers a name under one that says enough away from its module.
+An import with `as` publishes a name under one that is clear outside its module.
 """
 
 from engine.compiling.kept_code import is_compiling

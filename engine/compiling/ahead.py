@@ -17,12 +17,12 @@ sys.path[:] = pickle.load(sys.stdin.buffer)
 function, given = pickle.load(sys.stdin.buffer)
 function(*given)
 """
-# The processes, by what they compile last.
+# The processes, by the function that each compiles last.
 _running: dict[Callable, subprocess.Popen] = {}
 
 
 def compile_ahead(compiled: Callable, function: Callable, *given: object) -> None:
-    """Call a function that compiles another one in a process of its own, unless its machine code is in the cache.
+    """Call, in a separate process, a function that compiles another one, unless its machine code is in the cache.
 
     Without a second core, or a cache, nothing is done; this process then compiles when the code is needed.
 

@@ -18,7 +18,7 @@ _FOR_OTHERS = {WithLifting, InlineClosureLikes, LiteralUnroll, LiteralPropagatio
 def _load_array_functions() -> None:
     """Load Numba's array functions without SciPy's linear algebra, which takes as long to load as Numba itself.
 
-    They look for its BLAS once, for `np.cov` and a few others; without it these use loops of their own. `np.dot` and
+    They look for its BLAS once, for `np.cov` and a few others; without it these use their own loops. `np.dot` and
     `np.linalg` look for it again when they are compiled.
     """
     blas = "scipy.linalg.cython_blas"
@@ -49,7 +49,7 @@ class PartOfCallers(JITCodeLibrary):
         self._finalized = True
 
     def get_pointer_to_function(self, name: str) -> int:
-        """Return 0: the function has no machine code of its own."""
+        """Return 0: the function has no separate machine code."""
         return 0
 
     @property

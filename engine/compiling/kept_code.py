@@ -122,7 +122,7 @@ def keep_compiled(function: Callable) -> None:
 
 
 def is_kept(function: Callable) -> bool:
-    """Whether machine code of a function, for whatever types, is in the cache."""
+    """Whether machine code of a function, for any types, is in the cache."""
     return Path(function._cache._cache_file._index_path).exists()
 
 
@@ -174,7 +174,7 @@ class _KeptFunction(FunctionCache):
         self._cache_file = _VerifiedFiles(self._cache_path, self._impl.filename_base, None)
 
     def load_overload(self, sig: Signature, target_context: BaseContext) -> CompileResult | None:
-        """Load what the cache has for a signature.
+        """Load the cached code for a signature.
 
         Numba itself first loads all that it can compile, which takes 0.2 s. Code needs none of it but the memory of
         arrays, if it makes any.

@@ -1,4 +1,4 @@
-"""Functions printed as LLVM's instructions: what is printed, and how compiled code passes arrays to them."""
+"""Functions printed as LLVM's instructions: their text, and how compiled code passes arrays to them."""
 
 from collections.abc import Callable, Iterable
 from typing import NamedTuple

@@ -34,7 +34,7 @@ def _layout(value: object) -> Hashable:
         # Each signature is made once; comparing signatures takes long.
         return id(value.signature())
     if callable(value):
-        # Each function has a type of its own in Numba.
+        # Each function has its own type in Numba.
         raise TypeError(f"{value} must be passed as a value of its signature")
     return type(value)
 

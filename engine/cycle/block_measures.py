@@ -1,4 +1,4 @@
-"""Measures of a block's cycles from its record, each a compiled function of its own: a plan needs only its own ones.
+"""Measures of a block's cycles from its record, each a separate compiled function: a plan needs only some.
 
 All have one signature. Those that add curves to the record run before those that measure these.
 """

@@ -22,10 +22,11 @@ from engine.cycle.roots import GivenNumbers, Samples, new_samples, sample
 # A slope's extreme is close to 0 if it is below this fraction of the larger slope at the ends.
 CLOSE = 0.1
 # A slope is flat at its zero if its derivative there, times the interval, is below this fraction of its change over the
-# interval, or if that change is below this fraction of the change over as long an interval beside.
+# interval, or if that change is below this fraction of the change over an adjacent interval of the same length.
 FLAT = 0.75
-# Let c be the change of the slope over as long an interval beside. Between slopes of one sign the approximation may
-# miss an extreme if the slope changes by less than EVEN · c over the interval, and is below SMALL · c at an end.
+# Let c be the change of the slope over an adjacent interval of the same length. Between slopes of one sign the
+# approximation may miss an extreme if the slope changes by less than EVEN · c over the interval, and is below SMALL · c
+# at an end.
 EVEN, SMALL = 0.3, 0.1
 # How far outside its interval the extreme of an approximation may lie, as a fraction of the interval.
 OUTSIDE = 0.1
@@ -163,7 +164,7 @@ class CloseTurns(NamedTuple):
 
 
 def new_close_turns(outputs: int, positions: int) -> CloseTurns:
-    """Allocate the scratch arrays for an `events` function with `outputs` rows, and so many scan positions."""
+    """Allocate the scratch arrays for an `events` function with `outputs` rows and `positions` scan positions."""
     at, order = new_samples(outputs, MOST_SUSPECTS), np.zeros(positions, np.int64)
     found = {"suspects": MOST_SUSPECTS, "parts": MOST_SUSPECTS, "at": at, "order": order}
     return new_record(CloseTurns, **found, sorted=np.zeros(positions))
@@ -248,7 +249,7 @@ def begin_suspects(function: int, samples: Samples, turns: CloseTurns) -> None:
 
 @inlined
 def _append(at: float, row: int, lane: int, samples: Samples, turns: CloseTurns) -> None:
-    """Add a position of `turns.at` behind a lane's scan positions."""
+    """Append a position of `turns.at` to a lane's scan positions."""
     k = int(turns.marks.used[lane])
     samples.place[0, k, lane] = at
     for f in range(samples.tile.shape[0]):

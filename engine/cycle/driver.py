@@ -1,6 +1,6 @@
 """The function that runs every machine: blocks of variants, one after another, each through its cycle.
 
-A machine supplies three functions of one signature, the measures of its plan, and index arrays of the results wanted.
+A machine supplies three functions of one signature, the measures of its plan, and index arrays of the results.
 """
 
 import math
@@ -65,7 +65,7 @@ class MachineFunctions(NamedTuple):
 
 
 class Task(NamedTuple):
-    """The results wanted of a machine: the plan of `engine.cycle.machine` as arrays.
+    """The requested results of a machine: the plan of `engine.cycle.machine` as arrays.
 
     Attributes not listed are those of the plan. Curves are numbered as in the record; those to integrate, as in the
     machine.
@@ -85,7 +85,7 @@ class Task(NamedTuple):
         Indices of the fluctuations whose speeds are its last curves.
     extremes : ndarray (extremes, 4) of int
         Curves a and b, the row of P with the factor c, and the kind of extreme of a − c (b − b₀), as in
-        `engine.cycle.measures.extremes`; row −1 for the extreme of a alone.
+        `engine.cycle.measures.extremes`; row −1 for the extreme of a only.
     only_integrals : ndarray (curves,) of float
         1 for curves of the machine that are only integrated, else 0.
     """

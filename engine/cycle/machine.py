@@ -48,7 +48,7 @@ from engine.cycle.measures.unloaded_arcs import Arc
 from engine.cycle.plan import Plan, is_cut, without_cuts
 
 # Initial room for steps of the walk, and for those of all curves together; blocks that need more are evaluated again.
-# The system gives memory to what is used only.
+# The operating system provides memory only for the part in use.
 _STEPS, _SLOTS = 24, 4096
 # Doublings of the scan positions and of the room for roots, after which a variant that needs more has no results.
 MOST_DOUBLINGS = 6
@@ -101,7 +101,7 @@ class CycleOutcome:
     lengths : ndarray (variants,)
         Last minus first position of the input.
     extremes, landmarks : Extremes
-        Of the curves wanted, NaN for a side that wasn't; and of the switching functions.
+        Of the requested curves, NaN for a side not requested; and of the switching functions.
     fluctuations : Measured (results, variants)
         δ of steady cycles with given flywheels; NaN if the machine would stop within the cycle.
     averages, squares : Measured (results, variants)
@@ -109,7 +109,7 @@ class CycleOutcome:
     arcs, arc_middles : Measured (results, variants)
         Widest unloaded arcs, and their middles [rad].
     crossings : ndarray (crossings, roots, variants)
-        Positions of the crossings of each level, NaN for missing ones; empty unless the plan tells them.
+        Positions of the crossings of each level, NaN for missing ones; empty unless the plan requests them.
     spaced : ndarray (results, variants, positions)
         Values at equally spaced positions.
     firsts : dict of int to ndarray (variants,)
@@ -241,7 +241,7 @@ class CycleMachine:
         return answers
 
     def _arguments(self, asked: Packed, answers: Packed, variants: Packed, steps: int) -> tuple:
-        """Arguments of the driver behind its range; what it calls is compiled now, or loaded from the cache."""
+        """Arguments of the driver after its range; what they call is compiled now, or loaded from the cache."""
         room = workspace_of(asked, len(variants.record.numbers), steps)
         cuts = address_of(find_cuts, asked.kind, variants.kind, room.kind) if is_cut(asked.record) else 0
         wait_until_compiled(evaluate_blocks)

@@ -136,7 +136,7 @@ def measured(value: object) -> Measured:
 
 
 def propagated(value: np.ndarray, *operands: tuple[np.ndarray, Measured]) -> Measured:
-    """A value with the error of its operands by their partial derivatives: of an operand that occurs more than once.
+    """A value with its operands' errors propagated by partial derivatives, for operands that occur more than once.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
-"""The results wanted of a machine on its cycle, each with the number under which it is found among the results.
+"""The requested results of a machine's cycle, each with its number among the results.
 
-What is wanted of the whole cycle is measured from the record of a few curves: curves of the machine and others that
-follow from them, such as running integrals. A plan numbers them when all is known that is wanted.
+Results of the whole cycle are measured from the record of a few curves: curves of the machine and others that
+follow from them, such as running integrals. A plan numbers them once all requests are known.
 """
 
 import math
@@ -76,7 +76,7 @@ class Difference:
 
 @dataclass
 class Plan:
-    """Results wanted of a machine, by indices of its curves and of rows of P.
+    """Requested results of a machine, by indices of its curves and of rows of P.
 
     Attributes
     ----------
@@ -134,12 +134,12 @@ class Plan:
     turn: float = math.inf
     looks: int = 1
     turns: int = 1
-    # What is wanted, in order, by the measure that finds it; of an extreme also the sides.
+    # Requests in order, by the measure that finds them; of an extreme also the sides.
     _wanted: dict[Measure, dict[Hashable, int]] = field(init=False, default_factory=dict)
     _sides: list[int] = field(init=False, default_factory=list)
 
     def find(self, measure: Measure, wanted: Hashable) -> int:
-        """Find something, too; returns its number among the results of the measure.
+        """Add a result to the plan; returns its number among the results of the measure.
 
         Parameters
         ----------
@@ -154,14 +154,14 @@ class Plan:
         return of_measure.setdefault(wanted, len(of_measure))
 
     def find_extremes(self, curve: Recorded | Difference, sides: int = BOTH) -> int:
-        """Find extremes of a curve, too; `sides` as in `engine.cycle.measures.extremes`."""
+        """Add extremes of a curve to the plan; `sides` as in `engine.cycle.measures.extremes`."""
         number = self.find("extremes", (curve, sides == LEAST_MAGNITUDE))
         self._sides += [0] * (number + 1 - len(self._sides))
         self._sides[number] |= sides
         return number
 
     def wanted(self, measure: Measure) -> list:
-        """What is wanted of a measure, in the order of the results."""
+        """Results requested of a measure, in order."""
         return list(self._wanted.get(measure, ()))
 
     def task(self, functions: Iterable[PrintedFunction | None]) -> Task:

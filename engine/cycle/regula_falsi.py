@@ -49,7 +49,7 @@ def regula_falsi(f: Callable[[np.ndarray], np.ndarray], a: np.ndarray, b: np.nda
 
 
 def bisected(holds: Callable[[np.ndarray], np.ndarray], a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Neighbouring places between a and b, at the first of which a condition holds, as at a, and not at the second.
+    """Adjacent numbers between a and b: a condition holds at the first, as at a, and not at the second.
 
     Parameters
     ----------

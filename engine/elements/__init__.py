@@ -1,4 +1,4 @@
-"""Machine elements without a mechanism or separate from it: input models and laws."""
+"""Machine elements, alone or next to a mechanism: input models and laws."""
 
 from engine import on_use
 

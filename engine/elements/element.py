@@ -31,7 +31,7 @@ from engine.words.verdicts import Verdict
 Numbers = Mapping[str, np.ndarray]
 Columns = dict[str, np.ndarray]
 
-# Relative change of numbers so close to a limit that the usual one exceeds it.
+# Relative change of numbers so close to a limit that the usual change would exceed it.
 LEAST_NUDGE = 2.0**-13 * NUDGE
 # Rounding units of a result's size that its error estimate contains.
 ROUNDING = 16
@@ -40,7 +40,7 @@ PLACES, _MOST_PANELS = 201, 4
 
 
 def named_in_order(results: Iterable[Quantity], rows: Iterable[np.ndarray]) -> Columns:
-    """Rows in the order of results, by the names of these."""
+    """Rows in the order of the results, by the results' names."""
     return dict(zip((result.name for result in results), rows, strict=True))
 
 
@@ -274,7 +274,7 @@ def nudged(values: Callable[[Numbers], Columns], n: Numbers, nudge: float = NUDG
     for name, rows in values(dict(zip(n, every.reshape(count, -1), strict=True))).items():
         parts = np.broadcast_to(rows, every[0].size).reshape(count + 1, variants)
         with np.errstate(invalid="ignore", divide="ignore"):
-            # Closer to a pole, such as a resonance, than the change is, the result's reciprocal is linear in it.
+            # If a pole, such as a resonance, is nearer than the change, the result's reciprocal is linear instead.
             steeper = np.where(parts[1:] != 0.0, np.fmax(np.abs(parts[0] / parts[1:]), 1.0), 1.0)
             moved = np.abs(parts[1:] - parts[0]) * steeper
         moved = np.where(np.isnan(moved), math.inf, moved).sum(axis=0)

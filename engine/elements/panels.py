@@ -56,9 +56,9 @@ class Panel(NamedTuple):
     limits : (float, float), optional
         Limits of the y axis, logarithmic if both are above 0; default: all values.
     kind : {"curves", "plan", "bars"}
-        A plan has equal scales on both axes; bars of several curves stand side by side at each place.
+        A plan has equal scales on both axes; bars of several curves are side by side at each abscissa.
     names : sequence of str
-        Labels of the places, if they are not numbers.
+        Labels of the abscissae, if they are not numbers.
     """
 
     x: PanelAxis
@@ -89,7 +89,7 @@ def plan(curves: Sequence[Curve], title: str = "", unit: str = "m", words: tuple
     Parameters
     ----------
     curves : sequence of Curve
-        Each with its own places.
+        Each with its own abscissae.
     title, unit : str
     words : (str, str)
         Labels of both axes.

@@ -20,7 +20,7 @@ def sampled_peak(
     Parameters
     ----------
     f : callable
-        At places (..., variants).
+        Function of positions (..., variants).
     places : ndarray (samples, variants)
         Ascending, and close enough that the slope has only one root next to the highest sample, or the peak is at an
         end.

@@ -12,7 +12,7 @@ from engine.compiling.running import spread
 from engine.laws.elementary import direction_of
 
 NO_NUMBERS, NO_ROWS = np.empty((0, 0)), np.empty(0, np.int64)
-# For functions of the variant's numbers alone.
+# For functions of the variant's numbers only.
 NOWHERE = np.empty(0)
 # Rows of a block in addition to numbers and curves: position with cosine and sine.
 _ALSO = 3

@@ -10,7 +10,7 @@ machine as values:
 
 A fourth, `fields`, fills rows over equally spaced positions, for one variant at a time.
 
-Each is printed as the function `fill` of a module of its own, so equal ones are compiled once.
+Each is printed as the function `fill` of a separate module, so equal ones are compiled once.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -204,7 +204,7 @@ def functions_in_motion(
 
 
 def places_of(rates: Sequence[Node]) -> list[Node]:
-    """Nodes independent of the state from which nodes of a state are computed, and which have no row of their own.
+    """Nodes independent of the state from which nodes of a state are computed, and which have no separate row.
 
     These are nodes of the position, and nodes computed from numbers given for a variant.
     """
@@ -308,7 +308,7 @@ def field_function(fields: Sequence[Node], rows: dict[Node, int], dtype: np.dtyp
 
 
 def function_at(curves: Sequence[Node], rows: dict[Node, int], stage: Stage = Stage.POSITION) -> PrintedCode:
-    """Print `curves_at` alone, for a layout of numbers.
+    """Print only `curves_at`, for a layout of numbers.
 
     Parameters
     ----------

@@ -199,7 +199,7 @@ class Application(Node):
     __slots__ = ("law", "sizes")
 
     def __init__(self, graph: "Graph", law: Callable, operands: tuple[Node, ...], sizes: tuple[int, ...]) -> None:
-        # A law of the variant's numbers alone still runs in compiled code, so its stage is the cycle at the earliest.
+        # A law of the variant's numbers only still runs in compiled code, so its stage is the cycle at the earliest.
         super().__init__(graph, max(Stage.CYCLE, *(o.stage for o in operands)), operands, name_of(law))
         self.law, self.sizes = law, sizes
 
@@ -477,7 +477,7 @@ class Graph:
         return self._once(("held", node), lambda: Held(self, node))
 
     def combination(self, terms: Iterable[tuple[Node, Node]]) -> Node:
-        """Sum of coefficients times curves; multiples of one curve, such as loads at one place, merge into one term."""
+        """Sum of coefficients times curves; multiples of one curve, such as loads at one point, merge into one term."""
         kept = [(c, b) for c, b in terms if self.zero not in (c, b)]
         multiples: dict[Node, list[tuple[Node, Node]]] = {}
         for c, b in kept:

@@ -2,7 +2,7 @@
 
 There are two orders of loops. Functions in lanes fill a tile of positions × lanes, with one variant in each lane;
 summaries are computed from them. Functions over positions fill the rows of one variant after another; kept fields are
-computed from them. Numba compiles the laws, but not what is printed here: it would spend most of its time on finding
+computed from them. Numba compiles the laws, but not the printed code: it would spend most of its time on finding
 that thousands of names are numbers.
 
 Rows don't overlap and no position depends on another, so the loops are declared parallel: the compiler computes several
@@ -64,7 +64,7 @@ class Instructions:
     apart : int
         Distance between the numbers of a table.
     before : Instructions, optional
-        Those of the same function that compute nodes which these read, its outputs.
+        Instructions of the same function whose outputs these read.
 
     Attributes
     ----------
@@ -112,7 +112,7 @@ class Instructions:
             return not self._inline_held
         if isinstance(node, (Number, NumberTable, Found, Given)):
             return True
-        # Results of held nodes or given numbers alone have no row: they are computed where they are used.
+        # Results that depend only on held nodes or given numbers have no row: they are computed where they are used.
         return node.stage < self._stage and node.stage not in (Stage.VARIANT, Stage.PANEL)
 
     def _write(self, node: Node) -> None:
@@ -190,7 +190,7 @@ class Instructions:
 def _lookup_results(outputs: Sequence[Node]) -> list[Node]:
     """Results of laws that look up numbers of the variant by index, and of the laws that find the index.
 
-    They are computed first, in a loop of their own: loads from computed addresses would keep the compiler from
+    They are computed first, in a separate loop: loads from computed addresses would keep the compiler from
     vectorising everything else. Index and interpolation must come from the same evaluation, so that they agree at the
     ends of an interval.
     """
@@ -232,7 +232,7 @@ def _read(name: str, array: str, *index: int | str) -> list[str]:
 
 
 class _Function:
-    """A function with its loops: those that look up numbers, and those that compute all else from them.
+    """A function with its loops: those that look up numbers, and those that compute everything else from them.
 
     Parameters
     ----------

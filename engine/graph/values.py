@@ -47,7 +47,7 @@ class NodeValues:
         self._graph, self._numbers, self._cycle_value = graph, numbers, cycle_value
         # Values of the variant and its cycle, equal at all positions.
         self._once: dict[Node, object] = {}
-        # What is evaluated, in order, by the nodes wanted and those known.
+        # Nodes to evaluate, in order, by the requested and the known nodes.
         self._orders: dict[tuple[tuple[Node, ...], frozenset[Node]], list[Node]] = {}
 
     def for_numbers(self, numbers: Mapping[str, float]) -> "NodeValues":
@@ -136,7 +136,7 @@ class LevelValues:
     def table(
         self, numbers: Mapping[str, np.ndarray], variants: int, known: Mapping[Node, np.ndarray | float] | None = None
     ) -> np.ndarray:
-        """P (numbers, variants), without what is found on the cycle, and what follows from it, unless known."""
+        """P (numbers, variants), without numbers found on the cycle and those that depend on them, unless known."""
         table = np.full((len(self._functions.rows), variants), np.nan)
         # An overflow in a number results in a verdict, not in a warning.
         with np.errstate(all="ignore"):
@@ -156,7 +156,7 @@ class LevelValues:
             numbers[row] = values
 
     def fill_found(self, numbers: np.ndarray, found: Callable[[str], np.ndarray]) -> None:
-        """Fill the rows of P with the ends of strokes, and what follows from them.
+        """Fill the rows of P with the ends of strokes and with the numbers that depend on them.
 
         Parameters
         ----------

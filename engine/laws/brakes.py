@@ -1,8 +1,8 @@
 """Braking torques of block, disc and band brakes from their geometry.
 
 Torques are magnitudes, opposed to the rotation of the drum or disc. A force of 0 or less leaves the brake released,
-with zero torque. A self-locking brake, which friction alone applies, has infinite torque. Scalar functions: floats in
-and out. Friction is Coulomb's, with coefficient f = `friction`.
+with zero torque. A self-locking brake, which friction applies by itself, has infinite torque. Scalar functions: floats
+in and out. Friction is Coulomb's, with coefficient f = `friction`.
 
 Sources: R. S. Khurmi and J. K. Gupta, Theory of Machines, chapter 19; Machinery's Handbook, Brakes; R. G. Budynas
 and J. K. Nisbett, Shigley's Mechanical Engineering Design, chapter 16. Band and block brake, braking of a vehicle:

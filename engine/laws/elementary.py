@@ -1,8 +1,8 @@
 """Elementary functions made of arithmetic only: unlike those of the C library, they vectorise in a loop.
 
 All work in float64, take scalars, have no branches, and are accurate to little more than one unit in the last place
-(ulp). NaN gives NaN. They are compiled in strict order, whatever their callers allow: reordering would simplify the
-computed rounding remainders to zero. Called from Python, where a fused product and sum is rounded twice, they are
+(ulp). NaN gives NaN. They are compiled in strict order for all callers: reordering would simplify the computed rounding
+remainders to zero. Called from Python, where a fused product and sum is rounded twice, they are
 accurate to four ulp.
 
 Sources: J.-M. Muller et al., Handbook of Floating-Point Arithmetic (error-free sums and products, argument

@@ -220,7 +220,7 @@ def nameplate_trouble(
     Parameters
     ----------
     power, rated_speed, synchronous_speed, breakdown_ratio, starting_ratio : float
-        As there, of one variant.
+        As for `kloss_from_nameplate`, of one variant.
 
     Returns
     -------

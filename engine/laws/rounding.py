@@ -10,7 +10,7 @@ LEAST_NORMAL = 2.0**-1022
 NUDGE = 2.0**-26
 # Maximum steps towards a zero, at least as many as bisection needs, and relative width at which it is found.
 MOST_TURNS, _CONVERGED = 80, 4e-16
-# Of a reach: half a unit in the last place of four coordinates and two lengths each, and of the operations with them.
+# Of a reach: half a unit in the last place for each of four coordinates and two lengths, and for the operations.
 _OF_REACH = 8.0 * EPS
 
 

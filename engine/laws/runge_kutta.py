@@ -140,5 +140,5 @@ ORDER_EIGHT = Method(
     parts=_parts(),
 )
 # Along time, torques may balance; the third formula raises their rounding fifty times, and steps never grow again. A
-# comparison walk tells there what the other two miss.
+# comparison walk then shows what the other two miss.
 ORDER_EIGHT_IN_TIME = ORDER_EIGHT._replace(fine=ORDER_EIGHT.fine[:2])

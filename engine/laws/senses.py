@@ -29,7 +29,7 @@ def sense(v: float) -> float:
 
 @scalar
 def past(guard: float, before: float, behind: float) -> float:
-    """One of two numbers: that before a guard, which is positive there, or that behind it."""
+    """One of two numbers: that before a guard's zero, where the guard is positive, or that after it."""
     return chosen(guard > 0.0, before, behind)
 
 

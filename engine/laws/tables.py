@@ -160,7 +160,7 @@ def table_segment(memory: np.ndarray, offset: float, x: float) -> tuple[float, f
     left : float
         Start of the piece; for a periodic table, in the period of x.
     c3, c2, c1, c0 : float
-        At a step those after it.
+        At a step, the coefficients after it.
     """
     at = int(offset)
     pieces, start, period = int(memory[at]), memory[at + 1], memory[at + 2]
@@ -250,7 +250,7 @@ def sum_of_segments(
     Returns
     -------
     c3, c2, c1, c0 : float
-        At a step those after it.
+        At a step, the coefficients after it.
     """
     s3, s2, s1, s0 = 0.0, 0.0, 0.0, 0.0
     first = int(offsets)
@@ -416,7 +416,7 @@ def _spline(x: np.ndarray, y: np.ndarray, periodic: bool) -> np.ndarray:
     gap = np.diff(x)
     chord = np.diff(y) / gap
     before, after = (np.concatenate(([gap[-1]], gap)), np.concatenate((gap, [gap[0]])))
-    # Not one from the other: next to a long gap its share differs from 1 by less than it is rounded.
+    # Both are computed separately: next to a long gap, 1 − share would be lost in rounding.
     share, other = after / (before + after), before / (before + after)
     if not periodic:
         share[[0, -1]], other[[0, -1]] = (0.0, 1.0), (1.0, 0.0)

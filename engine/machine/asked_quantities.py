@@ -13,7 +13,7 @@ from engine.quantities.machine import register_of
 from engine.quantities.register import Field, Summary
 from engine.words.quantity import STATISTICS, Quantity, Rank
 
-POSITIONS_USED = Quantity("positions_used", "input positions at which it was evaluated", "1", rank=Rank.CHECK)
+POSITIONS_USED = Quantity("positions_used", "number of input positions evaluated", "1", rank=Rank.CHECK)
 ACCURACY_REACHED = Quantity(
     "accuracy_reached",
     "1 where every error estimate is within the requested accuracy, else 0",
@@ -24,7 +24,7 @@ OF_ACCURACY = (POSITIONS_USED.name, ACCURACY_REACHED.name)
 
 
 class _NoRegimes(NamedTuple):
-    """Stand-in for `motion.regimes.Regimes` in a scene without regimes: most machines need nothing of motion."""
+    """Stand-in for `motion.regimes.Regimes` in a scene without regimes: most machines don't need the motion package."""
 
     summaries: Mapping[str, Quantity] = {}
     fields: Mapping[str, Quantity] = {}

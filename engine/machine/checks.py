@@ -207,7 +207,7 @@ def given_numbers(
             raise AskError(f"{path!r} is not varied by this machine; {did_you_mean(path, paths)}")
     for path in paths:
         if path not in varied:
-            raise AskError(f"no values are given for {path!r}, which this machine varies")
+            raise AskError(f"no values are given for {path!r}, which this machine varies; add them")
     arrays = {path: _row(path, values, limits[path].dimension) for path, values in varied.items()}
     first = next(iter(arrays), None)
     count = 1 if first is None else arrays[first].size

@@ -84,7 +84,7 @@ def derivatives_along(machine: Machine | ElementsAlone, move: Move) -> Derivativ
     for name in machine.asked_summaries:
         if name.endswith(PLACES):
             raise AskError(
-                f"{name!r} is the place of an extreme, which may jump from peak to peak: it has no derivative"
+                f"{name!r} is the position of an extreme, which may jump from peak to peak: it has no derivative"
             )
     here = machine.evaluate(move.varied(move.at, np.arange(move.at.size)))
     names, status = machine.asked_summaries, here.status.copy()
@@ -190,7 +190,7 @@ def scale_of(scene: Scene, varied: Mapping[str, np.ndarray], by: str) -> np.ndar
     numbers = scene_numbers(scene)
     number, values = numbers[by], np.abs(varied[by])
     if number.choices:
-        raise AskError(f"{by!r} is one of {list(number.choices)}: there is no derivative by it")
+        raise AskError(f"{by!r} is one of {list(number.choices)}: it has no derivative; choose another number")
     is_size = any(isinstance(limit, (Gt, Ge)) and _bound(limit) >= 0 for limit in number.limits)
     if number.dimension == "angle" and not is_size:
         scale = np.ones_like(values)

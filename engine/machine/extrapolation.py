@@ -73,7 +73,7 @@ def weights(steps: tuple[float, ...], powers: tuple[int, ...]) -> np.ndarray:
     Returns
     -------
     ndarray (lengths,)
-        With the sum 1.
+        Weights with the sum 1.
     """
     relative = np.array(steps) / max(steps)
     rows = np.stack([relative**power for power in (0, *powers)])

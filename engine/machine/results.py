@@ -94,7 +94,7 @@ def asked_text(machine: object) -> str:
     title = f" {machine.scene.title!r}" if machine.scene.title else ""
     asked = {"varied": machine.varied, "summaries": machine.asked_summaries, "fields": machine.asked_fields}
     words = "; ".join(f"{kind} {', '.join(names)}" for kind, names in asked.items() if names)
-    return f"<{type(machine).__name__}{title}: {words or 'nothing is asked'}>"
+    return f"<{type(machine).__name__}{title}: {words or 'nothing is requested'}>"
 
 
 def blank(

@@ -19,7 +19,7 @@ from engine.parts.skeleton import FRAME, CrankInput
 from engine.scene import structure
 from engine.scene.scene import Scene
 
-# Law of a dyad's reactions, and the geometry it takes after the loads on the dyad's two links.
+# Law of a dyad's reactions, and its geometric arguments, which follow the loads on the dyad's two links.
 DyadStatics = tuple[Callable, tuple]
 
 
@@ -243,7 +243,7 @@ class Assembly:
         """Nodes required wherever a group's position is: the transmission index and the operands of its law.
 
         The operands are included because the index of two guides at a fixed angle follows from per-variant numbers
-        alone, while the position does not.
+        only, while the position does not.
         """
         if group in self.solutions:
             return self.solutions[group]

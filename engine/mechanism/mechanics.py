@@ -26,12 +26,12 @@ from engine.scene.structure.ordering import Structure, order
 
 # Messages for a fractional number of turns per cycle, and for tables whose parts must not turn at all.
 _WHOLE = (
-    "{name!r} makes {turns:.12g} turns in a cycle of {revolutions} of the crank, and doesn't come back to its place "
-    "with what lies on it"
+    "{name!r} makes {turns:.12g} turns in a cycle of {revolutions} of the crank, and doesn't return to its position "
+    "with the parts on it"
 )
 _NONE_ALLOWED = {
     "racks": "the pinion of {name!r} keeps turning, by {turns:.12g} turns in a cycle, and the rack would run away: "
-    "give input.start and input.stop, or drive it by a pinion that comes back",
+    "give input.start and input.stop, or drive it by a pinion that swings",
     "moments": "the link keeps turning, by {turns:.12g} turns in a cycle, and would wind up spring {name!r}: name "
     "a link that swings, or give input.start and input.stop",
 }

@@ -1,4 +1,4 @@
-"""What is asked of the regimes of a scene, and what their motions need for it."""
+"""Requested results of a scene's regimes, and the settings that their motions need."""
 
 import numpy as np
 
@@ -79,7 +79,7 @@ class AskedRegimes:
         scene = mechanics.scene
         for coupling in scene.couplings.values():
             if scene.shafts[coupling.shaft].efficiency is not None:
-                message = "losses of the teeth between a coupling and the crank aren't counted in regimes; leave it out"
+                message = "mesh losses between a coupling and the crank aren't computed in regimes; leave it out"
                 raise SceneError([(f"shafts.{coupling.shaft}.efficiency", message)])
         self.regimes = dict(scene.regimes)
         self.steady = {name for name, regime in self.regimes.items() if not isinstance(regime, RunRegime)}
@@ -120,12 +120,12 @@ class AskedRegimes:
                 "an input that doesn't turn fully": not self.scene.has_cycle,
                 "the two speeds of a coupling": bool(self.sides),
                 "friction in pairs": has_friction(self.scene),
-                "a second input with a drive of its own": bool(own_drives(self.scene)),
+                "a second input with its own drive": bool(own_drives(self.scene)),
                 "moments that depend on time": timed,
             }
             hindrances = [words for words, found in there.items() if found]
             if hindrances:
-                message = f"equal steps over the crank angle don't follow {hindrances[0]}; leave method, steps_per_turn"
+                message = f"equal steps over the crank angle can't follow {hindrances[0]}; leave method, steps_per_turn"
                 raise SceneError([(f"regimes.{name}.method", message)])
 
     def _needed(self) -> list[str]:

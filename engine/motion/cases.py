@@ -30,13 +30,13 @@ _WORDS = {
 def regime_text(mechanics: Mechanics) -> list[tuple[str, str, str]]:
     """Name, case in words and method of every regime of a scene.
 
-    Torques that also depend on time count as dependent on the speed, except M(t) alone. The method is "energy form" or
+    Torques that also depend on time count as dependent on the speed, except pure M(t). The method is "energy form" or
     "time form", plus the method that a run names; runs in the energy form use the time form near rest.
 
     Parameters
     ----------
     mechanics : Mechanics
-        Of a scene with regimes.
+        Mechanics of a scene with regimes.
     """
     reduction, regimes = Reduction(mechanics), mechanics.scene.regimes
     return [(name, *_case_of(Dynamics(reduction, frozenset(r.off)), r)) for name, r in regimes.items()]
@@ -59,7 +59,7 @@ def _case_of(dynamics: Dynamics, regime: Regime) -> tuple[str, str]:
     sentence = f"case {number}: {'I(φ)' if turning else 'I constant'}, {_moment(dynamics, sources)}"
     sentence += ", and friction in pairs by φ, ω² and ε" if rubs else ""
     servos = own_drives(mechanics.scene)
-    sentence += f"; {enumerated(servos)} by a law, with a drive of its own" if servos else ""
+    sentence += f"; {enumerated(servos)} by a law, with its own drive" if servos else ""
     for name, coupling in couplings.items():
         joined = "open" if name in regime.off else "at work"
         sentence += f"; at two speeds, of the crank and of shaft {coupling.shaft}, with {name} {joined}"

@@ -33,17 +33,17 @@ COMMON = {
     "useful_work": ("work against useful resistances in {name}", "J"),
     "harmful_work": ("work against harmful resistances in {name}", "J"),
     "brake_heat": ("heat in the brakes in {name}", "J"),
-    "other_work": ("work of gravity, springs and all else in {name}", "J"),
+    "other_work": ("work of gravity, springs and all other actions in {name}", "J"),
     "energy_change": ("change of kinetic energy in {name}", "J"),
     "work_residual": (
-        "sum of all works less the change of kinetic energy in {name}, relative to the energy converted",
+        "sum of all works minus the change of kinetic energy in {name}, relative to the energy converted",
         "1",
     ),
     "efficiency": ("useful work over driving work in {name}", "1"),
     "implicit_steps": ("1 where a steep motor or coupling needed implicit steps in {name}, else 0", "1"),
 }
 STEADY = {
-    "period": ("time of a cycle in {name}", "s"),
+    "period": ("duration of a cycle in {name}", "s"),
     "mean_speed": ("mean angular speed over time of a cycle in {name}", "rad s-1"),
     "speed_fluctuation": (f"coefficient of speed fluctuation in {{name}}, {OF_FLUCTUATION}", "1"),
     "multiplier": ("factor by which a small disturbance of the energy grows from cycle to cycle in {name}", "1"),
@@ -70,7 +70,7 @@ SLIDING_WORDS = (("angular ", ""), ("angle turned", "displacement"), ("torque", 
 SLIDING_UNITS = {"rad": "m", "rad s-1": "m s-1", "rad s-2": "m s-2", "N m": "N"}
 # Summaries of a run with a coupling that is not open; `{coupling}` is its name, `{shaft}` that of its shaft.
 COUPLED = {
-    "{coupling}_heat": ("heat of {coupling} in {name}", "J"),
+    "{coupling}_heat": ("heat dissipated in {coupling} in {name}", "J"),
     "{coupling}_slip_angle": ("angle by which shaft {shaft} slipped in {name}", "rad"),
     "{coupling}_moment_peak": ("peak torque of {coupling} in {name}, at its shaft", "N m"),
 }
@@ -79,7 +79,7 @@ CLUTCHED = {
     "{coupling}_lock_up_time": ("time of the last lock-up of {coupling} after the start of {name}", "s"),
     "{coupling}_lock_up_speed": ("angular speed of the input link at lock-up of {coupling} in {name}", "rad s-1"),
 }
-FLUID = {"{coupling}_slip": ("angle slipped by the angle of shaft {shaft} in {name}", "1")}
+FLUID = {"{coupling}_slip": ("slip angle of shaft {shaft} over its angle turned in {name}", "1")}
 # Summaries of a steady regime, in which a clutch does not slip.
 _MOMENT = "{coupling}_moment_peak"
 HELD = {_MOMENT: COUPLED[_MOMENT]}
@@ -100,8 +100,8 @@ FIELDS = {
     "useful_power": ("power against useful resistances in {name}, over time", "W"),
     "harmful_power": ("power against harmful resistances in {name}, over time", "W"),
     "braking_power": ("power in the brakes in {name}, over time", "W"),
-    "other_power": ("power of gravity, springs and all else in {name}, over time", "W"),
-    EFFICIENCY_NOW: ("instantaneous efficiency in {name}: 1 less the lost share of the power supplied", "1"),
+    "other_power": ("power of gravity, springs and all other actions in {name}, over time", "W"),
+    EFFICIENCY_NOW: ("instantaneous efficiency in {name}: 1 minus the lost share of the supplied power", "1"),
 }
 # Of the position and the instant at which fields are stored, one is given and the other computed.
 INSTANT, TURNED = "instant", "turned"
@@ -160,7 +160,7 @@ class FieldAnswers(NamedTuple):
         return cls({}, {}, {}, {})
 
     def copied(self) -> "FieldAnswers":
-        """The same in tables of their own."""
+        """The same in separate tables."""
         return FieldAnswers(*(dict(rows) for rows in self))
 
     def over_all(self, who: np.ndarray, count: int) -> "FieldAnswers":
@@ -233,8 +233,8 @@ def motion_summaries(scene: Scene) -> list[Quantity]:
             sized = scene.flywheel is not None and scene.flywheel.speed_fluctuation is not None
             if sized and not _at_two_speeds(scene, regime):
                 words = (
-                    f"flywheel inertia for the required speed fluctuation in the true motion of {name}, whose other "
-                    "results are then those with it"
+                    f"flywheel inertia for the required speed fluctuation in the actual motion of {name}, whose other "
+                    "results include it"
                 )
                 found.append(Quantity(f"{name}.flywheel", words, "kg m2"))
     return found
@@ -317,7 +317,7 @@ def load_fields(mechanics: Mechanics) -> dict[str, tuple[str, str]]:
     words = f"input {moment} by equilibrium of the input link, without flywheel"
     table["input_moment_by_equilibrium"] = (words, unit)
     if has_friction(mechanics.scene):
-        table["friction_moment"] = (f"{moment} on the input that stands for friction in pairs", unit)
+        table["friction_moment"] = (f"{moment} on the input equivalent to friction in pairs", unit)
     return {key: (f"{words} in {{name}}, at its true motion", unit) for key, (words, unit) in table.items()}
 
 

@@ -55,7 +55,7 @@ class RegimeMotion(ABC):
     ----------
     asked : AskedRegimes
     name : str
-        Of the regime.
+        Name of the regime.
 
     Attributes
     ----------
@@ -138,7 +138,7 @@ class RegimeMotion(ABC):
                 "motor_power": works[0] / time,
                 "motor_moment_rms": np.sqrt(squares / time),
                 "energy_change": change,
-                # A machine that stands converts nothing.
+                # A machine at rest converts no energy.
                 "work_residual": (works.sum(axis=0) - heat - change) / np.where(converted == 0.0, 1.0, converted),
             }
             if self.dynamics.works:

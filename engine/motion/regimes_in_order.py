@@ -138,7 +138,7 @@ class RegimesInOrder(AskedRegimes):
                 again = np.flatnonzero(every | (~known & whole & (verdict == Verdict.OK)))
                 if not again.size:
                     continue
-                # Nothing kept of other walks: an estimate depends on its own variant alone.
+                # Without results kept from other walks: an estimate depends on its own variant only.
                 few = driven if every else {off: each.some(again)._replace(kept={}) for off, each in driven.items()}
                 coarse, others = self._go(few, longer)
                 # A verdict with coarser steps only is due to the method, not to the machine.

@@ -27,7 +27,7 @@ Record = Callable[[MotionFields], Sequence[Observer]]
 
 
 class _Ready(NamedTuple):
-    """Variants that run: which of all, their initial states, the ends of their runs, and what is kept of all."""
+    """Variants that run: their indices among all, initial states, ends of their runs, and the cached results of all."""
 
     which: np.ndarray
     variants: Variants
@@ -37,7 +37,7 @@ class _Ready(NamedTuple):
 
     @property
     def begin(self) -> tuple[Variants, Standing, Ends]:
-        """What a run starts from."""
+        """The variants, initial states and ends of a run."""
         return self.variants, self.standing, self.ends
 
     def some(self, chosen: np.ndarray) -> "_Ready":
@@ -202,7 +202,7 @@ class RunAtOneSpeed(RunMotion):
 
 
 class RunAtTwoSpeeds(RunMotion):
-    """A run in which the shaft behind a coupling has a speed of its own; see `RegimeMotion`."""
+    """A run in which the shaft behind a coupling has a separate speed; see `RegimeMotion`."""
 
     def _without_inertia(self, variants: Variants) -> np.ndarray:
         return self.two.without_inertia(variants)

@@ -36,7 +36,7 @@ class SteadyMotion(RegimeMotion):
 
     @staticmethod
     def _over_cycle(watch: FieldWatch, who: np.ndarray, count: int, compared: FieldWatch | None = None) -> FieldAnswers:
-        """What was requested of the variants `who`, among all; kept fields over the crank angle."""
+        """Requested results of the variants `who`, expanded to all; kept fields over the crank angle."""
         found, back = watch.answers(compared), watch.fields.variants.direction < 0.0
         for rows in found.rows.values():
             # The crank angle decreases if the crank turns clockwise.
@@ -64,7 +64,7 @@ class SteadyMotion(RegimeMotion):
 
 
 class SteadyAtOneSpeed(SteadyMotion):
-    """Steady running in which everything turns with the crank, be it through a clutch; see `RegimeMotion`."""
+    """Steady running in which everything turns with the crank, also through a clutch; see `RegimeMotion`."""
 
     def _without_inertia(self, variants: Variants) -> np.ndarray:
         # A flywheel to be determined provides inertia everywhere.

@@ -136,7 +136,7 @@ class Replacement(Part):
         if by_mass and self.mass is None:
             yield f"two points need the mass at the first, {self.at[0]!r}: give mass; or name one point"
         if self.mass is not None and not by_mass:
-            yield "mass belongs to a dynamic replacement at two points; leave it out, masses are found"
+            yield "mass belongs to a dynamic replacement at two points; omit it, the masses are computed"
 
 
 class Body(Part):

@@ -41,7 +41,7 @@ class FrictionClutch(Part):
             yield f"over_time has {len(self.over_time)} rows, share {len(self.share)}: give as many of both"
         steps = zip(self.over_time, self.over_time[1:], strict=False)
         if self.over_time[0] < 0.0 or not all(before < after for before, after in steps):
-            yield "over_time counts from when the clutch is engaged: its rows must rise from 0 s or later"
+            yield "over_time starts when the clutch is engaged: its rows must rise from 0 s or later"
 
 
 class FluidCoupling(Part):

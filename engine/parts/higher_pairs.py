@@ -133,7 +133,7 @@ class HarmonicLaw(Part):
         if speeds.min() <= 0.0:
             place = math.degrees(angles[speeds.argmin()])
             yield (
-                f"harmonics: the driven wheel would stand or turn back {place:.0f}° after the law's beginning, where "
+                f"harmonics: the driven wheel would stop or reverse {place:.0f}° after the start of the law, where "
                 f"its speed is {speeds.min():.3g} of the mean; wheels in mesh can't do that: make coefficients smaller"
             )
 

@@ -104,9 +104,9 @@ class MotionProgram(Part):
         for place, part in (parts | ({"table": self.table} if self.table else {})).items():
             if getattr(part, wrong, None) is not None:
                 moves = "slides" if self.translating else "turns"
-                yield f"{place}.{wrong}: what moves here {moves}; give {right} instead"
+                yield f"{place}.{wrong}: this link {moves}; give {right} instead"
             if isinstance(part, RiseSection) and getattr(part, right) is None:
-                yield f"{place}.{right} is missing: say how far it moves away"
+                yield f"{place}.{right} is missing: give how far the link moves"
 
     def _faults_of_angles(self) -> Faults:
         angles = [section.angle for section in self.sections.values()]
@@ -146,8 +146,8 @@ class MotionProgram(Part):
         for name, section in self.sections.items():
             if getattr(section, "law", None) == "uniform":
                 yield (
-                    f"sections.{name}.law: at both ends of a uniform motion velocities jump, and with them all that "
-                    "has mass; take another law, such as 'modified sine'"
+                    f"sections.{name}.law: at both ends of a uniform motion the velocity jumps, which needs "
+                    "infinite forces; choose another law, such as 'modified sine'"
                 )
 
 

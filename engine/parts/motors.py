@@ -198,7 +198,7 @@ class TableMotor(Motor, TableCharacteristic):
                 "doesn't depend on the speed use type = 'constant' with role = 'driving'"
             )
         if not max(self.moment) > 0.0:
-            yield "moment: no row is above 0: a motor drives at some speed"
+            yield "moment: no row is above 0: a motor drives at some speed; give one"
 
     def curve(self, at: str, n: Numbers) -> MotorCurve:
         """Torque over the motor's own speed."""

@@ -51,7 +51,7 @@ def _spaced(dimension: str, unit: str) -> Callable[[object], object]:
         first, last = (in_text(end, dimension) for end in found[:2])
         count = found[2]
         if not 2 <= count <= MOST_INSTANTS:
-            raise ValueError(f"{value!r}: from 2 to {MOST_INSTANTS} values are kept, not {count}")
+            raise ValueError(f"{value!r}: from 2 to {MOST_INSTANTS} values are kept, not {count}; change their number")
         return [f"{number!r} {unit}" for number in even_steps(first, last, count, np.arange(count)).tolist()]
 
     return read
@@ -80,7 +80,7 @@ class Instants(Part):
         if values is None:
             return None
         if not 1 <= len(values) <= MOST_INSTANTS:
-            raise ValueError(f"from 1 to {MOST_INSTANTS} values are kept, not {len(values)}")
+            raise ValueError(f"from 1 to {MOST_INSTANTS} values are kept, not {len(values)}; change their number")
         rising = all(a < b for a, b in pairwise(values))
         if values[0] < 0.0 or not rising or not math.isfinite(values[-1]):
             raise ValueError("counted from the start of the run, in ascending order")
@@ -145,7 +145,7 @@ class RunRegime(Part):
             what = "none is" if not given else f"{' and '.join(given)} are"
             yield (
                 f"a run ends after cycles, after a time, at a speed or at rest: {what} given; give exactly one of "
-                "cycles, time, speed, rest = true, reversal = true (where it first stands still, be it for a moment), "
+                "cycles, time, speed, rest = true, reversal = true (where it first stands still, even for an instant), "
                 "velocity of a sliding input, end_of_range = true of an input that doesn't turn fully, or with a "
                 "clutch lock_up = true"
             )

@@ -1,4 +1,4 @@
-"""What is required of a machine: wanted motions, pins and struts to check, limits beyond which the program warns."""
+"""Requirements of a machine: wanted motions, pins and struts to check, limits beyond which the program warns."""
 
 import math
 from typing import Annotated, ClassVar, Literal
@@ -22,7 +22,7 @@ from engine.parts.skeleton import (
     SliderRef,
 )
 
-# Each place adds a curve whose minimum is computed.
+# Each point adds a curve whose minimum is computed.
 MOST_PLACES = 100
 
 
@@ -41,7 +41,7 @@ class WantedPath(Part):
         if len(self.x) != len(self.y):
             yield f"x has {len(self.x)} rows, y has {len(self.y)}; give one y for every x"
         if not 1 <= len(self.x) <= MOST_PLACES:
-            yield f"x has {len(self.x)} rows; give 1 to {MOST_PLACES} places"
+            yield f"x has {len(self.x)} rows; give 1 to {MOST_PLACES} points"
 
 
 class _OverAngle(Part):
@@ -92,7 +92,7 @@ def wrong_angles(name: str, wanted: WantedMotion, drive: CrankInput | SliderInpu
         return []
     path = f"wanted.{name}.over_angle"
     if not isinstance(drive, CrankInput):
-        return [(path, "a sliding input has no crank angle; a path can be wanted of a point")]
+        return [(path, "a sliding input has no crank angle; use the wanted path of a point instead")]
     first, last = wanted.over_angle[0], wanted.over_angle[-1]
     low, high = (0.0, math.tau * drive.revolutions) if drive.turns_fully else (drive.start, drive.stop)
     if first < low - 1e-9 or last > high + 1e-9:

@@ -66,7 +66,7 @@ class MovedByLaw(MotionProgram):
     def _faults(self) -> Faults:
         lost = self.gives("period", "travel")
         if lost and not self.repeats and getattr(self, "ratio", 0.0) == 0.0:
-            yield f"{lost[0]} has no meaning without a ratio, harmonics, sections or a table"
+            yield f"{lost[0]} has no meaning without a ratio, harmonics, sections or a table; give one, or leave it out"
         if self.gives("begin") and not self.sections and self.table is None:
             yield "begin has no meaning without sections or a table; leave it out"
         if self.drive == "crank" and (self.period is not None or getattr(self, "speed", 0.0) != 0.0):
@@ -83,8 +83,8 @@ class SecondCrank(MovedByLaw):
     Its angle relative to the link that carries the pivot is `phase` + `ratio`·τ + `speed`·t, plus the sum of
     `harmonics` and the swing of `sections` or of a `table`, which start at τ = `begin`. τ is the crank angle φ, or
     makes a turn in each `period` or `travel`. If the sections don't return fully, the next turn of τ continues from
-    their end. `drive` is "own", a separate drive, or "crank": gears or cams that stand on the frame, not modelled,
-    driven by the crank.
+    their end. `drive` is "own", a separate drive, or "crank": gears or cams on the frame, not modelled, driven by
+    the crank.
     """
 
     type: Literal["crank"]
@@ -123,8 +123,7 @@ class SecondSlider(MovedByLaw):
 
     The distance of its origin from the guide's point is `start`, plus the sum of `harmonics` and the lift of `sections`
     or of a `table`, which start at τ = `begin`. τ is the crank angle φ, or makes a turn in each `period` or `travel`.
-    `drive` is "own", a separate drive, or "crank": gears or cams that stand on the frame, not modelled, driven by the
-    crank.
+    `drive` is "own", a separate drive, or "crank": gears or cams on the frame, not modelled, driven by the crank.
     """
 
     type: Literal["slider"]

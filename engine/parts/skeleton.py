@@ -199,7 +199,7 @@ class Part(BaseModel):
                 if given and value not in values:
                     yield f"{key} goes with {other} = {' or '.join(map(repr, values))}; the {other} is {value!r}"
                 if rule == "required_with" and not given and value in values:
-                    yield f"{key} is missing: {other} = {value!r} needs it"
+                    yield f"{key} is missing: {other} = {value!r} needs it; add it"
 
     def _ascending(self, keys: Iterable[str]) -> Iterator[tuple[str, str]]:
         """Neighbours among the keys that are given."""
@@ -260,7 +260,7 @@ class Part(BaseModel):
     def gives(self, *keys: str) -> list[str]:
         """Which of the keys differ from their defaults.
 
-        Keys without effect where they stand are rejected: if ignored, they would be taken to have an effect.
+        Keys that have no effect are rejected: if ignored, they would seem to have one.
 
         Parameters
         ----------
@@ -327,7 +327,7 @@ class Guide(Part):
     angle: Angle = 0.0
 
 
-_RUNS = NonZero("the input is at rest: give its mean speed, such as '60 rpm' (negative: the other way)")
+_RUNS = NonZero("the input is at rest: give its mean speed, such as '60 rpm' (negative: reversed)")
 # Maximum number of crank turns in a cycle; longer cycles would be sampled too coarsely.
 MOST_REVOLUTIONS = 24
 
@@ -358,7 +358,7 @@ class CrankInput(Part):
 
     def _faults(self) -> Faults:
         if self.start is not None and self.gives("revolutions"):
-            yield "revolutions are those of a cycle, and from start to stop there is none; leave them out"
+            yield "revolutions belong to a cycle, and a crank limited by start and stop has none; omit them"
 
 
 class SliderInput(Part):

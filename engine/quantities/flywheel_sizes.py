@@ -85,7 +85,7 @@ class SteadyMeasurements:
                 # The excess work over δ ω²: the whole reduced inertia, taken as constant.
                 return of.read(("range", Work(asked.moment))) / energy
             if asked.result == "flywheel_merzalov":
-                # The energy of the constant part of I, which does a share of the work, changes by W − ½ ω² I.
+                # The kinetic energy of the constant part of I changes by W − ½ ω² I, with the variable I.
                 return of.read((self.of, self.middle)) / energy - of.number(asked.first_kind)
             if asked.wheel is None or asked.result == "flywheel_wittenbauer":
                 first = of.first(asked.inertia)

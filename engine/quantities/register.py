@@ -67,7 +67,7 @@ Known = TypeVar("Known")
 
 
 def known(found: Known) -> Callable[[], Known]:
-    """The curve of a field, or expression of a summary, that is there already."""
+    """Wrap an existing curve or expression as the function that a field or summary takes."""
     return lambda: found
 
 
@@ -85,7 +85,7 @@ class Field(NamedTuple):
     answers : tuple of str
         Statistics of interest to an engineer, such as "peak".
     rank : Rank
-        `Rank.FURTHER` for derivatives and components of other fields, and what repeats them.
+        `Rank.FURTHER` for derivatives and components of other fields, and repetitions of them.
     """
 
     name: str
@@ -144,7 +144,7 @@ detail = partial(Field, rank=Rank.FURTHER)
 
 
 def answer_if(asked: bool) -> Callable[..., Summary]:
-    """Makes summaries that are answers if asked for."""
+    """Constructor of summaries, ranked as main results if asked for."""
     return answer_summary if asked else Summary
 
 

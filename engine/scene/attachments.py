@@ -39,7 +39,7 @@ class Attachment(NamedTuple):
 
 @once
 def attachments(scene: Scene) -> tuple[Attachment, ...]:
-    """All moving links in the order of their pairs; a link that two parts move stands there twice."""
+    """All moving links in the order of their pairs; a link moved by two parts is listed twice."""
     return tuple(_attachments(scene))
 
 
@@ -110,7 +110,7 @@ def input_point(scene: Scene) -> str:
 
 
 def inner_link(group: Group) -> str:
-    """Link that carries the inner joint of a group, of the two that meet there: the sliding one, else the first."""
+    """Link that carries the inner joint of a group: of the two that meet there, the sliding one, else the first."""
     return group.second.link if group.type == "RRP" else group.first.link
 
 
@@ -140,7 +140,7 @@ def sliders(scene: Scene) -> tuple[str, ...]:
     """Links with a slide coordinate: on a guide, or, for a block, in the slot of the other link of its group."""
     place = {one.link: i for i, one in enumerate(attachments(scene))}
     sliding = [one for one in attachments(scene) if one.guide is not None or one.slot is not None]
-    # A yoke stands before the block in its slot.
+    # A yoke comes before the block in its slot.
     return tuple(one.link for one in sorted(sliding, key=lambda one: (place[one.slot or one.link], one.slot or "")))
 
 
@@ -202,7 +202,7 @@ def turning_evenly(scene: Scene) -> set[str]:
 
 
 def _grown(known: set[str], attached_to: Callable[[set[str]], set[str]]) -> set[str]:
-    """Names, with all that are attached to them in turn."""
+    """The known names, and all attached to them directly or through others."""
     while not (further := attached_to(known)) <= known:
         known = known | further
     return known

@@ -161,7 +161,7 @@ def _timed_where_motion_repeats(scene: Scene) -> list[Problem]:
         words = f"{name!r} depends on time: {NOTHING_REPEATS}; "
         mend = "switch it off here, or use a run"
         found += [(f"{path}.off", words + mend) for path, what in settled.items() if name not in what.off]
-        mend = "leave it out, or engine.duration, with which a change of load is followed over the machine's cycle"
+        mend = "leave it out, or omit engine.duration, which follows a change of load over the machine's cycle"
         found += [(f"elements.{n}.engine.duration", words + mend) for n in governing]
     return found
 
@@ -171,7 +171,7 @@ def _problems(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem
     units = units_of_names(scene, formula)
     taken = [n for n in formula.action.numbers if n in {"phi", "v", "omega", TIME, "pi", "gravity"}]
     for number in taken:
-        yield f"{formula.at}.numbers.{number}", f"{number!r} has a meaning of its own in formulas; choose another name"
+        yield f"{formula.at}.numbers.{number}", f"{number!r} already has a meaning in formulas; choose another name"
     expression = formula.expression
     unknown = [n for n in expression.names if n not in units]
     for wrong in unknown:
@@ -191,7 +191,7 @@ def _problems(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem
     own_speed = {f"{coupling.shaft}.angular_velocity": coupling.shaft for coupling in scene.couplings.values()}
     for read, shaft in own_speed.items():
         if read in expression.names:
-            yield formula.key, f"{read!r} can't be used: shaft {shaft!r} turns at a speed of its own, by a coupling"
+            yield formula.key, f"{read!r} can't be used: shaft {shaft!r} turns at a separate speed, behind a coupling"
     yield from _wrong_in_motion(scene, name, formula)
 
 
@@ -199,9 +199,9 @@ def _unknown(name: str, units: Mapping[str, str], formula: LoadFormula) -> str:
     """Problem of an unknown name, with the allowed names."""
     quantity = name.rpartition(".")[2]
     if name == "input.speed":
-        return "'input.speed' is the mean speed alone; a formula takes the true one, omega, v or NAME.velocity"
+        return "'input.speed' is only the mean speed; use the actual one in a formula: omega, v or NAME.velocity"
     if name in UNIT_NAMES:
-        return f"{name!r} is a unit: units follow a number, and a bar in them stands without blanks, as in 3 N/mm"
+        return f"{name!r} is a unit: write it after a number, without blanks around a slash, as in 3 N/mm"
     if quantity in _ACCELERATIONS:
         return f"{name!r} can't be used: accelerations follow from the loads"
     own = [n for n in units if "." not in n]
@@ -218,7 +218,7 @@ def _check_curves(expression: TextExpression) -> None:
     """Reject comparisons that hold at isolated points only."""
     for tree in parts.formulas.switching.operations(expression.tree):
         if tree.name in ("==", "!="):
-            raise _refused(expression, tree, f"{tree.name} holds in single places at most; compare by < or >")
+            raise _refused(expression, tree, f"{tree.name} holds at isolated points at most; compare by < or >")
 
 
 def _check_turns(scene: Scene, formula: LoadFormula) -> None:
@@ -233,8 +233,8 @@ def _check_turns(scene: Scene, formula: LoadFormula) -> None:
     for tree in switching.operations(expression.tree):
         if any(switching.turns(part, cycles) > switching.MOST_TURNS for x in switching.compared(tree) for part in x):
             what = (
-                f"{tree.name} may switch too often in a cycle to be found: take lower powers, and sines of phi "
-                f"(or t) times a number that is written out, up to {switching.MOST_TURNS / 2:g} periods in a cycle"
+                f"{tree.name} may switch too often in a cycle to be found: use lower powers, and sines of phi "
+                f"(or t) times a number written as digits, up to {switching.MOST_TURNS / 2:g} periods in a cycle"
             )
             raise _refused(expression, tree, what)
 
@@ -250,18 +250,18 @@ def _check_finite(expression: TextExpression, tree: Tree) -> None:
         with np.errstate(all="ignore"):
             value = evaluate_tree(tree, values)
         if not np.isfinite(value).any():
-            ever = ", whatever its names mean" if names else ""
+            ever = ", whatever the values of its names" if names else ""
             raise _refused(expression, tree, f"not a finite number{ever}")
 
 
 def _wrong_in_motion(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem]:
-    """Formulas that the actual motion excludes: a jump at a speed."""
+    """Formulas that regimes can't use: those that jump at a certain speed."""
     regimes = {f"regimes.{n}": regime for n, regime in scene.regimes.items() if name not in regime.off}
     jump = parts.formulas.speed_powers.jump_at_a_speed(formula.expression.tree, formula.velocities) if regimes else None
     if jump is not None:
         what = (
-            f"{jump.name} jumps at a speed, about which a motion may hover for ever; switch {name!r} off in "
-            f"{', '.join(regimes)}, or let it bend instead, by min, max or exp"
+            f"{jump.name} jumps at a certain speed, about which a motion could hover for ever; switch {name!r} off in "
+            f"{', '.join(regimes)}, or make it continuous by min, max or exp"
         )
         yield formula.key, str(_refused(formula.expression, jump, what))
 

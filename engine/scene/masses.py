@@ -326,7 +326,7 @@ def replacement_problems(scene: Scene) -> list[Problem]:
         same = laws.masses.replacement_masses.coincident(points.points[:chosen])
         if same is not None:
             i, j = (body.replace.at[k] for k in same)
-            found.append((f"{at}.at", f"{i!r} and {j!r} lie in one place; name points that lie apart"))
+            found.append((f"{at}.at", f"{i!r} and {j!r} coincide; name points that lie apart"))
         elif not points.possible:
             found.append((f"{at}.at", f"{named}: {laws.masses.replacement_masses.CONDITIONS[_method(scene, name)]}"))
     return found

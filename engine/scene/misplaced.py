@@ -1,4 +1,4 @@
-"""Parts of a scene that can't work as they stand; references to what can't carry a part are refused in `names`."""
+"""Parts of a scene that can't work where they are; references to the wrong kind of part are rejected in `names`."""
 
 import math
 from collections.abc import Iterator
@@ -19,7 +19,7 @@ from engine.scene.structure.closing import how_to_close, is_whole
 
 
 def misplaced(scene: Scene) -> list[Problem]:
-    """Parts that can't work as they stand, each with a remedy."""
+    """Parts that can't work where they are, each with a remedy."""
     checks = (_shafts, _second_inputs, _one_drive, _cams, _angle_tables, _cycles, _closed_tables, _wanted)
     checks += (_regimes, _couplings, _at_two_speeds, _machine_drives)
     return [problem for check in checks for problem in check(scene)]
@@ -48,13 +48,13 @@ def _argument(scene: Scene, name: str) -> Iterator[Problem]:
     second, at, slides = scene.inputs[name], f"inputs.{name}", not isinstance(scene.input, CrankInput)
     evenly = second.type == "crank" and second.ratio != 0.0
     if not slides and second.travel is not None:
-        message = "is of a first input that slides, and this one turns: leave it out, for a law of the crank's angle"
+        message = "needs a first input that slides, and this one turns: omit it to make the law follow the crank angle"
         yield f"{at}.travel", message
     elif slides and second.drive == "crank":
         yield f"{at}.drive", "the first input slides, there is no crank: use drive = 'own'"
     elif slides and (second.repeats or evenly) and second.travel is None and second.period is None:
-        message = "the first input slides and has no angle that this law could be of: give travel, the length that it "
-        yield at, f"{message}moves while the law goes through a turn, or period, the time"
+        message = "the first input slides and has no angle for this law to follow: give travel, the distance it "
+        yield at, f"{message}moves per turn of the law, or period, the time per turn"
 
 
 def _driven_by_crank(scene: Scene, name: str) -> Iterator[Problem]:
@@ -63,8 +63,8 @@ def _driven_by_crank(scene: Scene, name: str) -> Iterator[Problem]:
     key, parts = ("guide", scene.guides) if second.type == "slider" else ("pivot", scene.points)
     on = getattr(second, key)
     if isinstance(scene.input, CrankInput) and second.drive == "crank" and getattr(parts.get(on), "link", "") != FRAME:
-        message = f"gears or cams between the crank and {name!r} stand on the frame, and {on!r} is on a moving link; "
-        yield f"inputs.{name}.drive", f"{message}give it a drive of its own, or name a {key} of the frame"
+        message = f"gears or cams between the crank and {name!r} are on the frame, but {on!r} is on a moving link; "
+        yield f"inputs.{name}.drive", f"{message}set drive = 'own', or name a {key} of the frame"
 
 
 def _open_laws(scene: Scene) -> Iterator[Problem]:
@@ -85,12 +85,12 @@ def _open_laws(scene: Scene) -> Iterator[Problem]:
         elif not is_whole(turns):
             key = "period" if second.period is not None else "sections" if second.advance else "ratio"
             key = "speed" if getattr(second, "speed", 0.0) != 0.0 else key
-            message = f"{name!r} makes {turns:.9g} turns {cycle}, and doesn't come back to its place: {mend}"
+            message = f"{name!r} makes {turns:.9g} turns {cycle}, and doesn't return to its position: {mend}"
             yield f"inputs.{name}.{key}", message
 
 
 def _one_drive(scene: Scene) -> Iterator[Problem]:
-    """Parts that require a single drive, and those that a run with another drive doesn't count."""
+    """Parts that require a single drive, and parts that a run with a second drive ignores."""
     own = next(iter(own_drives(scene)), None)
     if own is None:
         return
@@ -100,7 +100,7 @@ def _one_drive(scene: Scene) -> Iterator[Problem]:
     counting += ["flywheel"] if scene.flywheel is not None else []
     counting += [f"elements.{name}" for name, element in scene.elements.items() if any(element.machine_needed())]
     for path in counting:
-        message = f"counts on one drive, and {own!r} has its own, which gives what moment its law needs: leave this out"
+        message = f"needs a single drive, but {own!r} has its own, which supplies the torque its law needs: omit this"
         yield path, f"{message}, {remedy}"
     tables = ("links", "noncircular_wheels", "racks", "pinions", "cams", "cylinders", "friction")
     uncounted = [f"{table}.{name}" for table in tables for name in getattr(scene, table)]
@@ -110,7 +110,7 @@ def _one_drive(scene: Scene) -> Iterator[Problem]:
         unlike = {"sections": second.sections, "table": second.table is not None, "drive": second.drive != "own"}
         uncounted += [f"inputs.{name}.{key}" for key, given in unlike.items() if given]
     for path in uncounted if scene.regimes else ():
-        message = f"a run with {own!r}, which has a drive of its own, doesn't count this: leave regimes out"
+        message = f"a run with {own!r}, which has its own drive, ignores this: omit regimes"
         yield path, f"{message}, {remedy}"
 
 
@@ -126,7 +126,7 @@ def _cams(scene: Scene) -> Iterator[Problem]:
             cycle = f"{abs(turns):g} turns in a cycle of {drive.revolutions} of the crank"
             yield f"{at}.on", f"{cam.on!r} makes {cycle}, and the cam's motion doesn't close: {mend}"
         if any(coupling.shaft == cam.on for coupling in scene.couplings.values()):
-            yield f"{at}.on", f"shaft {cam.on!r} turns at a speed of its own, by a coupling; name another"
+            yield f"{at}.on", f"shaft {cam.on!r} turns at a separate speed, behind a coupling; name another"
 
 
 def _tables_over_angle(scene: Scene) -> Iterator[tuple[str, str, Tabled]]:
@@ -149,8 +149,8 @@ def _closed_tables(scene: Scene) -> Iterator[Problem]:
         return
     for at, ordinate, action in _tables_over_angle(scene):
         if action.gives("outside"):
-            message = "a table over the angle of a crank that turns fully repeats with the cycle, and has no outside; "
-            yield f"{at}.outside", f"{message}leave it out, and give rows for all of the cycle, two where it jumps"
+            message = "a table over the angle of a crank that turns fully repeats with the cycle: nothing is outside; "
+            yield f"{at}.outside", f"{message}omit it, and give rows for the whole cycle, two where it jumps"
         try:
             angles, period = [math.degrees(angle) for angle in action.over_angle], 360.0 * scene.input.revolutions
             names = ("over_angle [deg]", ordinate)
@@ -184,7 +184,7 @@ def _regimes(scene: Scene) -> Iterator[Problem]:
         at = f"regimes.{name}"
         for action in regime.off:
             if isinstance(scene.moments.get(action), Carried):
-                yield f"{at}.off", f"the mass of {action!r} always goes along: it can't be off"
+                yield f"{at}.off", f"the mass of {action!r} always moves with the machine: leave it out of off"
         if name in taken:
             yield at, f"the name {name!r} is already taken; choose another"
         if regime.type == "steady":
@@ -198,7 +198,7 @@ def _regimes(scene: Scene) -> Iterator[Problem]:
         if turns and regime.end_of_range:
             yield f"{at}.end_of_range", "the crank turns fully; use another end, or input.start and stop"
         if own == OF_SLIDER and regime.at is not None and regime.at.angles is not None:
-            yield f"{at}.at.angles", "a sliding input turns no angle; give times"
+            yield f"{at}.at.angles", "a sliding input has no angle; give times"
         if not turns and regime.cycles is not None:
             yield f"{at}.cycles", "an input that doesn't turn fully has no cycles; use end_of_range = true"
         place = getattr(regime, own.from_place)
@@ -216,16 +216,16 @@ def _machine_drives(scene: Scene) -> Iterator[Problem]:
             continue
         at, shaft = f"elements.{name}", element.driver
         if lossy:
-            yield at, "friction and losses of teeth aren't counted on an elastic shaft; leave these or this out"
+            yield at, "friction in pairs and mesh losses aren't computed on an elastic shaft; leave these or this out"
         if not motors:
             yield at, "no motor drives it: add one to [moments], such as type = 'dc_motor'"
         elif not motors - set(element.off):
             yield f"{at}.off", "every motor is off; leave one on"
         if shaft is not None and scene.shafts[shaft].inertia == 0.0:
-            yield f"{at}.driver", f"shafts.{shaft}.inertia = 0: the motors' end needs inertia"
+            yield f"{at}.driver", f"shafts.{shaft}.inertia = 0: the motors' end needs inertia; give it"
         for load, moment in scene.moments.items():
             if isinstance(moment, Carried) and moment.on == shaft:
-                yield f"{at}.driver", f"{load!r} moves masses of its own with this shaft; name another"
+                yield f"{at}.driver", f"{load!r} moves other masses with this shaft; name another"
 
 
 def _by_speed_alone() -> list[str]:
@@ -237,21 +237,21 @@ def _by_speed_alone() -> list[str]:
 def _couplings(scene: Scene) -> Iterator[Problem]:
     for i, (name, coupling) in enumerate(scene.couplings.items()):
         shaft, on_shaft = coupling.shaft, {n: m for n, m in scene.moments.items() if m.on == coupling.shaft}
-        speed = f"shaft {shaft!r} turns at a speed of its own, by coupling {name!r}"
+        speed = f"shaft {shaft!r} turns at a separate speed, behind coupling {name!r}"
         if i > 0:
-            yield f"couplings.{name}", "a machine goes at two speeds at most: leave one coupling"
+            yield f"couplings.{name}", "a machine can have at most two speeds: keep only one coupling"
         elif scene.regimes and not scene.has_cycle:
-            message = "motion at two speeds needs a crank that turns fully; leave it, or input.start and input.stop"
+            message = "motion at two speeds needs a crank that turns fully; omit it, or input.start and input.stop"
             yield f"couplings.{name}", message
         elif scene.shafts[shaft].pivot is not None:
-            message = f"shaft {shaft!r} has a pivot and carries points; behind a coupling it can't"
+            message = f"shaft {shaft!r} has a pivot and carries points, which a shaft behind a coupling can't"
             yield f"couplings.{name}.shaft", message
         for other, own in scene.shafts.items():
             if own.geared_to == shaft:
                 yield f"shafts.{other}.geared_to", f"{speed}; name another"
         for load, moment in on_shaft.items():
             if not moment.by_speed_alone:
-                allowed = f"a moment on it may depend on that speed alone; allowed: {', '.join(_by_speed_alone())}"
+                allowed = f"a moment on it may depend on that speed only; allowed: {', '.join(_by_speed_alone())}"
                 yield f"moments.{load}.type", f"{speed}, and {allowed}"
         if len({n in on_shaft for n, m in scene.moments.items() if isinstance(m, Motor)}) == 2:
             yield f"couplings.{name}", "motors are on both of its sides; put them on one"
@@ -273,5 +273,5 @@ def _at_two_speeds(scene: Scene) -> Iterator[Problem]:
             message = "fields of a run at the two speeds of a coupling aren't kept; `sweeps export --history` has them"
             yield f"{at}.at", message
         if regime.from_shaft_speed is not None and not scene.couplings:
-            message = "no shaft has a speed of its own: the scene has no coupling; use from_speed"
+            message = "no shaft has a separate speed: the scene has no coupling; use from_speed"
             yield f"{at}.from_shaft_speed", message

@@ -56,7 +56,7 @@ def acting(scene: Scene) -> set[str]:
 
 
 class Referable(NamedTuple):
-    """What a reference may name: the words for another name, and the names, under a heading."""
+    """What a reference may name: the message for a wrong name, the allowed names, and a heading for their list."""
 
     wrong: str
     names: Callable[[Scene], Collection[str]]
@@ -93,7 +93,7 @@ FITTING = {
     "point of the frame": Referable("is not on the frame", _on_frame),
     "moving point": Referable("is at rest on the frame", lambda scene: definitions(scene)[0].keys() - _on_frame(scene)),
     "point of one link": Referable(
-        "is a joint of two links, and the drive stands on one", lambda scene: {input_point(scene), *scene.points}
+        "is a joint of two links, but a drive must be mounted on one", lambda scene: {input_point(scene), *scene.points}
     ),
     "guide of the frame": Referable(
         "is on a moving link, and must be on the frame",
@@ -136,7 +136,7 @@ FITTING = {
 
 
 def wrong_reference(scene: Scene, path: str, kind: str, name: str) -> Iterator[Problem]:
-    """The problem of a reference to something of another kind, if it is."""
+    """The problem of a reference to something of the wrong kind, if any."""
     what = (DEFINED | FITTING)[kind]
     known = what.names(scene)
     if name not in known:
@@ -152,7 +152,7 @@ def _references(scene: Scene) -> list[tuple[str, str, str]]:
 
 
 def wrong_references(scene: Scene, kinds: Mapping[str, Referable]) -> list[Problem]:
-    """References to something of another kind than they ask for, among some kinds."""
+    """References to something of the wrong kind, among some kinds."""
     asked = [reference for reference in _references(scene) if reference[1] in kinds]
     known = {kind: kinds[kind].names(scene) for kind in {kind for _, kind, _ in asked}}
     wrong = (reference for reference in asked if reference[2] not in known[reference[1]])

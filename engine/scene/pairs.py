@@ -206,7 +206,7 @@ def _wrong_keys(scene: Scene, path: str, friction: PairFriction, pair: Pair) -> 
     turns, what, lacks = pair.kind == "revolute", f"{pair.name!r}, which is {pair.kind}", ""
     own = OF_JOURNALS if turns else OF_GUIDES
     if turns:
-        lacks = f"the moment in {pair.name!r} depends on its journal, such as '40 mm'"
+        lacks = f"the friction moment in {pair.name!r} depends on its journal; give the diameter, such as '40 mm'"
     elif pair.kind == "contact":
         rolls = scene.cams[pair.name.partition(".")[0]].follower.contact == "roller"
         own, what = ("coefficient", "material", *(["diameter"] if rolls else [])), "the contact of a cam"

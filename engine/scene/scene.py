@@ -53,7 +53,7 @@ class SceneError(ValueError):
 
 
 class _RefusedInWords(type(Part)):
-    """Refuses wrong input of `Scene(...)` in a person's words."""
+    """Reports wrong input of `Scene(...)` in plain words."""
 
     def __call__(cls, *args: Any, **data: Any) -> Any:
         try:
@@ -164,7 +164,7 @@ class Scene(Part, metaclass=_RefusedInWords):
         fields = {key: field for key, field in type(self).model_fields.items() if key not in {*_ALONE, "input"}}
         rest = any(getattr(self, key) != field.default for key, field in fields.items())
         if self.input is None and (rest or not self.elements):
-            raise ValueError("input is missing: only machine elements do without a mechanism")
+            raise ValueError("input is missing: add it; only a scene of machine elements alone has none")
         if not self.has_cycle:
             for name, element in self.elements.items():
                 key, why = element.machine_needed()

@@ -1,4 +1,4 @@
-"""What is wrong with given data, in the words of a person: key, value, what is allowed, and a remedy."""
+"""Faults of given data in plain words: key, value, allowed values, and a remedy."""
 
 import re
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
@@ -35,7 +35,7 @@ _WITHIN = re.compile(r"(\w+(?:\.\w+)+): ")
 
 
 def _merged(errors: list[dict]) -> list[dict]:
-    """Errors of a validator; what a union expects of one value is one error with all the words for it."""
+    """Errors of a validator; those of a union's members for one value are merged into one."""
     found: list[dict] = []
     for error in errors:
         expected = _EXPECTED.get(error["type"])
@@ -53,7 +53,7 @@ def wrong_input(model: type[BaseModel], data: object, error: ValidationError) ->
     Parameters
     ----------
     model : type of BaseModel
-        May have `hints`, for keys that are missing or stand where they aren't known.
+        May have `hints`, for keys that are missing or misplaced.
     data : object
         The data refused.
     error : ValidationError
@@ -62,7 +62,7 @@ def wrong_input(model: type[BaseModel], data: object, error: ValidationError) ->
     for one in _once_misspelt(model, _merged(error.errors())[: 2 * MOST_PROBLEMS])[:MOST_PROBLEMS]:
         keys = _keys(data, one)
         place, message = ".".join(map(str, keys)), _message(model, one, keys)
-        # What a model finds wrong may begin with the path of a key in it.
+        # A model's message may begin with the path of one of its keys.
         if one["type"] == "value_error" and (inner := _WITHIN.match(message)):
             place, message = f"{place}.{inner[1]}".lstrip("."), message[inner.end() :]
         found.append((place, message))
@@ -70,7 +70,7 @@ def wrong_input(model: type[BaseModel], data: object, error: ValidationError) ->
 
 
 def _once_misspelt(model: type[BaseModel], errors: list[dict]) -> list[dict]:
-    """Errors without those of keys that are missing because they are misspelt."""
+    """Errors without those of keys reported missing because they are misspelt."""
     unknown = [one["loc"] for one in errors if one["type"] == "extra_forbidden"]
     meant = {(*at, key) for *at, name in unknown for key in nearest(str(name), _fields_at(model, tuple(at)))}
     return [one for one in errors if one["type"] != "missing" or one["loc"] not in meant]
@@ -128,7 +128,7 @@ def _message(model: type[BaseModel], error: dict, keys: list[str | int]) -> str:
         case "too_long":
             return f"has too many entries: {context['actual_length']}, at most {context['max_length']}"
         case _ if "url" not in error:
-            # Errors of the project's own, not of the validator.
+            # Errors raised by the parts, not by the validator.
             return f"{error['msg']}, got {shown(value)}"
         case _:
             return f"expected {error['expected'] or 'another value'}, got {shown(value)}"

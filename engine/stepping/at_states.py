@@ -1,4 +1,4 @@
-"""A system at given states: its rates and what it watches, from the functions that a walk steps with."""
+"""A system at given states: its rates and watched values, from the functions with which a walk steps."""
 
 import math
 from typing import NamedTuple
@@ -13,7 +13,7 @@ from engine.stepping.walk_task import WalkTask
 
 
 class GivenStates(NamedTuple):
-    """States of a number of points, and the results asked for.
+    """States of a number of points, and the requested results.
 
     Attributes
     ----------

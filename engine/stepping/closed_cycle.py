@@ -104,7 +104,7 @@ class CycleBatch(NamedTuple):
     walks : WalkBatch
         From the first trial energies; updated to the ends of the last cycles.
     last : WalkTask
-        Of the last cycle.
+        Settings of the last cycle.
     farthest : float
         Its largest step [rad]; infinite if it takes those of the search, 0 if there is none.
     energies : ndarray (variants,)

@@ -12,7 +12,7 @@ Record = TypeVar("Record")
 
 
 def on_arrays(change: Callable[..., np.ndarray], *records: Record) -> Record:
-    """Apply a function to the arrays of records of one type, at any depth; all else is kept from the first record."""
+    """Apply a function to the arrays of records of one type, at any depth; the rest is kept from the first record."""
     first = records[0]
     if isinstance(first, np.ndarray):
         return change(*records)

@@ -76,12 +76,11 @@ class System(NamedTuple):
         Derivatives of the integrands with respect to the first state, where errors are propagated.
     guards : tuple of Guard
     held : dict of Given to Node
-        What is held until a guard that doesn't end the walk ends a step, numbers and states, and what each is from
-        there on.
+        Numbers and states held until a guard ends a step but not the walk, and the new value of each after that.
     signed : bool
-        Whether speeds may be negative; else each side faces the way it goes.
+        Whether speeds may be negative; else each side faces in its direction of motion.
     scales : tuple of Node
-        What errors of the states are measured by along time; without them, the states themselves.
+        Scales of the states' errors along time; without them, the states themselves.
     shown : dict of str to Node
         Further nodes that `PrintedSystem.at` evaluates.
     """
@@ -110,7 +109,7 @@ class Walks(NamedTuple):
 
     `states`, `carried_errors`, `ending` (states and gathered, variants) and `recorded` are as in
     `WalkBatch`, others as in `Lane`; `numbers` are those of the variants,
-    with what is held as it was at the end.
+    with the held values at the end.
     """
 
     states: np.ndarray
@@ -170,7 +169,7 @@ class PrintedSystem:
     names : dict of str to int
         Rows of the integrals, by name; the rows of the states precede them.
     shown : dict of str to int
-        Rows of the shown nodes, of the steepness and of the slopes among the results of `at`, behind those of `names`.
+        Rows of the shown nodes, of the steepness and of the slopes among the results of `at`, after those of `names`.
     """
 
     def __init__(self, system: System, graph: Graph, first: Node, last: Node) -> None:

@@ -5,7 +5,7 @@ printed functions, an error estimate and guards. A guard is a number that is pos
 unchanged. A step in which it vanishes is repeated with refined lengths until it ends at the root; no event is located
 by interpolation.
 
-Along the angle, quantities of the position alone are the same in every cycle. The mesh of one cycle is laid once and
+Along the angle, quantities of the position only are the same in every cycle. The mesh of one cycle is laid once and
 its position-dependent values are stored; later cycles repeat it while the errors stay small enough.
 """
 
@@ -138,9 +138,9 @@ def attempt(kept: int, keeps: bool, addresses: StepAddresses, batch: WalkBatch, 
 
 @inlined
 def first_part(length: float, lane: int, task: WalkTask, room: Room) -> float:
-    """Length of the first step to an end or event: only the longest walk makes a single one from where all walks start.
+    """Length of the first step to an end or event; from a common start, only the walk of longest steps makes it in one.
 
-    Else all would make the same one, and agree on its error.
+    Otherwise all walks would make the same step, and their comparison would show no error.
     """
     parts = (task.along_time or task.fixed) and room.lane.alone[lane] > 0.0
     return task.longer / LONGEST * length if parts else length

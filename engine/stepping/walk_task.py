@@ -1,4 +1,4 @@
-"""What a walk is asked: its system, method, tolerance and ends; and why a walk may end."""
+"""Settings of a walk: its system, method, tolerance and ends; and the reasons why a walk may end."""
 
 import math
 from enum import IntEnum
@@ -68,7 +68,7 @@ class WalkTask(NamedTuple):
     solves : int
         State with an implicit rate, −1: none; the row of that rate in P follows those of the states.
     matrix, inverse : ndarray
-        Of an implicit method.
+        A and its inverse, for an implicit method.
     states, width : int
         Rows of `rates`: those of the states, and those including the integrals.
     scales : int

@@ -1,6 +1,6 @@
-"""The dimensions of a machine's numbers: the SI unit of each, and how texts have it.
+"""The dimensions of a machine's numbers: the SI unit of each, and how it is written in texts.
 
-The plane angle counts as a dimension of its own, so "N m" and "N m/rad" are different units, and 1/s is
+The plane angle counts as a separate dimension, so "N m" and "N m/rad" are different units, and 1/s is
 not a speed of rotation.
 """
 
@@ -93,7 +93,7 @@ _SI_UNIT = re.compile(r"(?:kg|m|s|rad)(?:-?[1-9])?(?: (?:kg|m|s|rad)(?:-?[1-9])?
 
 
 def described(dimension: str) -> Dimension:
-    """How a dimension is written: a key of `DIMENSIONS`, or without a name of its own its SI unit, "kg m-2 s-2".
+    """How a dimension is written: a key of `DIMENSIONS`, or, for one without a name, its SI unit, "kg m-2 s-2".
 
     Raises
     ------
@@ -108,12 +108,12 @@ def described(dimension: str) -> Dimension:
 
 
 def common_units(dimension: str) -> tuple[str, ...]:
-    """Units as a text may have them: the one of the dimension's example, and the SI unit if that is another.
+    """Units usual in texts: that of the dimension's example, and the SI unit if different.
 
     Parameters
     ----------
     dimension : str
-        As for `described`, "number" apart.
+        As for `described`, except "number".
 
     Returns
     -------
@@ -130,11 +130,11 @@ def _with_bars(unit: str) -> str:
 
 
 def in_words(dimension: str, *, article: bool = False) -> str:
-    """A dimension as messages have it: "angular speed", with its article "an angular speed"."""
+    """A dimension in messages: "angular speed", with its article "an angular speed"."""
     words = dimension.replace("_", " ") if dimension in DIMENSIONS else f"quantity in {dimension}"
     return f"{'an' if words[0] in 'aeio' else 'a'} {words}" if article else words
 
 
 def with_example(dimension: str) -> str:
-    """A dimension and how a text has it: "a length such as '80 mm'"."""
+    """A dimension with an example: "a length such as '80 mm'"."""
     return f"{in_words(dimension, article=True)} such as '{described(dimension).example}'"

@@ -3,7 +3,7 @@
 Text, tables, plots, pages, exports and messages all take their units from here. Results files keep SI units.
 
 "mm" is the metric system of drawings (mm, rpm, kN), "US" the inch-pound system (in, lbf, hp), "SI" the coherent units
-alone (m, rad/s, N). Angles are in degrees in all of them.
+only (m, rad/s, N). Angles are in degrees in all of them.
 
 Error estimates are shown where they matter: above `TELLING` of the value, where something depends on them, or all of
 them after `show_errors`.
@@ -27,8 +27,8 @@ from engine.units.reading import UnitError, base_powers, in_any_unit, unit_in, u
 UnitSystem = Literal["mm", "SI", "US"]
 
 # Spellings follow the CF conventions ("lbf in", "in s-2"). Each row: units of an SI unit and the smallest size, in that
-# unit, from which each is used; the first is also that of tables, whose columns have one unit whatever their size.
-# Metric prefixes follow the size; inch-pound units don't, as nobody converts 12 and 144 in mind within one list.
+# unit, from which each is used; the first is also that of tables, whose columns have one unit for all sizes.
+# Metric prefixes follow the size; inch-pound units don't, as nobody converts 12 and 144 mentally within one list.
 _Row = Mapping[str, float]
 _ANGLES: dict[str, _Row] = {"rad": {"deg": 0, "rev": 10}, "rad s-1": {"rpm": 0}} | {
     units: {units: 0} for units in ("rad s-2", "rad rad-1", "rad rad-2")
@@ -69,13 +69,13 @@ _ROWS: dict[str, dict[str, _Row]] = {
         "rad m-1": {"deg in-1": 0},
     },
 }
-# The rest of a compound that begins like a row, and compounds without one, unit by unit.
+# Units of what remains of a compound after its row, and of compounds without a row, one by one.
 _BASES = {
     "SI": {},
     "mm": {"m": "mm"},
     "US": {"m": "in", "kg": "lb", "N": "lbf", "J": "ft lbf", "W": "hp", "Pa": "psi"},
 }
-# Units that decide for a system, and those of a scene's own in it, shown as the scene has them.
+# Units that decide for a system, neutral ones, and those of each system that are shown if the scene writes them.
 _AMERICAN = frozenset(
     (
         *("in", "inch", "ft", "yd", "mil", "thou", "mph", "hp"),
@@ -91,7 +91,7 @@ _NEUTRAL = frozenset(
 )
 _OWN = {"SI": frozenset(), "mm": frozenset(["kgf", "kp", "gf", "PS", "atm"]), "US": _AMERICAN}
 _ALIASES = {"inch": "in", "lbs": "lb", "lbm": "lb", "kips": "kip", "klbf": "kip"}
-# Numbers below it are written without a power of ten.
+# Smaller numbers are written without a power of ten.
 _WRITTEN_OUT = 1e7
 # Error estimates below this share of the value are not shown.
 TELLING = 1e-6
@@ -142,7 +142,7 @@ def show_units_of(data: Mapping[str, Any]) -> UnitSystem:
 
 
 def _written(data: object) -> Iterator[str]:
-    """Units of all texts that are quantities, of a list each unit once."""
+    """Units of all texts that are quantities; in a list, each unit once."""
     left = [data]
     while left:
         here = left.pop()

@@ -215,7 +215,7 @@ def column_in_text(cells: Sequence[str] | np.ndarray, unit: str, dimension: str)
     cells : sequence of str, or ndarray
         Numbers without units; of texts each is rounded correctly, like "80 mm" by `in_text`.
     unit : str
-        Of all of them, "" for none.
+        Their common unit, "" for none.
     dimension : str
         As in `to_si`.
 
@@ -240,7 +240,7 @@ def column_in_text(cells: Sequence[str] | np.ndarray, unit: str, dimension: str)
         texts = [repr(cell) for cell in cells.tolist()] if not all(map(math.isfinite, found)) else []
     else:
         with localcontext(Context(prec=_DIGITS)):
-            # Whatever else Decimal reads, such as "nan" or "1_000", has other characters.
+            # Other texts that Decimal reads, such as "nan" or "1_000", contain other characters.
             if set("".join(cells)) <= _OF_NUMBERS:
                 with suppress(ArithmeticError, OverflowError):
                     found = [float(Decimal(cell) * factor) for cell in cells]
@@ -335,7 +335,7 @@ def _in_range(value: numbers.Real | Decimal, shown: str, words: str) -> float:
 
 
 def _factor(unit: str, dimension: str) -> Decimal:
-    """Return what 1 `unit` is in the SI unit of `dimension`."""
+    """Value of 1 `unit` in the SI unit of `dimension`."""
     expected = with_example(dimension)
     powers = _read_unit(unit, expected)
     if dimension == "angular_speed" and powers == {"min": -1}:
@@ -505,7 +505,7 @@ def base_powers(unit: str) -> dict[str, int]:
 
 
 def recognised(value: float | str) -> tuple[float, str]:
-    """SI value and dimension of a quantity in whatever unit, as for `to_si`; of several that fit it, the plainest.
+    """SI value and dimension of a quantity in any unit, as for `to_si`; the simplest of several dimensions that fit.
 
     Raises
     ------
@@ -527,12 +527,12 @@ def recognised(value: float | str) -> tuple[float, str]:
 
 
 def in_any_unit(text: str) -> tuple[float, dict[str, int]]:
-    """SI value of a quantity in whatever unit, and the powers of length, mass, time and angle that it has.
+    """SI value of a quantity in any unit, and its powers of length, mass, time and angle.
 
     Parameters
     ----------
     text : str
-        As for `to_si`; what `1/min` measures is a speed of rotation.
+        As for `to_si`; `1/min` is a speed of rotation.
 
     Returns
     -------
@@ -569,13 +569,13 @@ def unit_in(text: str) -> str:
 
 
 def any_quantity(text: str) -> float:
-    """SI value of a quantity in whatever unit, in an expression."""
+    """SI value of a quantity in any unit, in an expression."""
     return in_any_unit(text)[0]
 
 
 # Numbers in even steps
 
-# More than any count has; Python converts no more than some thousands.
+# More than any count has; Python refuses to convert more than some thousands.
 _MOST_DIGITS = 100
 
 
@@ -594,7 +594,7 @@ def even_steps(first: float, last: float, count: int, indices: np.ndarray) -> np
     """Some of `count` numbers in even steps from one number to another, both hit exactly.
 
     Ends that are short as decimal numbers have numbers between them that are rounded once, as if each were written
-    down: from 0.04 to 0.08 in five there is 0.06, where sums of steps come to 0.060000000000000005.
+    down: from 0.04 to 0.08 in five there is 0.06, where sums of steps give 0.060000000000000005.
 
     Parameters
     ----------
@@ -612,7 +612,7 @@ def even_steps(first: float, last: float, count: int, indices: np.ndarray) -> np
 
 
 def _in_whole_numbers(first: float, last: float, count: int) -> tuple[int, int, int] | None:
-    """Numerator of the first number, its rise, and the denominator of all, where none is beyond what is counted."""
+    """Numerator of the first number, its rise, and the common denominator; None if any exceeds `COUNTED`."""
     steps = max(count - 1, 1)
     ends = [Decimal(repr(end)) for end in (float(first), float(last))]
     places = max(0, *(-end.as_tuple().exponent for end in ends))

@@ -59,7 +59,7 @@ class StandardSizes(NamedTuple):
 
 
 def _preferred(step: int) -> StandardSizes:
-    """Preferred numbers in mm, every so many of R40."""
+    """Preferred numbers in mm: every `step`th number of R40."""
     return StandardSizes("length", Decimal("0.001"), tuple(map(Decimal, _R40.split()[::step])), True)
 
 

@@ -29,7 +29,7 @@ def warning_summaries(scene: Scene, has: Callable[[str], bool]) -> list[Quantity
 
 
 class AskedWarnings:
-    """Warnings among the asked summaries.
+    """Warnings among the requested summaries.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ class AskedWarnings:
     Attributes
     ----------
     names : list of str
-        Those of warnings.
+        Requested summaries that are warnings.
     reads : list of str
         Summaries that they require.
     """
@@ -61,7 +61,7 @@ class AskedWarnings:
     def fill(
         self, status: np.ndarray, summaries: dict[str, np.ndarray], errors: dict[str, np.ndarray], numbers: Numbers
     ) -> None:
-        """Write the asked columns of all variants; NaN where a variant failed.
+        """Write the requested columns of all variants; NaN where a variant failed.
 
         Parameters
         ----------

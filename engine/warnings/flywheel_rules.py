@@ -35,7 +35,7 @@ def rim_speed_rules(scene: Scene) -> Iterator[Rule]:
 
     sentence = (
         f"rim speed {{value}} exceeds {{limit}}, {of}: the rim may burst; reduce the diameter or the speed, choose "
-        "another material, or set rim_speed_limit if a calculation of strength allows more"
+        "another material, or set rim_speed_limit if a strength calculation allows more"
     )
     yield Rule(_WHEEL, "above", "m s-1", sentence, judge, ("wheel_rim_speed",))
 
@@ -70,7 +70,7 @@ def rim_width_rules(scene: Scene) -> Iterator[Rule]:
 
 
 def negative_flywheel_rules(scene: Scene) -> Iterator[Rule]:
-    """Flywheel of an asked speed fluctuation that the machine keeps without one."""
+    """Flywheel for a required speed fluctuation that the machine meets without one."""
     if scene.flywheel is None or scene.flywheel.speed_fluctuation is None or not scene.has_cycle:
         return
     sentence = (
@@ -89,7 +89,7 @@ def flywheel_ratio_rules(scene: Scene) -> Iterator[Rule]:
     def judge(n: Numbers, used: Measured, machine: Measured) -> tuple[object, object]:
         # On a shaft that turns i times as fast, a wheel of 1/i² of the inertia serves.
         turns = 1.0 if flywheel.wheel is None else n[f"{_WHEEL}.ratio"]
-        # A machine without masses has a warning of its own.
+        # A machine without masses has another warning.
         inertia = Measured(np.where(machine.value > 0.0, machine.value, np.nan), machine.error)
         return used / inertia / Measured(turns**2), limit_of(scene, "flywheel_ratio", n)
 

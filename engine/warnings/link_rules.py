@@ -22,8 +22,8 @@ def transmission_rules(scene: Scene) -> Iterator[Rule]:
         if group.type in ("RRR", "RRP"):
             sentence = (
                 "its transmission angle falls to {value}, below limits.transmission_angle = {limit} (40° is usual, 30° "
-                "serves slow machines): large forces, and jamming with little friction; change its lengths or the "
-                "places of its joints"
+                "suffices for slow machines): forces grow, and little friction makes it jam; change its lengths or "
+                "move its joints"
             )
             yield Rule(
                 f"groups.{name}",
@@ -42,10 +42,10 @@ def slenderness_rules(scene: Scene) -> Iterator[Rule]:
         if rod is None or not (shape == "plate" or (shape == "rod" and body.shape.area is not None)):
             continue
         sentence = (
-            "{value} is the slenderness of this rod, above limits.slenderness = {limit}, and it is compressed: it may "
-            "buckle; make it thicker or shorter"
+            "its slenderness {value} exceeds limits.slenderness = {limit}, and the rod is compressed: it may buckle; "
+            "make it thicker or shorter"
         )
-        # A force along the rod compresses it at its origin, and stretches it at its other end.
+        # A positive force along the rod compresses it at its origin, and stretches it at its other end.
         ends = ((rod.outer, "max", 1.0), (rod.inner, "min", -1.0))
         alone = [(pair[0].name, most, sign) for pair, most, sign in ends if [p.link for p in pair] == [body.link]]
         for pair, most, sign in alone[:1]:
@@ -59,7 +59,7 @@ def _slenderness(scene: Scene, name: str, length: str, sign: float) -> object:
 
     def judge(n: Numbers, thrust: Measured) -> tuple[object, object]:
         if shape.type == "rod":
-            # Of a round section, A = πd²/4, the radius of gyration is d/4.
+            # A round section has A = πd²/4 and the radius of gyration d/4.
             radius = np.sqrt(n[f"{at}.area"] / (4.0 * math.pi))
         else:
             side = n[f"{at}.width"]
@@ -121,14 +121,14 @@ def no_masses_rules(scene: Scene) -> Iterator[Rule]:
     if not _has_loads(scene) or _has_masses(scene) or not scene.inertia_in_reactions:
         return
     sentence = (
-        "{value} masses in a machine with loads: inertia forces, reduced inertia and flywheel are those of massless "
+        "the machine has loads but {value} masses: inertia forces, reduced inertia and flywheel are those of massless "
         "links; add [bodies], or set inertia_in_reactions = false if it runs slowly"
     )
     yield Rule("bodies", "below", "1", sentence, lambda n: (0.0, LEAST_NORMAL))
 
 
 def undercut_rules(scene: Scene) -> Iterator[Rule]:
-    """Wheels of gear trains with fewer teeth than a rack cutter makes whole: z < 2 (1 − x) cos β/sin² α_t."""
+    """Wheels of gear trains that a rack cutter undercuts: z < 2 (1 − x) cos β/sin² α_t."""
     for name, train in scene.elements.items():
         if train.type != "gear_train":
             continue

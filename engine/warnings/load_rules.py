@@ -83,7 +83,7 @@ def unused_load_rules(scene: Scene) -> Iterator[Rule]:
 
 
 def _vanishing(n: Numbers, peak: Measured) -> tuple[object, object]:
-    """A peak less its error estimate, which is all there is of a load that vanishes."""
+    """A peak minus its error estimate: 0 for a load that vanishes."""
     return np.maximum(peak.value - peak.error, 0.0), LEAST_NORMAL
 
 

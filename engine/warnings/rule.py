@@ -45,7 +45,7 @@ class Rule(NamedTuple):
         Parameters
         ----------
         numbers : Numbers
-            Of the scene, for some variants.
+            The scene's, for some variants.
         known : mapping of str to Measured (variants,)
             Summaries by name.
         """

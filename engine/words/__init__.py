@@ -1,1 +1,1 @@
-"""What engineers call things, and what is said of a variant that has no answer."""
+"""Engineers' synonyms, descriptions of quantities, and verdicts on variants."""

@@ -1,4 +1,4 @@
-"""The words engineers use for one thing, searched wherever a name is looked up; names that may have been meant.
+"""Engineers' synonyms, searched wherever a name is looked up; suggestions for unknown names.
 
 `GLOSSARY` is searched by every list and every "did you mean"; `KEYS` lists other names of the keys of texts, which say
 nothing about quantities.
@@ -16,7 +16,7 @@ def _by_term(rows: Mapping[str, tuple[str, ...]]) -> dict[str, tuple[str, ...]]:
     return {term: words for terms, words in rows.items() for term in terms.split()}
 
 
-# Search terms for one thing, and the words by which names, meanings and keys call it here.
+# Search terms for one thing, and the words for it in names, meanings and keys.
 GLOSSARY = _by_term(
     {
         "torque": ("moment",),
@@ -47,7 +47,7 @@ GLOSSARY = _by_term(
         "motor": ("mean drive",),
         "efficiency": ("loss", "friction"),
         "pressure": ("stress",),
-        "units": (),  # no plural: results "per unit error" are none of them
+        "units": (),  # not the plural of "unit", as in "per unit error"
         "horsepower": ("power",),
         "weight": ("mass",),
         "greatest": ("peak", "max"),
@@ -99,7 +99,7 @@ def speaks_of(text: str, words: Sequence[str]) -> bool:
     ----------
     text : str
     words : sequence of str
-        Parts of words count, "accel" finds "acceleration", and plurals as singulars. Synonyms begin a word.
+        Parts of words match ("accel" finds "acceleration"), and plurals match singulars. A synonym must start a word.
     """
     text = text.lower()
     terms = map(_singular, words)
@@ -116,7 +116,7 @@ def _begins_in(text: str, words: str) -> bool:
 
 
 def meant(name: str, known: Sequence[str]) -> list[str]:
-    """Known names that say the same as a name in other words, the likeliest first.
+    """Known names that mean the same as a name in other words, likeliest first.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def _parts(name: str) -> list[str]:
 
 
 def nearest(name: str, known: Iterable[str], count: int = 1) -> list[str]:
-    """Names that say the same in other words, else those most like a misspelt one, whatever the case of its letters."""
+    """Synonyms of a name, else the names closest to it in spelling, ignoring case."""
     known = list(known)
     lowered: dict[str, str] = {}
     for candidate in known:
@@ -152,7 +152,7 @@ def nearest(name: str, known: Iterable[str], count: int = 1) -> list[str]:
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """Ending of a message about an unknown name: what is allowed, and the nearest of it."""
+    """Ending of a message about an unknown name: the allowed names, and the nearest one."""
     return listed(name, sorted(known), "known are")
 
 
@@ -179,11 +179,11 @@ def unknown_name_message(name: str, known: Iterable[str], words: str = "") -> st
     Parameters
     ----------
     name : str
-        The name that isn't known.
+        The unknown name.
     known : iterable of str
-        The names that are.
+        The known names.
     words : str, optional
-        What to say of it instead of "unknown name".
+        Text that replaces "unknown name 'NAME'".
 
     Returns
     -------
@@ -196,7 +196,7 @@ def unknown_name_message(name: str, known: Iterable[str], words: str = "") -> st
 
 
 def nearest_or_known(name: str, known: Sequence[str], akin: Sequence[str]) -> str:
-    """Ending of a message about an unknown name: the nearest of the known names, else the first of those akin."""
+    """Ending of a message about an unknown name: the nearest known names, else the first of `akin`."""
     if close := nearest(name, known, 3):
         return f"did you mean {' or '.join(map(repr, close))}?"
     if not akin:

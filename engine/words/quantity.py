@@ -1,4 +1,4 @@
-"""What describes a result: its name, meaning and unit, and how important it is to the engineer."""
+"""Description of a result: name, meaning, unit, and its importance to the engineer."""
 
 from enum import IntEnum
 from functools import partial

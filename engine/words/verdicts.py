@@ -1,4 +1,4 @@
-"""Verdicts on a variant: each with its code, a few words for legends, and what is wrong with its remedy."""
+"""Verdicts on a variant: each with its code, a short label for legends, and a sentence with fault and remedy."""
 
 from enum import IntEnum
 
@@ -40,7 +40,8 @@ class Verdict(IntEnum):
     DROPPED = 4, "dropped by a constraint", "dropped by a constraint of the study"
     NOT_FINITE = (
         *(5, "infinite or undefined"),
-        "a result is infinite or undefined: an overflow, or a characteristic without a value there",
+        "a result is infinite or undefined: an overflow, or a characteristic without a value there; check "
+        "this variant's numbers and formulas",
     )
     STALLS = (
         *(6, "stalls"),
@@ -54,7 +55,7 @@ class Verdict(IntEnum):
     NO_END = (
         *(8, "doesn't reach its end"),
         "a regime never reaches the state that ends it; change the end or the drive, or raise at_most. A governor may "
-        "also be damped too heavily for so long a run: reduce the damping or the time",
+        "also be too heavily damped for such a long run: reduce the damping or the time",
     )
     JAMS = (
         *(9, "friction jams"),
@@ -97,7 +98,7 @@ class Verdict(IntEnum):
     )
     STANDS = (
         *(17, "losses stop the gears"),
-        "a gear train stands still: its meshes lose all power that the given torques put in; choose another basic "
+        "a gear train can't move: its meshes lose all power that the given torques put in; choose another basic "
         "ratio or less tooth friction",
     )
     SLIDES = (
@@ -122,9 +123,9 @@ class Verdict(IntEnum):
     )
     MODE_NOT_REACHED = (
         *(22, "mode not reached"),
-        "a group can't be followed in the scene's assembly mode: between the scene's numbers and these that mode meets "
-        "another one and ends, or the cycle passes too close to dead centres; vary less, sweep from a scene that is "
-        "nearer, or change a length",
+        "a group can't be followed in the scene's assembly mode: between the scene's numbers and this variant's the "
+        "mode merges with another one and ends, or the cycle passes too close to dead centres; vary less, sweep from a "
+        "scene closer to this variant, or change a length",
     )
     OTHER_MODE = (
         *(23, "returns in another mode"),
@@ -144,13 +145,14 @@ class Verdict(IntEnum):
     )
     TOO_COARSE = (
         *(26, "steps too long"),
-        "the steps of a run's method are too long: steps of twice the length give another motion, as under a steep "
-        "motor; raise steps_per_turn, or omit method and steps_per_turn",
+        "the steps of a run's method are too long: with steps twice as long the motion differs, as with a steep "
+        "motor characteristic; raise steps_per_turn, or omit method and steps_per_turn",
     )
     DOES_NOT_CLOSE = (
         *(27, "cycle doesn't close"),
-        "a cycle doesn't close: a part isn't in its place again after input.revolutions turns of the crank, a load "
-        "over time isn't what it was, or a torsion spring is wound up; give ratios and periods whole in a cycle",
+        "a cycle doesn't close: after input.revolutions turns of the crank a part isn't back in position, a load over "
+        "time hasn't returned to its value, or a torsion spring is wound up; choose ratios and periods that fit "
+        "a whole number of times into the cycle",
     )
     INTERFERES = (
         *(28, "teeth interfere"),
@@ -164,9 +166,9 @@ class Verdict(IntEnum):
     )
     SHAFT_RIGID = (
         *(30, "shaft rigid at this scale"),
-        "an elastic shaft is rigid at this scale: its vibration (natural_frequency, which is computed all the same) "
-        "turns too many times within the time asked for; shorten the time, use a softer shaft, or leave the shaft out "
-        "and treat both sides as one inertia",
+        "an elastic shaft is rigid at this scale: it vibrates too many times within the requested time "
+        "(natural_frequency is still computed); shorten the time, use a softer shaft, or omit the shaft and treat both "
+        "sides as one inertia",
     )
     FRACTION_OF_A_TOOTH = (
         *(31, "teeth not whole"),
@@ -174,7 +176,7 @@ class Verdict(IntEnum):
     )
     MODULES_DIFFER = (
         *(32, "modules differ"),
-        "a wheel has two modules or helix angles in its meshes; give them the same, or put two wheels on one shaft",
+        "the meshes of a wheel have different modules or helix angles; make them equal, or put two wheels on one shaft",
     )
     AXES_APART = (
         *(33, "axes apart"),

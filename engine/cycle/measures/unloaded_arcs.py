@@ -36,7 +36,7 @@ from engine.cycle.panels.record import Record, known_slot
 
 # Fraction of the peak load below which a bearing counts as unloaded.
 LEAST_LOAD = 1e-3
-# The loads of a bar point along it, to 0 and π: the circle is cut beside π, by more than their errors [rad].
+# The loads of a bar point along it, to 0 and π: the circle is cut next to π, by more than their errors [rad].
 NEAR_CUT = 1e-6
 # Room for stretches.
 MOST_STRETCHES = 1024
@@ -167,7 +167,7 @@ def find_stretches(record: Record, force: Force, stretches: Stretches) -> int:
                 return count
             loaded = counts
             if continues:
-                # Between positions it may turn on as far as it turns beside them.
+                # Between positions it may turn further by as much as it turns between the adjacent ones.
                 lower, upper = min(angle, angle - turned) - abs(turned), max(angle, angle - turned) + abs(turned)
                 low, high = min(low, lower), max(high, upper)
             if counts and angle < ends[count - 1, 0]:
@@ -199,13 +199,13 @@ def farthest_turn(series: VectorSeries, place: float, limit: float, sense: float
         back = place_where(series, start, end, TURNS_BACK) if turns_back else end
         dip = place_where(series, start, end, IS_LEAST) if growing * way < 0.0 <= growing_after * way else end
         turning, growing = turning_after, growing_after
-        # Between these corners the force is nowhere farther ahead nor smaller than at them.
+        # Between these corners the force is nowhere farther ahead or smaller than at them.
         for corner in (back, dip, end) if abs(back - start) < abs(dip - start) else (dip, back, end):
             hx, hy, _, _ = vector_at(series, corner)
             ceases, moved = hx * hx + hy * hy < least * least, 0.0
             if ceases:
                 hx, hy, turns, grows = vector_at(series, place_where(series, start, corner, least * least))
-                # The place where the force ceases to count is only as accurate as the force.
+                # The position where the force ceases to count is only as accurate as the force.
                 moved = abs(turns / grows)
             turned += turn_to(x, y, hx, hy)
             if turned * sense > farthest:
@@ -220,7 +220,7 @@ def farthest_turn(series: VectorSeries, place: float, limit: float, sense: float
 def extend(record: Record, force: Force, stretches: Stretches, i: int, side: int) -> None:
     """Refine one end of a stretch between the positions, and estimate its error.
 
-    The farthest direction need not be beside the farthest position.
+    The farthest direction need not be next to the farthest position.
     """
     step, sense = stretches.step[i], 2.0 * side - 1.0
     lane, least, apart = force.lane, force.least, stretches.margins[i, side] == math.pi
@@ -239,7 +239,7 @@ def extend(record: Record, force: Force, stretches: Stretches, i: int, side: int
             turned = turn_to(fx, fy, gx, gy)
             if not apart and (gx * gx + gy * gy < least * least or abs(turned) > SHARP):
                 break
-            # Between positions it may turn on as far as it turns beside them.
+            # Between positions it may turn further by as much as it turns between the adjacent ones.
             if apart or max(reached, reached + turned * sense) + max(before, abs(turned)) > farthest:
                 further, sensitivity_there = farthest_turn(
                     series, PLACES[stride * j], PLACES[stride * (j + way)], sense, least
@@ -272,7 +272,7 @@ def extend_near(record: Record, force: Force, stretches: Stretches, count: int, 
 def widest_gap(stretches: Stretches, count: int) -> tuple[float, float, int, int]:
     """Widest gap between stretches on the circle: width and its error [rad], the stretch before it and the one after.
 
-    Of gaps that are equal but for their errors, the first from −π; directions within `NEAR_CUT` of π count as −π.
+    Of gaps that are equal within their errors, the first from −π; directions within `NEAR_CUT` of π count as −π.
     """
     ends, errors, order = stretches.ends, stretches.errors, stretches.order
     for i in range(count):

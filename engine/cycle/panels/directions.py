@@ -54,7 +54,7 @@ def panel_positions(middle: Row, half: Row, degree: int, q: Rows, cos_q: Rows, s
     for lane in range(LANES):
         q[degree // 2, lane] = middle[lane]
         cos_q[degree // 2, lane], sin_q[degree // 2, lane] = direction_of(middle[lane])
-    # Two calls, because the compiler unrolls no longer inner loop, and vectorises over the lanes only what it unrolls.
+    # Two calls, because the compiler unrolls no longer inner loop, and vectorises over the lanes only unrolled loops.
     if degree == DEGREE:
         _mirrored(0, 4, DEGREE, half, q, cos_q, sin_q)
         _mirrored(4, 8, DEGREE, half, q, cos_q, sin_q)

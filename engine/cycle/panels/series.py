@@ -46,7 +46,7 @@ FASTEST = 0.3
 LEVEL = 0.5
 # Safety factor on the extrapolated remainder; of random curves, one in a thousand exceeds it.
 MARGIN = 3.0
-# The coefficients of a kink, a fifth of those n/2 degrees lower, decay by a power of the degree, and hardly at all
+# The coefficients of a kink, a fifth of those n/2 degrees lower, decay by a power of the degree, and scarcely at all
 # for a kink at the end of a panel. Above this ratio, the integral's remainder is taken to be as large as the curve's.
 KINKED = 0.1
 TINY = 1e-300

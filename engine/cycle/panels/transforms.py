@@ -40,7 +40,7 @@ def _folded(half: int, values: Rows, folded: Rows) -> None:
 @routine
 def _product(matrix: np.ndarray, folded: Rows, result: Rows) -> None:
     """Multiply the sums by the first half of the matrix's rows, and the differences by the rest."""
-    # The compiler vectorises over the lanes only what it unrolls.
+    # The compiler vectorises over the lanes only unrolled loops.
     if matrix.shape[1] == DEGREE // 2:
         _sums(matrix, DEGREE // 2, folded, result)
     else:

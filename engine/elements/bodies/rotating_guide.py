@@ -70,13 +70,13 @@ class RotatingGuide(Element):
         yield main_result("relative_speed", "speed along the lever at its end", "m s-1"), rate
         words = "speed of the body as it leaves the lever"
         yield main_result("absolute_speed", words, "m s-1"), np.hypot(rate, w * there)
-        words = "angle between its path and the lever there"
+        words = "angle between the body's path and the lever as it leaves"
         yield main_result("leaving_angle", words, "rad"), np.arctan2(w * there, rate)
         yield main_result("start_reaction", "reaction of the lever at the start", "N"), 2.0 * mass * w * velocity
         yield main_result("reaction", "peak reaction of the lever, at its end", "N"), 2.0 * mass * w * rate
-        words = "centrifugal force of inertia at the end of the lever"
+        words = "centrifugal inertia force at the end of the lever"
         yield main_result("centrifugal_force", words, "N"), mass * w**2 * there
-        words = "peak torque that turns the lever, at its end"
+        words = "peak drive torque of the lever, with the body at its end"
         yield main_result("moment", words, "N m"), 2.0 * mass * w * rate * there
         work = mass * w**2 * (there - start) * (there + start)
         yield main_result("work", "work done on the lever", "J"), work

@@ -67,7 +67,7 @@ class TiltedBody(Element):
         if not (all(moments) and not any(axes)) and not (all(axes) and not any(moments)):
             yield f"give {', '.join(MOMENTS)}, or {', '.join(SEMI_AXES)} of an ellipsoid: all three of one"
         if all(axes) and (self.product_xy or self.product_yz or self.product_zx):
-            yield "products belong to given moments: an ellipsoid has none about its own axes"
+            yield "products belong to given moments: an ellipsoid has none about its own axes; leave them out"
 
     def named(self, n: Numbers) -> NamedRows:
         """Results of a set of variants; NaN if no body has such moments of inertia."""
@@ -96,7 +96,7 @@ class TiltedBody(Element):
             square = n["speed"] ** 2 * defined
             words = "couple of the inertia forces on the bearings of the fixed z axis"
             yield main_result("tilting_couple", words, "N m"), square * np.hypot(products[1], products[2])
-            words = "force of inertia of the centre of mass"
+            words = "inertia force at the centre of mass"
             yield main_result("centrifugal_force", words, "N"), mass * square * np.hypot(n["x"], n["y"])
 
     def evaluate(self, n: Numbers) -> Answers:

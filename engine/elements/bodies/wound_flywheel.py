@@ -79,8 +79,8 @@ class WoundFlywheel(Element):
         yield main_result("mass", "mass of the wheel", "kg"), mass
         yield main_result("inertia", "moment of inertia", "kg m2"), inertia
         yield main_result("energy", "kinetic energy at the speed", "J"), energy
-        yield main_result("energy_per_mass", "kinetic energy by mass", "J kg-1"), energy / mass
-        yield main_result("rim_speed", "speed of the outer radius", "m s-1"), speed * b
+        yield main_result("energy_per_mass", "kinetic energy per unit mass", "J kg-1"), energy / mass
+        yield main_result("rim_speed", "speed at the outer radius", "m s-1"), speed * b
         yield main_result("winding_pressure", "pressure of the winding on the ring at rest", "Pa"), pressure
         words = "hoop stress of the bore at rest, negative in compression"
         yield main_result("rest_bore_stress", words, "Pa"), -tension * about
@@ -90,7 +90,7 @@ class WoundFlywheel(Element):
         yield main_result("layer_stress", "peak tension of the winding at the speed", "Pa"), stress
         spun_off = spin * (b - c) * (b + c) * hollow
         yield main_result("pressure", "pressure of the winding on the ring at the speed", "Pa"), pressure - spun_off
-        yield main_result("parting_speed", "speed from which on the outermost layer is loose", "rad s-1"), parting
+        yield main_result("parting_speed", "speed above which the outermost layer is loose", "rad s-1"), parting
         loose = np.where(np.isnan(speed), math.nan, speed > parting)
         yield main_result("parts", "whether layers are loose at the speed (1 or 0)", "1", exact=True), loose
         if "strength" in n:

@@ -77,9 +77,9 @@ class CamElement(CamProgram, Element):
     def _faults(self) -> Faults:
         if self.line_contact is not None and (self.follower.contact == "knife edge" or self.follower.moved is None):
             key = "mass" if self.translating else "inertia"
-            yield f"line_contact: the pressure is that of a roller or flat face of known follower.{key}"
+            yield f"line_contact: it needs a roller or a flat face, and follower.{key}; give these, or leave it out"
         if self.follower.contact == "flat" and self.limits is not None and self.limits.pressure_angle is not None:
-            yield "limits.pressure_angle: a flat face has none; give limits.convex_radius alone"
+            yield "limits.pressure_angle: a flat face has none; give limits.convex_radius only"
 
     @cached_property
     def results(self) -> tuple[Quantity, ...]:
@@ -271,7 +271,7 @@ def _results(cam: CamElement) -> Iterator[Result]:
         when = Lasting.WHILE_TOUCHING, False
         yield _result("contact_pressure", words, "Pa", when, tuple(Sought(side, 1) for side in sides))
     if cam.limits is not None:
-        words = "minimum base radius that keeps the limits; none if no base circle does"
+        words = "minimum base radius that meets the limits; none if no base circle does"
         yield _result("least_base_radius", words, "m", of=_limiting(cam))
 
 
@@ -325,7 +325,7 @@ def _flat_shape(cam: CamElement) -> Iterator[Result]:
         _result("convex_radius_at", "cam angle of the minimum radius of curvature", "rad"),
         _result("face_from", f"minimum distance of the contact {origin}", "m", made, (start,)),
         _result("face_to", f"maximum distance of the contact {origin}", "m", made, (end,)),
-        _result("face_length", "length of the face that is touched", "m", made),
+        _result("face_length", "length of the face in contact over a turn", "m", made),
     )
     for made in found:
         yield made._replace(result=made.result._replace(may_be_undefined=False))

@@ -42,9 +42,9 @@ class TranslatingFollower(TouchesCam):
 
     def _faults(self) -> Faults:
         if self.friction is not None and self.contact == "flat":
-            yield "friction in the guide is that of a roller or knife edge: leave it out"
+            yield "friction in the guide is computed for a roller or knife edge only: leave it out"
         if self.offset and self.contact == "flat":
-            yield "offset = 0 for a flat face: an offset moves the contact along the face, and nothing else"
+            yield "give offset = 0 for a flat face: an offset would only move the contact along the face"
 
     @property
     def moved(self) -> float | None:

@@ -49,11 +49,11 @@ class ComplianceElement(Element):
         for path, share in whole.within.items():
             words = f"stiffness of {path} about its own axis"
             yield main_result(f"{path}.stiffness", words, "N m rad-1"), share.stiffness
-            words = f"share of {path} in the energy, in series that in the compliance"
+            words = f"share of {path} in the energy (in series: in the compliance)"
             yield main_result(f"{path}.share", words, "1"), share.energy
             if self.moment is not None:
                 words = f"{path} about its own axis"
-                yield main_result(f"{path}.moment", f"moment of {words}", "N m"), n["moment"] * share.moment
+                yield main_result(f"{path}.moment", f"torque in {words}", "N m"), n["moment"] * share.moment
                 yield main_result(f"{path}.twist", f"twist of {words}", "rad"), twist * share.twist
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:

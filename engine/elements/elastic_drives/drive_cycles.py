@@ -96,7 +96,7 @@ def steps_needed(frequency: np.ndarray, speed: np.ndarray, length: float) -> np.
     frequency : ndarray (variants,)
         Natural frequency [rad/s].
     speed : ndarray (variants,)
-        Of the crank [rad/s].
+        Crank speed [rad/s].
     length : float
         Crank angle of a cycle [rad].
     """

@@ -49,7 +49,7 @@ def _closed(
     right : ndarray (drives, STATE, steps, STAGES)
         r.
     lacking : ndarray (drives, STATE)
-        By how much x grows over a cycle less than needed.
+        Shortfall in the growth of x over a cycle.
 
     Returns
     -------
@@ -108,12 +108,12 @@ class DrivenMachine(NamedTuple):
     places : ndarray (steps · STAGES, variants)
         Crank angles at the Gauss points of every step [rad].
     inertia : ndarray (variants, steps, points)
-        Of the machine, at the ends and Gauss points of every step [kg·m²].
+        Reduced inertia of the machine, at the ends and Gauss points of every step [kg·m²].
     system : PrintedSystem
         Elastic torque, speed at the motor end and energy of the machine over the crank angle, with the integrals of
         `CycleSums` and the Jacobian of the rates.
     numbers : ndarray (numbers, variants)
-        Of the system.
+        Numbers of the system.
     """
 
     steps: np.ndarray

@@ -30,10 +30,10 @@ RESULTS = (
     Quantity("rigid_moment", "peak torque of a rigid shaft", "N m"),
     main_result("dynamic_factor", "peak shaft torque over that of a rigid shaft", "1", True),
     main_result("greatest_twist", "peak shaft twist (crank lag)", "rad"),
-    main_result("position_error", "how far the crank is from turning rigidly: half the range of the twist", "rad"),
+    main_result("position_error", "position error of the crank due to elasticity: half the range of the twist", "rad"),
     main_result("motor_power", "mean power of the motors", "W"),
-    Quantity("damping_power", "mean power that the shaft's damping takes", "W"),
-    check_result("power_residual", "what is missing of the balance of power, as a share", "1", True),
+    Quantity("damping_power", "mean power dissipated by the shaft's damping", "W"),
+    check_result("power_residual", "power balance residual, relative", "1", True),
     check_result("multiplier", "largest magnitude of a multiplier: growth of disturbances per cycle", "1"),
     check_result("second_multiplier", "second largest magnitude of a multiplier", "1"),
     check_result("third_multiplier", "smallest magnitude of a multiplier", "1"),
@@ -41,7 +41,7 @@ RESULTS = (
 )
 RUN_RESULTS = (
     main_result("run_greatest_moment", "peak shaft torque during the run", "N m", True),
-    main_result("run_greatest_at", "time of its peak", "s", True),
+    main_result("run_greatest_at", "time of the peak shaft torque during the run", "s", True),
     Quantity("run_motor_speed", "speed at the motors' end after the run, at the crank", "rad s-1", True),
     Quantity("run_machine_speed", "speed of the crank after the run, negative backwards", "rad s-1", True),
     Quantity("run_angle", "angle that the crank turned", "rad", True),
@@ -94,4 +94,4 @@ class MachineDrive(ElasticShaft, Element):
 
     def machine_needed(self) -> tuple[str, str]:
         """The scene needs a fully turning crank."""
-        return "", "only a crank that turns fully is driven through an elastic shaft"
+        return "", "an elastic shaft can only drive a crank that turns fully"

@@ -30,7 +30,7 @@ from engine.stepping.records import put
 from engine.stepping.system import Guard, PrintedSystem, System, Walks
 from engine.stepping.walk_task import Why, tolerance_of_walk
 
-# Of a step.
+# Tolerance of a step.
 TOLERANCE = 1e-12
 # First step, in radians of the vibration.
 FIRST = 0.1
@@ -228,7 +228,7 @@ class FollowedDrives(NamedTuple):
     ----------
     held : HeldOfDrive
     speed, load_speed : ndarray
-        Of motor and load at the end [rad/s].
+        Final speeds of motor and load [rad/s].
     too_stiff : ndarray of bool
         Drives not computed because they vibrate too often within their duration.
     steps, recorded : ndarray
@@ -282,7 +282,7 @@ def follow_drives(
     # A load below the rounding of the motor torque counts as zero.
     drive = drive._replace(load=np.where(driving + drive.load > driving, drive.load, 0.0))
     mobility, load_mobility, stiffness, _, backlash, load = drive
-    # Stay within the backlash whatever is rounded.
+    # Stay within the backlash despite rounding.
     twist, touch = -backlash * (1.0 - 4.0 * EPS), np.where(backlash > 0.0, 0.0, 1.0)
     if begin.runs:
         # Up to now both masses had the same acceleration.

@@ -147,9 +147,9 @@ class EngineElement(Element):
                 )
             yield f"rod = {quantity_text(self.rod, 'm')}: it must be longer than {least}"
         if self.knuckle_radius is not None and self.gas is not None:
-            yield "gas: the torque is that of rods on the crankpin; leave out gas, or the link rods"
+            yield "gas: the torque can't be computed with link rods; leave out gas, or the link rods"
         if self.master_cylinder > self.cylinders:
-            yield f"master_cylinder = {self.master_cylinder}: there are {self.cylinders} cylinders"
+            yield f"master_cylinder = {self.master_cylinder}: there are {self.cylinders} cylinders; give one of them"
 
     def pattern(self) -> Pattern:
         """Arrangement of the cylinders, without dimensions.

@@ -161,7 +161,7 @@ def w_engine(cylinders: int, banks: int = 3, throws: Sequence[float] | None = No
     LayoutError
     """
     if cylinders < 1 or banks < 1 or cylinders % banks:
-        raise LayoutError(f"{cylinders} cylinders can't stand in {banks} banks of equal length")
+        raise LayoutError(f"{cylinders} cylinders can't stand in {banks} banks; give a multiple of {banks}")
     along = _checked(throws, cylinders // banks)
     fan = [(banks - 1) / 2 - b for b in range(banks)]
     return Pattern(
@@ -188,7 +188,7 @@ def boxer_engine(cylinders: int, throws: Sequence[float] | None = None) -> Patte
     LayoutError
     """
     if cylinders < 2 or cylinders % 2:
-        raise LayoutError(f"a boxer engine has pairs of cylinders, not {cylinders} of them")
+        raise LayoutError(f"a boxer engine has pairs of cylinders, not {cylinders} of them; give an even number")
     pairs = cylinders // 2
     along, places = _checked(throws, pairs), _places(cylinders)
     return Pattern(
@@ -207,7 +207,7 @@ def radial_engine(cylinders: int) -> Pattern:
         Fewer than two cylinders.
     """
     if cylinders < 2:
-        raise LayoutError(f"a radial engine has two cylinders at least, not {cylinders}")
+        raise LayoutError(f"a radial engine has at least two cylinders, not {cylinders}")
     return Pattern(Station(math.tau * k / cylinders, 0.0, 0.0, 0.0, 0.0, 0.0) for k in range(cylinders))
 
 
@@ -219,7 +219,7 @@ def _checked(throws: Sequence[float] | None, count: int) -> tuple[float, ...]:
     if throws is None:
         return usual_throws(count)
     if len(throws) != count:
-        raise LayoutError(f"{len(throws)} throws are given; this layout has {count}")
+        raise LayoutError(f"{len(throws)} throws are given; this layout has {count}: give as many angles")
     return tuple(float(throw) for throw in throws)
 
 

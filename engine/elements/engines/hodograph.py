@@ -4,7 +4,7 @@ A plane vector with the period of the crank's turn, written as x + iy, is the su
 
     F_n exp(i n phi) + B_n exp(−i n phi),
 
-one part rotating with the crank and one against it. One part alone describes a circle; two of equal magnitude describe
+one part rotating with the crank and one against it. A single part describes a circle; two of equal magnitude describe
 a line; in general they describe an ellipse with the semi-axes |F_n| + |B_n| and ||F_n| − |B_n||, the major axis at half
 the sum of their angles.
 """

@@ -90,7 +90,7 @@ class LocomotiveElement(Element):
         for side, weight in zip(_SIDES, weights, strict=True):
             yield main_result(f"{side}_balance_angle", _BALANCE_ANGLE.format(side), "rad"), np.angle(weight)
         yield main_result("tractive_variation", "maximum unbalanced force along the track", "N"), np.abs(pull)
-        yield main_result("swaying_couple", "maximum unbalanced couple about the upright axis", "N m"), np.abs(sway)
+        yield main_result("swaying_couple", "maximum unbalanced couple about the vertical axis", "N m"), np.abs(sway)
         for side, blow in zip(_SIDES, blows, strict=True):
             yield main_result(f"{side}_hammer_blow", f"maximum change of the {side} wheel's load", "N"), np.abs(blow)
         if "wheel_load" in n:
@@ -104,12 +104,13 @@ class LocomotiveElement(Element):
         if "crank_angle" in n:
             phi, turned = n["crank_angle"], np.exp(1j * n["crank_angle"])
             primary = along * stroke / 2 * square * np.cos(phi)
-            yield main_result("primary_force", "unbalanced primary force of the first cylinder there", "N"), primary
-            yield main_result("tractive_force", "unbalanced force along the track there", "N"), (pull * turned).real
-            words = "unbalanced couple about the upright axis there"
+            yield main_result("primary_force", "primary force of the first cylinder at the crank angle", "N"), primary
+            words = "unbalanced force along the track at the crank angle"
+            yield main_result("tractive_force", words, "N"), (pull * turned).real
+            words = "unbalanced couple about the vertical axis at the crank angle"
             yield main_result("swaying_moment", words, "N m"), (sway * turned).real
             for side, blow in zip(_SIDES, blows, strict=True):
-                words = f"unbalanced upward force in the {side} wheel there"
+                words = f"unbalanced upward force in the {side} wheel at the crank angle"
                 yield main_result(f"{side}_rail_force", words, "N"), (blow * turned).imag
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:

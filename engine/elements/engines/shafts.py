@@ -4,7 +4,7 @@ An unbalance U on a shaft at n times the crank speed exerts n² U exp(i n phi), 
 shaft in the opposite sense it exerts n² U exp(−i n phi). So each part of each order needs its own shaft:
 
 - the first order's part that rotates with the crank: counterweights on the crank itself;
-- one rotating part alone (a circle): a single shaft;
+- a single rotating part (a circle): a single shaft;
 - both parts, of equal magnitude (a line): a pair of counter-rotating shafts, as in Lanchester's balancer.
 
 Two unbalances on a shaft balance a force and a couple at once: the equivalent unbalances in two planes.

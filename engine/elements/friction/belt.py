@@ -51,7 +51,7 @@ class BeltElement(FrictionElement):
         slack, moment = pressing * np.exp(-mu * wrap), pressing * grip * radius
         # The half angle avoids cancellation where the strands nearly balance.
         on_shaft = np.sqrt((pressing - slack) ** 2 + 4 * pressing * slack * np.sin(wrap / 2) ** 2)
-        words = "tension of the tight strand over the slack one's, without centrifugal"
+        words = "tight over slack tension, both without the centrifugal tension"
         yield main_result("tension_ratio", words, "1"), np.exp(mu * wrap)
         yield main_result("tight_tension", "tension of the tight strand", "N"), tight
         yield main_result("slack_tension", "tension of the slack strand", "N"), tight - pressing * grip
@@ -60,8 +60,8 @@ class BeltElement(FrictionElement):
         if "speed" in n:
             yield main_result("power", "maximum power without slip", "W"), moment / radius * speed
         if "linear_density" in n:
-            words = "tension that keeps the belt on its circle"
+            words = "centrifugal tension of the belt"
             yield main_result("centrifugal_tension", words, "N"), centrifugal
             # There the centrifugal tension is a third of the whole.
-            words = "speed of most power at this tension"
+            words = "speed of maximum power at this tension"
             yield main_result("speed_of_most_power", words, "m s-1"), np.sqrt(tight / (3 * q))

@@ -49,9 +49,9 @@ class CarElement(Element):
         delay, speed = n["reaction_time"], n["speed"]
         yield main_result("deceleration", "peak deceleration of the braking car", "m s-2"), slowing
         way = speed * delay + speed**2 / (2 * slowing)
-        yield main_result("stopping_distance", "way to rest, that of the reaction time with it", "m"), way
-        yield main_result("stopping_time", "time to rest, the reaction time with it", "s"), delay + speed / slowing
-        yield main_result("front_share", "share of the load on the road that the front wheels bear", "1"), share
+        yield main_result("stopping_distance", "distance to rest, including the reaction time", "m"), way
+        yield main_result("stopping_time", "time to rest, including the reaction time", "s"), delay + speed / slowing
+        yield main_result("front_share", "share of the weight carried by the front wheels", "1"), share
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Stopping distance over the speed for each choice of brakes, and the speed over the distance as given."""

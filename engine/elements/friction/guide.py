@@ -43,7 +43,7 @@ class GuideElement(FrictionElement):
         left = 1 - mu * np.abs(overhang) / half
         drive = np.where(left <= 0.0, np.inf, np.maximum(resistance + mu * np.abs(load), resistance / left))
         front, rear = edge_forces(load, drive * overhang, half)
-        words = "coefficient of friction in terms of the force that presses the slider"
+        words = "coefficient of friction relative to the force that presses the slider"
         yield main_result("effective_friction", words, "1"), mu
         yield main_result("drive_force", "force that moves the slider", "N"), drive
         yield main_result("friction_force", "friction of the slider", "N"), mu * (np.abs(front) + np.abs(rear))

@@ -40,12 +40,12 @@ class InclineElement(FrictionElement):
             return np.where(np.cos(angle + pull) > 0.0, force, np.nan)
 
         up, locks = moving(friction, 1.0), np.tan(angle) <= static
-        yield main_result("friction_angle", "angle of friction", "rad"), np.arctan(friction)
+        yield main_result("friction_angle", "friction angle", "rad"), np.arctan(friction)
         yield main_result("up_force", "force that moves the load up", "N"), up
-        yield main_result("start_force", "force that sets the load going upwards", "N"), moving(static, 1.0)
+        yield main_result("start_force", "force that starts the load moving up", "N"), moving(static, 1.0)
         words = "force that moves the load down, negative where it has to be held"
         yield main_result("down_force", words, "N"), moving(friction, -1.0)
         efficiency = load * np.sin(angle) / (up * np.cos(pull))
         yield main_result("efficiency", "efficiency of moving the load up", "1", may_be_undefined=True), efficiency
-        words = "whether the load stays by itself (1 or 0)"
+        words = "whether the load stays without being held (1 or 0)"
         yield main_result("self_locking", words, "1", exact=True), locks.astype(float)

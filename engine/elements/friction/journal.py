@@ -38,7 +38,7 @@ class JournalElement(Element):
         circle = BUSHES[self.contact] * n["diameter"] / 2 * n["friction"] / np.sqrt(1 + n["friction"] ** 2)
         moment = n["load"] * circle
         yield main_result("friction_circle", "radius of the friction circle", "m"), circle
-        yield main_result("friction_moment", "moment of friction in the journal", "N m"), moment
+        yield main_result("friction_moment", "friction torque in the journal", "N m"), moment
         if "speed" in n:
             yield main_result("friction_power", "power lost in the journal", "W"), moment * np.abs(n["speed"])
 

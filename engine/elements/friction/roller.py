@@ -48,7 +48,7 @@ class RollerElement(Element):
         yield main_result("traction_moment", words, "N m"), friction * load * radius
         if "mate_diameter" in n:
             both = 1 + radius / (n["mate_diameter"] / 2)
-            words = "radius of the roller on a plane that fits as closely"
+            words = "radius of a roller on a plane with the same relative curvature"
             yield main_result("reduced_radius", words, "m"), radius / both
             words = "moment that overcomes the rolling friction of both rollers"
             yield main_result("drive_moment", words, "N m"), rolling * both
@@ -59,7 +59,7 @@ class RollerElement(Element):
         arm = np.linspace(0.0, BEYOND * (self.rolling_arm or self.friction * height), PLACES)
         curve = Curve("force that moves it", self.over("rolling_arm", arm)["pull_force"])
         mark = Mark("as given", self.rolling_arm, None)
-        x, y = PanelAxis("arm of rolling friction", "m", "e"), PanelAxis("pull", "N", "F")
+        x, y = PanelAxis("arm of rolling friction", "m", "k"), PanelAxis("pull", "N", "F")
         over = Panel(x, y, arm, (curve,), (mark,))
         r, k = 0.5 * self.diameter, self.rolling_arm
         lines = (

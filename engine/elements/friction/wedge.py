@@ -36,7 +36,7 @@ class WedgeElement(FrictionElement):
         load, slope, friction, guide = n["load"], np.tan(n["angle"]), n["friction"], n["guide_friction"]
         base = n.get("base_friction", friction)
         inwards, outwards = push_up(slope, friction), push_down(slope, friction)
-        # The thrust across the load's guide causes friction there, which the wedge lifts too.
+        # The thrust across the load's guide causes friction there, which the wedge must overcome too.
         left = 1 - guide * inwards
         drive = np.where(left > 0.0, load * (inwards + base) / left, np.inf)
         withdraw = load * (outwards + base) / (1 + guide * np.abs(outwards))
@@ -44,5 +44,5 @@ class WedgeElement(FrictionElement):
         words = "force that withdraws the wedge, negative where the load presses it out"
         yield main_result("withdraw_force", words, "N"), withdraw
         yield main_result("efficiency", "efficiency of driving the wedge in", "1"), load * slope / drive
-        words = "whether the wedge stays by itself (1 or 0)"
+        words = "whether the wedge stays without being held (1 or 0)"
         yield main_result("self_locking", words, "1", exact=True), np.where(withdraw < 0.0, 0.0, 1.0)

@@ -62,7 +62,7 @@ def assembly_conditions(v: TrainVariants) -> AssemblyConditions:
         first, second = at
         off = (second - first) / first
         require(np.abs(off) <= _SAME, Verdict.AXES_APART)
-        words = f"difference of the centre distance of {name} from that of its axes, over it"
+        words = f"relative difference between the centre distance of {name} and that of its axes"
         results.append((check_result(f"{name}.distance_error", words, "1"), Measured(off, 8.0 * EPS)))
     remainders: dict[str, np.ndarray] = {}
     for path in structure.central_paths:
@@ -71,7 +71,7 @@ def assembly_conditions(v: TrainVariants) -> AssemblyConditions:
             remainders[path.carrier] = np.maximum(remainders.get(path.carrier, 0.0), left)
     for name, left in remainders.items():
         require(left == 0, Verdict.UNEVEN_PLANETS)
-        words = f"what is left over where planets spaced equally on {name} need a whole multiple (0 fits)"
+        words = f"remainder of the assembly condition for equally spaced planets on {name} (0 fits)"
         results.append((check_result(f"{name}.spacing_remainder", words, "1", exact=True), Measured(left)))
     for planet, gap in _clearances(v):
         require(gap > 0, Verdict.PLANETS_TOUCH)

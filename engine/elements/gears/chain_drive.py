@@ -52,9 +52,9 @@ class ChainDrive(Element):
         yield main_result("driven_diameter", "pitch diameter of the driven sprocket", "m"), d2
         yield main_result("chain_speed", "mean speed of the chain", "m s-1"), mean
         yield main_result("greatest_chain_speed", "maximum speed of the chain", "m s-1"), 0.5 * np.abs(speed) * d1
-        words = "minimum speed of the chain below its maximum, relative to it"
+        words = "speed ripple of the chain: (maximum − minimum)/maximum"
         yield main_result("speed_ripple", words, "1"), 2.0 * np.sin(0.5 * math.pi / z1) ** 2
-        words = "peak acceleration of the chain by its polygon"
+        words = "peak acceleration of the chain (polygon effect)"
         yield main_result("greatest_acceleration", words, "m s-2"), 0.5 * speed**2 * p
         words = "force in the tight strand that turns the driven sprocket"
         yield main_result("pull", words, "N"), 2.0 * n["moment"] / d2
@@ -63,11 +63,11 @@ class ChainDrive(Element):
             links = _even_links(n) if even is None else np.tile(even, p.size // even.size)
             straight = links - 0.5 * (z1 + z2)
             root = np.sqrt(straight**2 - 8.0 * ((z2 - z1) / math.tau) ** 2)
-            yield main_result("links", "links for the distance wanted, before rounding", "1"), _links(n)
-            words = "distance of the axes with the nearest even number of links"
+            yield main_result("links", "links for the desired centre distance, before rounding", "1"), _links(n)
+            words = "centre distance with the nearest even number of links"
             yield main_result("fitted_distance", words, "m"), 0.25 * p * (straight + root)
         if "linear_density" in n:
-            words = "tension of the whole chain by its mass"
+            words = "centrifugal tension of the chain"
             yield main_result("centrifugal_tension", words, "N"), n["linear_density"] * mean**2
 
     def evaluate(self, n: Numbers) -> Answers:

@@ -47,11 +47,11 @@ class FrictionDrive(FrictionElement):
         driving = 0.5 * pull * n["driving_diameter"]
         yield main_result("ratio", "speed of the driving wheel over that of the driven one", "1"), ratio
         yield main_result("driven_speed", "angular speed of the driven wheel", "rad s-1"), n["speed"] / ratio
-        yield main_result("tangential_force", "force along the rims", "N"), pull
-        words = "force that has to press the wheels together"
+        yield main_result("tangential_force", "tangential force at the rims", "N"), pull
+        words = "required contact force between the wheels"
         yield main_result("needed_press_force", words, "N"), n["safety"] * pull / mu
         if "press_force" in n:
-            words = "force along the rims over the friction limit"
+            words = "tangential force over the friction limit"
             yield main_result("traction_share", words, "1"), pull / (mu * n["press_force"])
         yield main_result("driving_moment", "drive torque", "N m"), driving
         yield main_result("input_power", "input power", "W"), driving * np.abs(n["speed"])

@@ -175,11 +175,11 @@ def gear_structure(wheels: Mapping[str, Part], shafts: Mapping[str, Part], meshe
     rank, follow = _generic_ranks(structure)
     if rank < len(places):
         raise TrainRefused(
-            f"{structure.words}; but a mesh only repeats what others say, or closes a loop that can't turn: leave one "
+            f"{structure.words}; but a mesh is redundant, or closes a loop that can't turn: leave one "
             f"of {', '.join(meshes)} out"
         )
     if structure.mobility < 1:
-        raise TrainRefused(f"nothing can turn: {structure.words}; leave a mesh out, or give a wheel a shaft of its own")
+        raise TrainRefused(f"nothing can turn: {structure.words}; leave a mesh out, or give a wheel its own shaft")
     return structure._replace(speeds_follow=follow[0], moments_follow=follow[1])
 
 

@@ -71,7 +71,7 @@ class GearShaft(Part):
         if self.held and (self.speed is not None or self.moment is not None):
             yield "held: a shaft that is stopped has no speed, and its moment follows; leave those out"
         if self.loaded and (self.held or self.moment is not None):
-            yield "loaded: the shaft's moment is to follow from the others; leave out moment and held"
+            yield "loaded: the shaft's moment follows from the others; leave out moment and held"
         if self.loaded and self.speed is not None:
             yield "loaded: the moment of a driven shaft without one follows anyway; leave loaded out"
 
@@ -118,9 +118,9 @@ class GearTrain(Element):
         names = [*self.wheels, *self.shafts, *self.meshes]
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
-            yield f"{twice[0]} stands for two things; wheels, shafts and meshes need names of their own"
+            yield f"{twice[0]} names two things; wheels, shafts and meshes need distinct names"
         if FRAME in names:
-            yield f"{FRAME}: this name is that of the frame, which needs no table; choose another"
+            yield f"{FRAME}: this name is reserved for the frame, which needs no table; choose another"
         yield from self._faults_of_modules(self.structure)
         yield from self._faults_of_roles(self.structure)
 
@@ -141,7 +141,7 @@ class GearTrain(Element):
                 yield f"wheels.{name}.width needs a module: without it the wheel has no diameter"
         for name, shaft in self.shafts.items():
             if shaft.mass is not None and shaft.carrier is None:
-                yield f"shafts.{name}.mass counts for planets, which go round; leave it out"
+                yield f"shafts.{name}.mass counts for planets only, which orbit; leave it out"
         # A planet with mass must orbit on a circle of known radius.
         wide = {wheel.shaft for wheel in self.wheels.values() if wheel.width is not None}
         for name in structure.planets:
@@ -159,7 +159,7 @@ class GearTrain(Element):
     def _faults_of_roles(self, structure: GearStructure) -> Faults:
         if len(structure.driven) != structure.mobility:
             yield (
-                f"{structure.words}, and as many shafts need a speed, or further ones are held; "
+                f"{structure.words}, so this many shafts need a speed, or others must be held; "
                 f"{_those_with(structure.driven, 'a speed')}"
             )
         if not structure.speeds_follow:
@@ -170,7 +170,7 @@ class GearTrain(Element):
         if not self.has_loads:
             loaded = [name for name, shaft in self.shafts.items() if shaft.loaded]
             if loaded:
-                yield f"shafts.{loaded[0]}.loaded: no shaft has a moment that it could follow from"
+                yield f"shafts.{loaded[0]}.loaded: no shaft has a moment that it could follow from; give one"
             return
         follow = tuple(name for name in structure.unknown_moments if name not in structure.held)
         if len(follow) != structure.mobility:
@@ -181,7 +181,7 @@ class GearTrain(Element):
         if not structure.moments_follow:
             yield (
                 f"the moments of {', '.join(structure.unknown_moments)} don't follow from those given: a moment acts "
-                "on what nothing supports; let other shafts be loaded"
+                "on an unsupported shaft; let other shafts be loaded"
             )
 
     @cached_property

@@ -1,4 +1,4 @@
-"""Effects of external torques on a gear train: powers, losses, efficiency both ways, tooth and bearing forces."""
+"""Effects of external torques on a gear train: powers, losses, efficiency in both directions, tooth and pin forces."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -75,10 +75,10 @@ def load_results(v: TrainVariants, states: Equilibria) -> Iterator[tuple[Quantit
     yield main_result("loss", "power lost in all meshes", "W"), power.sum()
     words = "output power over input power"
     yield main_result("efficiency", words, "1", True), _efficiency(power)
-    words, back = "efficiency turning backwards under the same moments", states.backwards
+    words, back = "efficiency in reverse rotation under the same torques", states.backwards
     backwards = _efficiency(-back.moments * speeds[:-1])
     yield Quantity("backward_efficiency", words, "1", may_be_undefined=True), backwards
-    words = "the same moments can't turn the train backwards (1) or can (0)"
+    words = "whether the same torques can't turn the train backwards (1 or 0)"
     locks = Measured(np.where(state.moves, np.where(back.moves, 0.0, 1.0), np.nan))
     yield main_result("self_locking", words, "1", exact=True), locks
     words = "circulating power in the shafts over input power"
@@ -88,8 +88,8 @@ def load_results(v: TrainVariants, states: Equilibria) -> Iterator[tuple[Quantit
         name, (a, b), rolling = place.name, place.wheels, state.rolling_powers[j]
         found = Measured(states.efficiencies[j], 32.0 * EPS)
         yield Quantity(f"{name}.efficiency", f"efficiency of {name}, its axes at rest", "1"), found
-        yield Quantity(f"{name}.rolling_power", f"power that {a} gives {b}, seen from the carrier", "W"), rolling
-        words = f"power rolling through {name} over input power"
+        yield Quantity(f"{name}.rolling_power", f"power from {a} to {b}, relative to the carrier", "W"), rolling
+        words = f"rolling power of {name} over input power"
         share = where(into.value > 0, abs(rolling) / into, np.nan)
         yield Quantity(f"{name}.rolling_share", words, "1", may_be_undefined=True), share
         if train.has_modules:

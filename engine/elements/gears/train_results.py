@@ -26,16 +26,16 @@ def _of_teeth(v: TrainVariants) -> NamedResults:
     for place in v.structure.meshes:
         name, (a, b), size = place.name, place.wheels, v.sizes[place.name]
         teeth, geometry, rough = size.teeth, size.geometry, angle_error(size)
-        words = f"transverse contact ratio of {name}, of teeth as far as they don't interfere"
+        words = f"transverse contact ratio of {name}, up to the interference points"
         off = (64.0 * EPS + rough) * np.maximum(teeth.first, teeth.second)
         yield main_result(f"{name}.contact_ratio", words, "1"), Measured(sum(geometry.contact), off)
         words, off = f"transverse operating pressure angle of {name}", (8.0 * EPS + rough) * geometry.angle
         yield Quantity(f"{name}.operating_pressure_angle", words, "rad"), Measured(geometry.angle, off)
         if v.train.has_modules:
-            words, off = f"distance of the axes of {a} and {b}", (8.0 * EPS + rough) * np.abs(size.distance)
+            words, off = f"centre distance of {a} and {b}", (8.0 * EPS + rough) * np.abs(size.distance)
             yield main_result(f"{name}.centre_distance", words, "m"), Measured(size.distance, off)
         small = a if place.sense < 0 else f"the smaller of {a} and {b}"
-        words = f"minimum number of teeth of {small} without interference, the other wheel as it is"
+        words = f"minimum number of teeth of {small} without interference, the other wheel unchanged"
         least = Quantity(f"{name}.minimum_teeth", words, "1", may_be_undefined=True, exact=True)
         yield least, Measured(minimum_teeth(teeth))
 

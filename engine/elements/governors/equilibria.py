@@ -34,7 +34,7 @@ OF_ENGINE = (
     Quantity("vyshnegradsky_x", "Vyshnegradsky's X", "1", True),
     Quantity("vyshnegradsky_y", "Vyshnegradsky's Y", "1", True),
     main_result("stable", "engine and governor are stable (1) or hunt (0)", "1", exact=True),
-    main_result("gain_margin", "gain of the throttle at which they hunt, over that given", "1", True),
+    main_result("gain_margin", "gain of the throttle at which they hunt, over the given gain", "1", True),
     Quantity("critical_damping", "damping at the sleeve below which they hunt", "N s m-1", True),
     Quantity("critical_inertia", "inertia of the engine below which they hunt", "kg m2", True),
     Quantity("decay_rate", "rate at which the slowest part of a disturbance decays", "s-1", True),
@@ -268,7 +268,7 @@ def _at_load(g: GovernorVariants, x: np.ndarray, mean: np.ndarray, load: np.ndar
     left = _surplus(g, there, mean, load)
     if g.governor.has_valve:
         return g.at(x + left / there.lift_rate)
-    # At equilibrium a lift dz goes with a speed dω = ω c dz/(2 E).
+    # At equilibrium a lift dz corresponds to a speed change dω = ω c dz/(2 E).
     regulation = g.n["engine.self_regulation"] / g.n["engine.ratio"]
     slope = there.gain + regulation * there.speed * there.stiffness / (2.0 * there.sleeve)
     return g.at(np.where(slope > 0.0, x + left / (slope * there.lift_rate), x))
@@ -313,12 +313,12 @@ def near_equilibrium(g: GovernorVariants, marks: Marks) -> dict[Quantity, np.nda
         Quantity("outer_speed", "speed of the spindle in equilibrium at the outer stop", "rad s-1"): at_high.speed,
         Quantity("inner_force", "controlling force of one ball at the inner stop", "N"): at_low.force,
         Quantity("outer_force", "controlling force of one ball at the outer stop", "N"): at_high.force,
-        Quantity("stable_from", "radius at which the longest stable stretch begins", "m"): first.radius,
-        Quantity("stable_to", "radius at which the longest stable stretch ends", "m"): last.radius,
-        main_result("least_speed", "minimum speed of the spindle in the stable stretch", "rad s-1"): first.speed,
-        main_result("greatest_speed", "maximum speed of the spindle in the stable stretch", "rad s-1"): last.speed,
+        Quantity("stable_from", "radius at which the longest stable range begins", "m"): first.radius,
+        Quantity("stable_to", "radius at which the longest stable range ends", "m"): last.radius,
+        main_result("least_speed", "minimum speed of the spindle in the stable range", "rad s-1"): first.speed,
+        main_result("greatest_speed", "maximum speed of the spindle in the stable range", "rad s-1"): last.speed,
         main_result("mean_speed", "mean of the minimum and maximum speed", "rad s-1"): mean,
-        main_result("non_uniformity", "range of speeds in the stable stretch over the mean speed", "1"): uneven,
+        main_result("non_uniformity", "range of speeds in the stable range over the mean speed", "1"): uneven,
         Quantity("least_stability", _LEAST_STABILITY, "1"): shaky.margin,
         Quantity("least_stability_radius", "radius at which the governor is least stable", "m"): shaky.radius,
         main_result("isochronous", "the governor is isochronous (1 or 0)", "1", exact=True): isochronous,

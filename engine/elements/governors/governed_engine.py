@@ -52,7 +52,7 @@ class FullAndShutThrottle(_Throttle):
     """On-off valve: torque `full` below the lift `switch`, `closed` above it.
 
     Its engine never runs steadily. A change of load begins with the valve open and the governor in equilibrium, its
-    balls at 99 % of their way from the inner stop to the switch.
+    balls at 99 % of their travel from the inner stop to the switch.
     """
 
     type: Literal["full and shut"]
@@ -95,4 +95,4 @@ class GovernedEngine(Part):
         if self.throttled and not self.machine:
             yield "throttled names actions of the scene's mechanism: give machine = true, or leave it out"
         if self.throttled and self.duration is None:
-            yield "throttled counts where a change of load is followed: give duration, or leave it out"
+            yield "throttled needs a simulated change of load: give duration, or leave it out"

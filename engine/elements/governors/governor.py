@@ -36,11 +36,11 @@ _FLAG = {"units": "1", "exact": True}
 _TRANSIENT = (
     main_result("highest_speed", "highest speed of the engine after the change of load", "rad s-1"),
     main_result("lowest_speed", "lowest speed of the engine after the change of load", "rad s-1"),
-    main_result("overshoot", "maximum departure beyond the new steady speed, relative", "1"),
+    main_result("overshoot", "maximum overshoot beyond the new steady speed, relative", "1"),
     main_result("settling_time", "time after which the speed stays in its band", "s", True),
     main_result("hunting", "amplitude of the speed at the end, over the new steady speed", "1"),
-    Quantity("inner_stop_hits", "how often the sleeve runs on its inner stop", **_FLAG),
-    Quantity("outer_stop_hits", "how often the sleeve runs on its outer stop", **_FLAG),
+    Quantity("inner_stop_hits", "how often the sleeve hits its inner stop", **_FLAG),
+    Quantity("outer_stop_hits", "how often the sleeve hits its outer stop", **_FLAG),
 )
 # Prefix of the keys for the curves of a mechanism.
 CYCLE = "cycle."

@@ -22,7 +22,7 @@ from engine.laws.rounding import EPS
 from engine.laws.senses import past
 from engine.laws.tables import Table, in_memory, on_piece, table_segment
 
-# Key of a factor 1 of the sleeve's height at the inner stop: its rounding is that of lifts.
+# Key of a factor 1 of the sleeve's height at the inner stop: nudging it gives the rounding of lifts.
 DATUM = "datum"
 # The pieces of a table do not depend on the position.
 _OF_PIECES: Slopes = {table_segment: {2: lambda found, *_: found.graph.zero}}
@@ -120,7 +120,7 @@ def throttled(governor: Element, graph: Graph, lift: Node, whole: Node, opens: N
     governor : Governor
     graph : Graph
     lift, whole : Node
-        Of the sleeve, and at its outer stop [m].
+        Lift of the sleeve, and its lift at the outer stop [m].
     opens : Node or None
         As in `equilibrium_nodes`.
     """

@@ -34,11 +34,11 @@ LAST_PART = 0.75
 LEAST_RECORDED = 500
 # Number of equally spaced crank angles of the curves over a mechanism's cycle.
 CYCLE_POSITIONS = 360
-# Guards are offset by BEHIND of the range so that none vanishes at the start of a step; what turns has turned at TURNED
-# of its reference. Friction over the sleeve's force is increased by SURELY, below the error of any step: a sleeve
-# without friction rests in equilibrium, too.
+# Guards are offset by BEHIND of the range so that none vanishes at the start of a step. The sleeve's velocity counts as
+# past its extreme once its rate has the other sign by TURNED of its reference. Friction over the sleeve's force is
+# increased by SURELY, below the error of any step: a sleeve without friction rests in equilibrium, too.
 BEHIND, TURNED, SURELY = 1e-15, 1e-4, 1e-12
-# Start of an on-off valve's run, as a fraction of the way from the inner stop to its switch. From the switch itself the
+# Start of an on-off valve's run, as a fraction of the travel from inner stop to switch. From the switch itself the
 # swing would build up from nothing, at the rate of the rounding errors.
 BELOW_SWITCH = 0.99
 # Relative tolerance of event times in a step: the speed, exact to rounding, allows no smaller one.
@@ -197,7 +197,7 @@ def follow_changes(
 class _Runs(WalkedRuns):
     """Runs of a number of variants, in progress; rows (variants,)."""
 
-    # Of MOST_STEPS steps at most; abandoned at once if that number gains less than this fraction of its time.
+    # Walks of up to MOST_STEPS steps; a run is abandoned if they cover less than this fraction of its duration.
     most_walks, of_its_time = 14, 1e-3
 
     def __init__(self, g: GovernorVariants, marks: Marks, cycle: np.ndarray, longer: float, records: bool) -> None:
@@ -270,7 +270,7 @@ class _Runs(WalkedRuns):
         return np.array([time, lift, speed])
 
     def advance(self, who: np.ndarray) -> None:
-        """Walk to the last part of the runs or to their end, or as far as a walk goes."""
+        """Walk to the last part of the runs or to their end, or to the end of a walk."""
         time, duration = self.time[who], self.duration[who]
         early = time < LAST_PART * duration
         mark = np.where(early, LAST_PART, 1.0) * duration

@@ -95,7 +95,7 @@ class OverTime(ByFormula):
     def _faults_of_formula(self, unit: str) -> Faults:
         check = parts.formulas.dimension_check
         if self.time is None:
-            yield "time is missing: a formula has no last row; say how long the motion is followed"
+            yield "time is missing: a formula has no last row; give the duration of the motion"
         if "t" in self.numbers:
             yield "numbers.t: 't' is the time in formulas; choose another name"
         expression = self.expression

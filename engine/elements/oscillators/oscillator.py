@@ -108,9 +108,9 @@ class OscillatorElement(Element):
             moved, velocity = one_mass.free_motion(frequency, ratio, *start, n["start.time"])
             yield main_result("free_greatest", "peak displacement of the free motion", "m"), greatest
             yield main_result("free_greatest_at", "time of the peak displacement of the free motion", "s"), when
-            words = "displacement of the free motion at the time asked for"
+            words = "displacement of the free motion at the requested time"
             yield main_result("free_displacement", words, "m"), moved
-            yield main_result("free_velocity", "velocity of the free motion at the time asked for", "m s-1"), velocity
+            yield main_result("free_velocity", "velocity of the free motion at the requested time", "m s-1"), velocity
         if self.excitation is not None:
             yield from _forced(self, n, constants)
         if self.run_through is not None:

@@ -16,7 +16,7 @@ OVER_TIME_RESULTS = (
     main_result("greatest_displacement_at", "time of the peak displacement", "s"),
     main_result("spring_force", "peak spring force", "N"),
     main_result("spring_force_at", "time of the peak spring force", "s"),
-    main_result("dynamic_factor", "peak displacement over that of a mass that follows at rest", "1", True),
+    main_result("dynamic_factor", "peak displacement over the static one at the peak excitation", "1", True),
     main_result("end_displacement", "displacement at the end", "m"),
     main_result("end_velocity", "velocity at the end", "m s-1"),
 )

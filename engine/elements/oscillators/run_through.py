@@ -116,7 +116,7 @@ def run_through_peak(
     valid = (2.0 * ratio**2 < 1.0) & (crossed >= 0.0) & np.isfinite(crossed)
     given, usual = (frequency, ratio, start, acceleration, crossed, unit), (1.0, 0.1, 0.0, 0.1, 10.0, 1.0)
     frequency, ratio, start, acceleration, crossed, unit = map(partial(np.where, valid), given, usual)
-    # With strong damping for the acceleration, the resonance lasts longer than the beats: 2 β/α.
+    # If damping is strong relative to the acceleration, the resonance lasts longer than the beats: 2 β/α.
     lasts = np.maximum(1.0, 2.0 * ratio * frequency * unit)
     begin = np.maximum(crossed - _BEFORE * lasts * unit, 0.0)
     # A rotor that runs down comes to rest before it could turn back through the resonance.

@@ -3,7 +3,7 @@
 The balance quality is the minimum product e ω of specific unbalance and speed whose tolerances in the planes of both
 bearings admit the rotor.
 
-Source: ISO 21940-11; the equations are those of this room's other modules.
+Source: ISO 21940-11; the equations are those of this package's other modules.
 """
 
 import math
@@ -71,10 +71,10 @@ class RotorElement(Element):
 
     def _faults(self) -> Faults:
         if self.first_bearing == self.second_bearing:
-            yield "first_bearing and second_bearing are in one place; a rotor needs two apart"
+            yield "first_bearing and second_bearing coincide; give two positions"
         positions = [plane.position for plane in self.planes.values()]
         if len(positions) > 1 and len(set(positions)) == 1:
-            yield f"planes {', '.join(self.planes)} are in one place; move one, or leave all but one out"
+            yield f"planes {', '.join(self.planes)} coincide; move one, or leave all but one out"
 
     def evaluate(self, n: Numbers) -> Answers:
         """Results with error estimates by nudging all numbers, and the corrections added as well.
@@ -192,7 +192,7 @@ def _qualities(
     for (state, words), quality in zip(_STATES.items(), needed, strict=True):
         grade = main_result(f"grade_{state}", f"finest grade G held {words}", "m s-1", True, True)
         yield grade, grade_reached(quality) / 1000
-    words = "error of every correction that the grade allows, as a share of it"
+    words = "relative error of all corrections that the grade allows"
     yield Quantity("error_allowance", words, "1", True), room
 
 

@@ -23,7 +23,7 @@ class ForcedVibration(NamedTuple):
     Attributes
     ----------
     angles : list of Measured (orders, variants)
-        Of each node [rad]; infinite at a resonance without damping.
+        Angle of each node [rad]; infinite at a resonance without damping.
     moments : list of Measured (orders, variants)
         Torque of the shaft from each node to its parent, k (q_parent − q); 0 for the first node [N·m].
     dissipated : Measured (variants,)
@@ -105,7 +105,7 @@ def under_mean_moments(train: ReducedTrain, moments: Measured) -> ForcedVibratio
         springs = train._replace(absorptions=0.0 * train.absorptions, ground_loss=0.0 * train.ground_loss)
         return forced_vibration(springs, still, moments[:, None])
     share = train.known(train.inertias / train.inertias.sum(axis=0))
-    # The torque that accelerates a mass, less the one that acts on it.
+    # The torque that accelerates a mass minus the one that acts on it.
     carried = [share[node] * moments.sum() - moments[node] for node in nodes]
     for node in nodes[:0:-1]:
         carried[train.parents[node]] += carried[node]

@@ -103,7 +103,7 @@ def _squares(train: ReducedTrain, below: np.ndarray) -> np.ndarray:
     estimate = np.linalg.eigvalsh(matrix).T[below]
 
     def narrowed(low: np.ndarray, high: np.ndarray, square: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The part of brackets above or below a square; narrow ones stay, whatever the others do."""
+        """The part of brackets above or below a square; narrow ones stay as they are."""
         above, wide = (_pivots(train, square) < 0.0).sum(axis=0) <= below[:, None], high - low > ENCLOSED * high
         return np.where(wide & above, square, low), np.where(wide & ~above, square, high)
 

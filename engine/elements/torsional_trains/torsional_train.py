@@ -36,7 +36,7 @@ _FELT = 0.05
 _HERTZ = 1.0 / math.tau
 
 
-_TURNS = NonZero("ends with the ratio 0 would not turn together: give the speed of the second over that of the first")
+_TURNS = NonZero("with the ratio 0 the second end never turns: give its speed over that of the first")
 
 
 class TrainMass(Part):
@@ -113,13 +113,13 @@ class TorsionalTrain(Element):
 
     def _faults(self) -> Faults:
         if FRAME_END in self.masses:
-            yield f"masses.{FRAME_END}: this name is that of the frame; choose another"
+            yield f"masses.{FRAME_END}: this name is reserved for the frame; choose another"
         names = [*self.masses, *self.shafts, *self.gears]
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
-            yield f"{twice[0]} stands for two things; masses, shafts and gears need names of their own"
+            yield f"{twice[0]} names two things; masses, shafts and gears need distinct names"
         if not self.layout.shaft_to[1:] and not self.layout.grounded:
-            yield "shafts is missing: masses without a shaft between them don't vibrate"
+            yield "shafts is missing: masses without a shaft between them don't vibrate; add one"
         yield from self._faults_of_excitations()
         for name, mass in self.masses.items():
             if mass.inertia is None and name != self.machine_at:
@@ -147,7 +147,7 @@ class TorsionalTrain(Element):
                 "damping; leave it out, or give excitations, engine or machine_at"
             )
         if self.excitations and not given:
-            yield "speed is missing: excitations have orders of it"
+            yield "speed is missing: excitations have multiples of it; give it"
         if self.engine is not None:
             yield from self._faults_of_engine(self.engine)
         elif self.cylinders_at:
@@ -166,10 +166,10 @@ class TorsionalTrain(Element):
 
     def _faults_of_engine(self, engine: EngineElement) -> Faults:
         if engine.gas is None:
-            yield "engine.gas is missing: without it the engine has no torque"
+            yield "engine.gas is missing: without it the engine has no torque; add it"
         lost = engine.gives(*OF_SHAKING)
         if lost:
-            yield f"engine.{lost[0]} matters to what shakes the engine, not to its torque; leave it out"
+            yield f"engine.{lost[0]} affects the shaking forces of the engine, not its torque; leave it out"
         if len(self.cylinders_at) != engine.cylinders:
             yield f"cylinders_at: give a mass for each of the {engine.cylinders} cylinders, in their order"
         unknown = [mass for mass in self.cylinders_at if mass not in self.masses]
@@ -212,7 +212,7 @@ class TorsionalTrain(Element):
 
     def _named(self, n: Numbers, reduced: ReducedTrain, natural: NaturalVibration) -> NamedRows:
         frequencies = list(map(Measured, natural.frequencies, natural.frequency_errors))
-        words = "natural frequencies of zero: the whole train turns"
+        words = "number of zero natural frequencies (the whole train turns freely)"
         free = Measured(1.0 if self.layout.is_free else 0.0)
         yield check_result("rigid_body_modes", words, "1", exact=True), free
         for k, frequency in enumerate(frequencies, 1):
@@ -275,7 +275,7 @@ def _margins(frequencies: Sequence[Measured], excitation: TrainExcitation) -> Na
     for k, frequency in enumerate(frequencies, 1):
         away = abs(excited / frequency - 1.0)
         nearest = away.value.argmin(axis=0)
-        words = f"distance of the nearest order from natural frequency {k}, over it"
+        words = f"relative distance of the nearest order from natural frequency {k}"
         yield main_result(f"margin_{k}", words, "1"), away[nearest, np.arange(speed.size)]
         words = f"order nearest to natural frequency {k}"
         yield main_result(f"nearest_order_{k}", words, "1", exact=True), Measured(orders[nearest])

@@ -95,8 +95,8 @@ def train_layout(masses: Sequence[str], joints: Sequence[Joint]) -> TrainLayout:
             passed.add(joint.name)
             if other in node_of:
                 raise LayoutProblem(
-                    f"{joint.name} closes a loop of shafts and gears: a train is a chain or a tree; shafts side by "
-                    "side are one with parts in parallel"
+                    f"{joint.name} closes a loop of shafts and gears: a train is a chain or a tree; combine "
+                    "parallel shafts into one with parts in parallel"
                 )
             path.append((other, mass, joint.name, joint.first == mass))
             if joint.rigid:
@@ -109,6 +109,6 @@ def train_layout(masses: Sequence[str], joints: Sequence[Joint]) -> TrainLayout:
                 waiting.append(other)
     apart = [mass for mass in masses if mass not in node_of]
     if apart:
-        raise LayoutProblem(f"{', '.join(apart)}: no shafts or gears join them to {masses[0]!r}")
+        raise LayoutProblem(f"{', '.join(apart)}: no shafts or gears join them to {masses[0]!r}; add one")
     in_order = {mass: node_of[mass] for mass in masses}
     return TrainLayout(tuple(masses), in_order, tuple(parents), tuple(shaft_to), grounded, tuple(path))

@@ -25,5 +25,5 @@ def push_down(slope: Value, friction: Value) -> Value:
 
 
 def in_groove(friction: Value, angle: Value) -> Value:
-    """Coefficient of friction in terms of the force that presses into a groove with an angle between its faces."""
+    """Coefficient of friction relative to the force that presses into a groove with an angle between its faces."""
     return friction / np.sin(angle / 2)

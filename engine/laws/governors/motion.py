@@ -22,7 +22,7 @@ def releasing_speeds(place: float, speed: float, held: float) -> tuple[float, fl
     Parameters
     ----------
     place : float
-        Of the sleeve: 0 at the inner stop, 1 at the outer one; a speed at which a stop is in its way is infinite.
+        Of the sleeve: 0 at the inner stop, 1 at the outer one; infinite speeds are returned where a stop blocks it.
     speed, held : float
         ω of the engine in equilibrium without friction [rad/s]; F/E.
     """
@@ -50,7 +50,7 @@ def room_ahead(sense: float, room: float) -> float:
 
 @scalar
 def goes_on(inner: float, outer: float, velocity: float, margin: float) -> float:
-    """1 while a sleeve has room on both sides, keeps the sign of its velocity, or is held; 0 behind any of these."""
+    """1 while a sleeve has room on both sides, keeps the sign of its velocity, or is held; 0 once any of these ends."""
     return chosen(min(min(inner, outer), min(velocity, margin)) > 0.0, 1.0, 0.0)
 
 
@@ -69,16 +69,16 @@ def curves_of_cycle(
     ----------
     memory : array of float
     offset, positions : float
-        Where the curves begin in it, and at how many equally spaced angles they are known: at each of them a value of
-        each curve, from BEFORE positions before the first one on.
+        Index of the curves in it, and number of equally spaced angles at which they are known: at each angle a value of
+        each curve, starting BEFORE positions before the first.
     cycle, angle : float
         [rad]
 
     Returns
     -------
     tuple of 4 floats
-        Reduced inertia beside its mean [kg·m²], its derivative by the angle, the driving moment over its mean, and what
-        else acts, without its mean [N·m].
+        Reduced inertia minus its mean [kg·m²], its derivative by the angle, the driving moment over its mean, and all
+        other moments minus their mean [N·m].
     """
     turns = angle / cycle
     place = (turns - math.floor(turns)) * positions

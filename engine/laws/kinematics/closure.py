@@ -1,6 +1,6 @@
 """Loop-closure residuals of structural groups: errors of computed positions in lengths, guides and directions.
 
-They follow from the positions alone, not from the formulas that solve the groups. Every residual is relative to a
+They follow from the positions only, not from the formulas that solve the groups. Every residual is relative to a
 length, so it is a few roundings of the machine's extent divided by the length of the link.
 """
 

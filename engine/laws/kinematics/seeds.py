@@ -151,7 +151,7 @@ def proved(h: float, x: float) -> float:
 
 
 def same_unknowns(one: np.ndarray, other: np.ndarray, slides: np.ndarray) -> np.ndarray:
-    """Whether values of the unknowns are those of one mode, angles but for whole turns (...).
+    """Whether values of the unknowns are those of one mode, angles except for whole turns (...).
 
     Parameters
     ----------

@@ -37,14 +37,14 @@ Vector = tuple[Value, Value]
 NEGLIGIBLE = 1e-9
 
 CONDITIONS = {
-    "static_two": "two points stand for a body statically where they lie apart, on a line through its centre of mass",
-    "static_three": "three points stand for a body statically where they don't lie on one line",
-    "dynamic_two": "a point has a conjugate point where it lies away from the centre of mass of a body with mass",
-    "dynamic_three": "the first mass leaves nothing that the second point and a third could stand for; "
+    "static_two": "two points replace a body statically only if they lie apart, on a line through its centre of mass",
+    "static_three": "three points replace a body statically only if they don't lie on one line",
+    "dynamic_two": "a point has a conjugate point only if it lies away from the centre of mass, and the body has mass",
+    "dynamic_three": "the first mass leaves nothing that the second point and a third could replace; "
     "choose another mass, or another second point",
-    "dynamic_in_line": "three points stand for a body dynamically where they lie apart, on a line through its centre "
+    "dynamic_in_line": "three points replace a body dynamically only if they lie apart, on a line through its centre "
     "of mass; or give two points and the mass at the first",
-    "dynamic_four": "four points stand for a body dynamically where they don't lie on one circle or line",
+    "dynamic_four": "four points replace a body dynamically only if they don't lie on one circle or line",
 }
 
 
@@ -143,7 +143,7 @@ def dynamic_two(mass: Value, inertia: Value, first: Vector) -> PointMasses:
 def dynamic_three(mass: Value, inertia: Value, first: Vector, first_mass: Value, second: Vector) -> PointMasses:
     """Dynamic replacement by a chosen mass at a first point, a chosen second point, and a third.
 
-    Removing the first mass leaves a body with a centre and a moment of inertia of its own (which may be negative); the
+    Removing the first mass leaves a body with another centre and moment of inertia (which may be negative); the
     second point and its conjugate replace that body.
 
     Parameters

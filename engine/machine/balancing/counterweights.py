@@ -134,7 +134,7 @@ def balance(
     with np.errstate(over="ignore"):
         bounded = np.isfinite(effects).all() and np.isfinite(np.square(rows)).all()
     if not bounded:
-        raise BalanceError("the shaking force is infinite: masses, lengths or speeds are beyond all bounds")
+        raise BalanceError("the shaking force is infinite: reduce masses, lengths or speeds")
     solve = least_peak if criterion == "peak" else least_rms
     try:
         found = solve(np.moveaxis(effects, 0, 2) * scale[:, None], rows * scale, limits)
@@ -181,7 +181,7 @@ def _check(
             raise BalanceError(f"the moment of a counterweight on {link!r} depends on its radius: give a place on it")
     for link, value in most.items():
         if link not in links or not value > 0:
-            raise BalanceError(f"most[{link!r}] = {value!r}: a positive mass times radius on one of {list(links)}")
+            raise BalanceError(f"most[{link!r}] = {value!r}: give mass times radius above 0, for one of {list(links)}")
 
 
 def _listed(links: Sequence[str]) -> str:
@@ -195,7 +195,7 @@ def _check_full(found: Optimum, rows: np.ndarray, effects: np.ndarray, names: Se
         raise BalanceError(
             f"counterweights on {', '.join(names)} don't balance this machine fully: "
             f"{quantity_text(found.value, 'N')} are left at "
-            "best, root mean square; allow counterweights on more links, or take criterion 'rms' or 'peak'"
+            "best, rms; allow counterweights on more links, or use criterion 'rms' or 'peak'"
         )
 
 
@@ -203,7 +203,7 @@ def _radius(scene: Scene, radius: float | None) -> float:
     if radius is None:
         return scene.input.length
     if not radius > 0:
-        raise BalanceError(f"radius = {radius!r}: counterweights sit at a positive distance from the axis")
+        raise BalanceError(f"radius = {radius!r}: give a positive distance of the counterweights from the axis")
     return radius
 
 

@@ -1,4 +1,4 @@
-"""Minimum rms and minimum peak of vectors that are linear in unknowns, with a proven bound on the distance to them.
+"""Minimum rms and minimum peak of vectors that are linear in unknowns, with a proven lower bound.
 
 At each position k the residual vector is A_k z + b_k, with the shaking b and the unknowns z: balancing vectors of two
 components, |z_i| ≤ most, and masses, 0 ≤ z_i ≤ most. Both problems are convex:

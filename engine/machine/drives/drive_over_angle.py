@@ -59,7 +59,7 @@ def drive_over_angle(mechanics: Mechanics, motors: frozenset[str], loads: frozen
     slopes = tuple(derivative(rate, {state: graph.one}, SLOPES) for rate in rates for state in states)
     gathered = {"period": pace, "motor_work": motor * motor_speed * pace, "load_work": load}
     gathered |= {"damping_work": damping * slip * slip * pace, "impulse": moment * pace}
-    # Nothing walks along it, so the slope of the speed is not read.
+    # Collocation solves it, not a walk, so the slope of the speed is not read.
     system = System(
         "angle", states, rates=rates, speed=speed, slope=graph.zero, clock=clock, gathered=gathered, slopes=slopes
     )

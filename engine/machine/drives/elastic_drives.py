@@ -243,7 +243,7 @@ class ElasticDrives:
 
 
 class DriveCycle(NamedTuple):
-    """Steady running of a machine on an elastic shaft over its cycle, (places,): the ends of every step.
+    """Steady running of a machine on an elastic shaft over its cycle, (positions,): the ends of every step.
 
     Attributes
     ----------
@@ -273,7 +273,7 @@ def drive_cycle(scene: Scene, name: str) -> DriveCycle | None:
     ----------
     scene : Scene
     name : str
-        Of the element.
+        Name of the element.
 
     Returns
     -------
@@ -323,7 +323,7 @@ def drive_run(scene: Scene, name: str) -> DriveRun | None:
     ----------
     scene : Scene
     name : str
-        Of the element.
+        Name of the element.
 
     Returns
     -------
@@ -342,7 +342,7 @@ class Ready(NamedTuple):
     ----------
     dynamics : Dynamics
     system : MachineSystem
-        Of the drive over the crank angle.
+        System of the drive over the crank angle.
     rigid, bare : Variants
     given : ndarray (variants, 3)
         As for `elastic_cycle`.
@@ -425,7 +425,7 @@ def _steps_of(variants: Variants, cycle: float, count: int) -> np.ndarray:
 
 
 class _Energy(MotionFields):
-    """Kinetic energy alone, as a field of a motion."""
+    """Only the kinetic energy, as a field of a motion."""
 
     def __call__(self, states: Snapshots) -> dict[str, np.ndarray]:
         """The energy at states [J], with the inertia of a rigid shaft."""

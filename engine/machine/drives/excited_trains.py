@@ -31,7 +31,7 @@ def machine_numbers(
     Parameters
     ----------
     numbers : Numbers
-        Of the scene.
+        Numbers of the scene.
     m : Mechanics
     expressions : list of Expression
         From `machine_harmonics`.

@@ -52,9 +52,9 @@ class GovernedEngines:
         Parameters
         ----------
         outcome : Outcome
-            Of the mechanism, with the required quantities.
+            Results of the mechanism, with the required quantities.
         numbers : Numbers
-            Of the same variants.
+            Numbers of the same variants.
         """
         found = {}
         mean = outcome.summaries[MEAN_INERTIA]

@@ -21,7 +21,7 @@ GOVERNED_AT_ONCE = 1024
 
 
 class AttachedElements(AskedElements):
-    """Requested results of machine elements, with what those that belong to the machine need to know of it.
+    """Requested results of machine elements, with the machine's data for those that depend on it.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class AttachedElements(AskedElements):
         answers : MeasuredCycles
             Including `harmonics`.
         numbers : Numbers
-            Of the scene.
+            Numbers of the scene.
         variants : int
         """
         if not self._trains:

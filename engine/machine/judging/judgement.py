@@ -16,7 +16,7 @@ from engine.scene.scene import Numbers
 from engine.words.verdicts import Verdict
 
 # A run that reverses within this distance of a singular position counts as having reached it [rad, for a range of 2π]:
-# near a dead centre of the driven side, the step error alone decides where the input comes to a standstill.
+# near a dead centre of the driven side, only the step error decides where the input comes to a standstill.
 BESIDE = 1e-6
 # Verdicts of a group of free links on its assembly mode.
 _ON_MODES = (Verdict.CANNOT_ASSEMBLE, Verdict.SINGULAR, Verdict.MODE_NOT_REACHED, Verdict.OTHER_MODE)

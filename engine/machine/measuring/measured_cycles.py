@@ -43,8 +43,8 @@ Read = Callable[[cycle.CycleOutcome], Measured]
 class Planned(NamedTuple):
     """A machine's functions with a plan of its cycle, and a reader of each measurement's result.
 
-    Further keys are the curves integrated over the cycle, for their peaks; with "spaced" for their values, and with
-    "range"; minimum magnitudes with "place"; and steady cycles, for δ, or with one of their slopes, for an extreme of
+    Keys are the measurements, and: a curve integrated over the cycle, for its peak; ("spaced", curve) for its values;
+    ("range", curve); ("place", minimum magnitude); a steady cycle, for δ; and (steady cycle, slope), for an extreme of
     work − slope × inertia.
     """
 
@@ -92,7 +92,7 @@ class MeasuredCycles:
         return self._numbers[node]
 
     def sines(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """For each group, the minimum of its transmission index, or of its arm over its scale, and the place."""
+        """For each group, the minimum of its transmission index, or of its arm over its scale, and its position."""
         found = []
         for curve, beyond in self._m.vanishing:
             least, place = self.read(LeastMagnitude(curve)), self.read(("place", LeastMagnitude(curve)))

@@ -46,7 +46,7 @@ from engine.words.verdicts import Verdict
 # Truncation error allowed for each curve's series, relative to the curve's peak, if no accuracy is requested.
 CLOSELY = 1e-9
 # The transmission index is computed to FINER times the accuracy, limited to FINELY: near a dead centre all measurements
-# depend on how small it is. Verdicts alone compare it with 1e-7, for which CLOSELY suffices.
+# depend on how small it is. If only verdicts compare it with 1e-7, CLOSELY suffices.
 FINER, FINELY = 1e3, 1e-12
 # Truncation error allowed for margins against jamming if no accuracy is requested: three digits suffice.
 LOOSELY = 1e-4
@@ -96,7 +96,7 @@ class Measuring(RequiredCurves):
         return Planned(cycle.CycleMachine(plan, *functions), readers)
 
     def _plan(self) -> Plan:
-        """Plan of the cycle, in which nothing is wanted yet."""
+        """Plan of the cycle, without any requested results yet."""
         f, of, accuracy = self.functions, self._of, self._accuracy
         curve = f.curves
         unresolved = {a.curve for a in of[Extreme] if not a.resolved}.union(self._auxiliary)
@@ -133,7 +133,7 @@ class Measuring(RequiredCurves):
         )
 
     def _readers(self, plan: Plan, speeds: bool) -> dict[Hashable, Read]:
-        """Want all measurements of a plan, with or without speed fluctuations, and say where to read the results."""
+        """Add all measurements to a plan, with or without speed fluctuations; return a reader of each result."""
         row, curve, found = self.functions.rows, self.functions.curves, {}
 
         def measure(kind: Measure, wanted: Hashable, part: str) -> Read:
@@ -224,7 +224,7 @@ class Measuring(RequiredCurves):
 
     @cached_property
     def _first_pass(self) -> Planned:
-        """Without speed fluctuations, if these require flywheels that are computed from the cycle."""
+        """Plan without speed fluctuations, if these require flywheels that are computed from the cycle."""
         given = any(steady.wheel is not None and steady.unknown_wheel is None for steady in self._steady)
         return self._whole if given else self._planned(speeds=False)
 
@@ -234,11 +234,11 @@ class Measuring(RequiredCurves):
         return self._whole.machine
 
     def numbers(self, numbers: Numbers, variants: int) -> np.ndarray:
-        """P of all variants, (numbers, variants), without what is found on the cycle and what follows from it."""
+        """P of all variants, (numbers, variants), without numbers found on the cycle and those that depend on them."""
         return self._levels.table(numbers, variants)
 
     def fill_found(self, table: np.ndarray, landmarks: cycle.Extremes) -> None:
-        """Copy the numbers found on the cycle into the table of the variants, and fill what follows from them.
+        """Copy the numbers found on the cycle into the table of the variants, and compute those that depend on them.
 
         Parameters
         ----------

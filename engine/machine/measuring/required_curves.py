@@ -1,4 +1,4 @@
-"""What measurements on the cycle require of the graph: curves, structural groups, numbers of every variant."""
+"""Requirements of measurements on the cycle: curves, structural groups, numbers of every variant."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -48,7 +48,7 @@ class RequiredCurves:
     groups : tuple of str
         Structural groups that take part, in the order of the scene.
     vanishing : list of Vanishing
-        What vanishes where they are singular.
+        For each, a curve that vanishes where it is singular.
     curves : list of Node
         All nodes computed at a position.
     margins : list of Margin

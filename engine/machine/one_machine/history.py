@@ -47,7 +47,7 @@ class History(NamedTuple):
     angle : ndarray
         Crank angle [rad], continuing beyond a turn.
     speed, acceleration : ndarray
-        Of the crank [rad/s, rad/s²], positive counter-clockwise.
+        Speed and acceleration of the crank [rad/s, rad/s²], positive counter-clockwise.
     motor_moment : ndarray
         Motor torque reduced to the crank [N·m].
     load_moments : dict of str to ndarray
@@ -104,7 +104,7 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
     known = _fields_of(mechanics)
     unknown = [name for name in fields if name not in known]
     if unknown:
-        raise ValueError(f"{unknown[0]!r} isn't a load that a history keeps; there are: {', '.join(known)}")
+        raise ValueError(f"{unknown[0]!r} isn't a load that a history keeps; allowed: {', '.join(known)}")
     asked = {f"{name}.useful_work" for name in scene.regimes}
     asked |= {f"{name}.{field}.max" for name in scene.regimes for field in fields}
     asked |= {f"{name}.flywheel" for name in sized_regimes(scene)}
@@ -165,20 +165,20 @@ def _fields_of(mechanics: Mechanics) -> dict[str, Quantity]:
 
 
 class _Record:
-    """Keeps the recorded motion of one variant, and what its fields are."""
+    """Keeps the recorded motion of one variant, and its fields."""
 
     def __init__(self) -> None:
         self.along: MotionFields | None = None
         self.motions: list[RecordedMotion] = []
 
     def see(self, motion: RecordedMotion) -> None:
-        """Keep a part of the motion; its first step replaces a state at one instant, where it begins at once."""
+        """Keep a part of the motion; it replaces a previous state at a single instant if it starts at that instant."""
         if self.motions and (self.motions[-1].samples[TIME] == motion.samples[TIME, 0, 0]).all():
             self.motions.pop()
         self.motions.append(motion)
 
     def observers(self, who: np.ndarray) -> "list[_Record]":
-        """The observer itself, where there is any motion."""
+        """The observer itself, if there is any motion."""
         return [self] if who.size else []
 
     def of(self, along: MotionFields, *_: object) -> "list[_Record]":

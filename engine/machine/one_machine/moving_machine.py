@@ -1,7 +1,7 @@
 """One machine at positions of its input: positions and motion of its parts, loads on its links.
 
 Values have the shapes of the graph's records, with arrays instead of nodes and a vector as x + iy. Derivatives are with
-respect to the input, as in the graph. All is computed by NumPy, without compiled code.
+respect to the input, as in the graph. Everything is computed by NumPy, without compiled code.
 """
 
 import dataclasses
@@ -240,7 +240,7 @@ class MovingMachine:
         mass, length, time = (powers.get(f"[{base}]", 0) for base in ("mass", "length", "time"))
         longest, speed, energy = self._own_sizes
         with np.errstate(all="ignore"):
-            # Of the mass only the energy m (l/t)² is known.
+            # Masses enter only through the energy m (l/t)².
             size = energy**mass * longest ** (length - 2 * mass) * speed ** (-time - 2 * mass)
             return np.where((np.abs(row) <= _ROUNDED * size) & np.isfinite(size), 0.0, row)
 
@@ -346,7 +346,7 @@ class MovingMachine:
             case SteadyCycle(result=result) if result in _OF_STEADY:
                 mean = abs(self._variant.number(asked.speed))
                 return _of_series(_OF_STEADY[result](self._steady(asked), mean))
-        raise TypeError(f"{asked!r} is measured by compiled code alone")
+        raise TypeError(f"{asked!r} is measured by compiled code only")
 
     def _steady(self, asked: SteadyCycle) -> WheelCycle:
         """The steady cycle, cached for its other results."""

@@ -65,7 +65,7 @@ def summaries_for_warnings(
     without : iterable of str
         Summaries that are known already.
     mechanics : Mechanics, optional
-        Of this scene, for use instead of a new one, where the numbers are varied in it.
+        Mechanics of this scene, reused if the replaced numbers vary in it.
     """
     reads = dict.fromkeys(s for rules in rules_by_kind(scene).values() for rule in rules for s in rule.reads)
     unknown = [name for name in reads if name not in set(without)]

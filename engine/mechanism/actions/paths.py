@@ -145,7 +145,7 @@ def _straight(kinematics: Kinematics, name: str) -> tuple[Slide, Vector] | None:
 
 
 def _links_at(scene: Scene, point: str) -> Iterable[str]:
-    """Links to which a point belongs: one, or those that meet in a joint without a link of its own."""
+    """Links to which a point belongs: one, or those that meet in a joint that belongs to none."""
     if point in scene.points:
         return [scene.points[point].link]
     met = [pair for pair in pairs(scene) if pair.joint == point]

@@ -272,7 +272,7 @@ class ClosureOfFree:
         origins: dict[str, tuple[Reach, Vector]] = {}
 
         def reach(name: str, pair: Pair) -> Reach:
-            """Of the joint of a pair, as a point of the link beyond it."""
+            """Bounds for the joint of a pair, as a point of the link beyond it."""
             link = pair.beyond(name)
             if link not in origins:
                 return nothing

@@ -29,7 +29,7 @@ class Linearised(NamedTuple):
     misses : list of Miss
         Residuals of the loops, with their rates for fixed unknowns.
     units : list of dict of str to Turning
-        For each unknown, the motion of all links if that unknown alone moved, by 1 rad or by the group's size.
+        For each unknown, the motion of all links if only that unknown moved, by 1 rad or by the group's size.
     inverse : Inverse
         Inverse of the Jacobian.
     """

@@ -20,7 +20,7 @@ def add_dyad(assembly: Assembly, name: str) -> DyadStatics:
     assembly.link(group.second.link, rocker)
     assembly.links[group.first.link] = rocker._replace(origin=a)
     assembly.slides[group.first.link] = Slide(slide, dv, da).called(group.first.link)
-    # The slot has no direction where A passes through D, whatever the angle between DA and the slot is before.
+    # The slot has no direction where A passes through D, at any angle between DA and the slot before.
     assembly.arms[name] = Vanishing(slide, offset)
     assembly.transmits(name, sine, apply(rpr_closure, a.r, d.r, offset, u, slide))
     return rpr_reactions, (u, slide)

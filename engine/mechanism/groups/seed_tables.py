@@ -341,7 +341,7 @@ class SeedTables:
                     *deltas, _, sine = at(moved, curves)
                 accepted &= (np.abs(deltas) < SAME).all(axis=0)
                 accepted &= sine / sines > LEAST_SHARE
-                # The next step starts from the secant through the last two places.
+                # The next step starts from the secant through the last two points.
                 rates = np.where(accepted, (moved - unknowns) / (ahead - progress), rates)
             sines = np.where(accepted, sine, sines)
             unknowns = np.where(accepted, moved, unknowns)
@@ -350,7 +350,7 @@ class SeedTables:
 
 
 def _least_distance(places: Sequence[tuple[float, float]]) -> float:
-    """Smallest distance between two of the places."""
+    """Smallest distance between two of the points."""
     found = np.array(places) @ np.array([1.0, 1j])
     apart = np.abs(found[:, None] - found[None, :]) + np.where(np.eye(len(found), dtype=bool), np.inf, 0.0)
     return float(apart.min())

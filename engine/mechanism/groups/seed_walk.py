@@ -35,8 +35,8 @@ class SeedPaths(NamedTuple):
     Attributes
     ----------
     seeds : ndarray (entries, variants)
-        Per seed: its place as a share of the range, infinite if unused; the unknowns, their first rates, their second
-        rates; NaN beyond the end of a path.
+        Per seed: its position as a share of the range, infinite if unused; the unknowns, their first and second rates;
+        NaN beyond the end of a path.
     ends_at : ndarray (variants,)
         Position at which modes meet and a path ends; NaN if it does not.
     short_at : ndarray (variants,)
@@ -83,7 +83,7 @@ class _Paths(NamedTuple):
         Longest interval as a share of the range.
     seeds : ndarray (entries, variants)
     reached : ndarray (2 + unknowns, variants)
-        Number of seeds, place and unknowns at the end.
+        Number of seeds, position and unknowns at the end.
     """
 
     start: np.ndarray
@@ -100,7 +100,7 @@ class _Path(NamedTuple):
     Attributes
     ----------
     place : ndarray (LANES,)
-        Place of the last seed, as a share of the range.
+        Position of the last seed, as a share of the range.
     step, tried : ndarray (LANES,)
         Length of the next step, and of the current trial step.
     sine, sine_ahead : ndarray (LANES,)
@@ -219,7 +219,7 @@ def _judge(longest: float, scratch: _Scratch) -> None:
     """Accept or reject each lane's step by the quintic's error at its middle, and choose the next step length."""
     path, count = scratch.path, scratch.middle.shape[0]
     for lane in range(LANES):
-        # The determinant changes sign where two modes meet: reject a step across such a place.
+        # The determinant changes sign where two modes meet: reject a step across such a position.
         kept = path.sine_ahead[lane] / path.sine[lane] > LEAST_SHARE
         excess = scratch.tile[3 * count, 0, lane] / CLOSE
         refused = path.refused[lane] > 0.0 or not kept or not excess < math.inf
@@ -269,7 +269,7 @@ def _store(first: int, paths: _Paths, scratch: _Scratch) -> bool:
 @driver
 def _walk(begin: int, end: int, group: _Group, paths: _Paths, scratch: _Scratch) -> None:
     """Fill the tables of blocks `begin` … `end` − 1 of LANES variants; see `SeedWalk`."""
-    # Apart, because Numba warns about functions in tuples.
+    # Taken out of the tuple, because Numba warns about functions in tuples.
     fill = group.fill
     memory, given, count = group.memory, group.given, group.given.size
     block, at, half_way, path, tile = scratch.block, scratch.at, scratch.half_way, scratch.path, scratch.tile

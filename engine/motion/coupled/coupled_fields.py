@@ -63,7 +63,7 @@ class CoupledMotion:
     Parameters
     ----------
     sides : CoupledSides
-        Of all variants of the runs.
+        Both sides, for all variants of the runs.
     who : ndarray (steps,) of int
         Variants, ascending.
     joined : Joined

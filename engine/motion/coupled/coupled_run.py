@@ -170,7 +170,7 @@ class CoupledRuns(MachineRuns):
             return
         self.unsettled[who] = self.implicit[who] = False
         sides, joined, moving = self.sides.some(who), some(self.joined, who), self.state[: SHAFT_SPEED + 1, who].copy()
-        # Evaluate behind a jump at this very angle.
+        # At a jump, evaluate just after it.
         moving[TURNED] += np.sign(moving[CRANK_SPEED]) * sides.crank.beside(moving[TURNED])
         ways = np.sign(moving[CRANK_SPEED]), np.sign(moving[SHAFT_SPEED])
         mode = np.full(who.size, APART if sides.two.open else FLUID)
@@ -187,7 +187,7 @@ class CoupledRuns(MachineRuns):
         stands = who[ways[0] == 0.0]
         begun = self.state[TURNED, stands] != 0.0
         self.done[stands] |= self.ends.standing & begun
-        # Both stand until a time-dependent torque or the clutch changes, or until the run's time is over.
+        # Both stay at rest until a time-dependent torque or the clutch changes, or until the run's time is over.
         both = who[(ways[0] == 0.0) & (ways[1] == 0.0)]
         both = both[~self.done[both]]
         for_ever = both[~np.isfinite(self._longest(both))]
@@ -205,7 +205,7 @@ class CoupledRuns(MachineRuns):
         capacity = _grip(sides.coupling, joined.engaged + time)
         trial = joined._replace(mode=np.full(slip.size, TOGETHER), crank_way=off, shaft_way=off)
         needed = coupling_pull(sides, trial, moving, time).moment
-        # Where both stand, either side may be held by its own resistance.
+        # Where both are at rest, either side may be held by its own resistance.
         alone = np.where(shaft_forth > capacity, 1, np.where(-shaft_back > capacity, -1, 0))
         crank_forth, crank_back = forth - shaft_forth, back - shaft_back
         alone = np.where(
@@ -271,7 +271,7 @@ class CoupledRuns(MachineRuns):
         direction = self.variants.direction[who]
         here = self.start[who] + direction * turned
         breaks = np.mod(faced * direction * (self.variants.breaks.angles[:, who] - here), self.cycle)
-        # Rounding may put the jump just passed on either side.
+        # Rounding may put the jump that was just passed on either side.
         breaks = np.where((breaks > JUMP) & (breaks < self.cycle - JUMP), breaks, np.inf)
         nearest = np.fmin.reduce(breaks, axis=0, initial=np.inf)
         return turned + faced * np.where(looks, np.minimum(ahead, nearest), ahead)
@@ -377,7 +377,7 @@ class CoupledRuns(MachineRuns):
         return Seen(column, begin, length, moving, moment)
 
     def _passed_over(self, who: np.ndarray, joined: Joined, seen: Seen) -> np.ndarray:
-        """Time of a walk at which a clutch slips that holds at both ends of the step, or slips the other way; or inf.
+        """Time of a walk at which a clutch slips inside a step, unlike at its ends (held, or opposite slip); or inf.
 
         Another walk to this time finds the beginning of the slip.
         """

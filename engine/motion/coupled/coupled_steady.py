@@ -52,7 +52,7 @@ def one_cycle(
     ----------
     sides : CoupledSides
     speeds : ndarray (2, variants)
-        Of the crank and of the shaft at the start, reduced to the crank [rad/s].
+        Initial speeds of the crank and of the shaft, reduced to the crank [rad/s].
     stepping, observers
         As for `run_coupled`.
     """

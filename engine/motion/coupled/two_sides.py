@@ -133,7 +133,7 @@ class ShaftSide(NamedTuple):
     Attributes
     ----------
     form : EquationOfMotion
-        Of the torques on the shaft, its speed reduced to the crank.
+        Equation of the torques on the shaft, its speed reduced to the crank.
     inertia : ndarray (variants,)
         Reduced to the crank [kg·m²].
     """
@@ -154,7 +154,7 @@ class Joined(NamedTuple):
     mode : ndarray of int
         TOGETHER, FORWARDS, …
     crank_way, shaft_way : ndarray
-        Direction of motion of each side, +1 or −1; 0 if it stands.
+        Direction of motion of each side, +1 or −1; 0 at rest.
     clock : ndarray
         Clock time of time-dependent torques at the start of the run [s].
     engaged : ndarray

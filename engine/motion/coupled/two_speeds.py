@@ -61,11 +61,11 @@ class Joining(NamedTuple):
     sense : Given
         Sign of a clutch's slip, +1 if the shaft is faster, −1 if slower; 0 without slip.
     moves, shaft_moves : Given
-        1 if a side moves, 0 if it stands.
+        1 if a side moves, 0 at rest.
     fluid : Given
         Torque of a fluid coupling over λ ω² [kg·m²].
     piece : Given
-        Of the table of a fluid coupling, as in `fluid_torque`.
+        Piece of a fluid coupling's table, as in `fluid_torque`.
     engaged : Given
         Clock time at which the coupling was engaged [s].
     times, capacity : tuple of Given
@@ -73,7 +73,7 @@ class Joining(NamedTuple):
     shaft_inertia : Given
         Reduced to the crank [kg·m²].
     stiffness, damping, backlash : Given
-        Of an elastic shaft [N·m/rad, N·m·s/rad, rad].
+        Numbers of an elastic shaft [N·m/rad, N·m·s/rad, rad].
     touch : Given
         Contact of the elastic shaft: 1 forward, −1 backward, 0 none.
     growing : Given
@@ -230,7 +230,7 @@ def at_two_speeds(
     of_crank = moments_of(mechanics, loads, crank, speed, on_shaft)
     of_shaft = moments_of(mechanics, shaft_loads, shaft, shaft_speed, elsewhere)
     of_inertia, unknown = (0.5 * speed * speed) * (crank.way * mechanics.reduced.slope), {}
-    # Motors and fluids make steps stiff. Friction doesn't, and its derivative is as long as all reactions.
+    # Motors and fluids make steps stiff. Friction doesn't, and its derivative would contain those of all reactions.
     smooth = of_crank.total - of_inertia
     if rubs:
         unknown[speed] = graph.given("acceleration", Stage.STATE)

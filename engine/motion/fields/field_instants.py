@@ -160,6 +160,6 @@ class FieldInstants:
 
 
 def _pairs(first: np.ndarray, upto: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Indices of columns, and of the places first … upto − 1 of each, as pairs."""
+    """Pairs of indices: a column, and one of its instants first … upto − 1."""
     columns, within = elements_of_counts(np.maximum(upto - first, 0))
     return columns, first[columns] + within

@@ -20,8 +20,8 @@ from engine.motion.moments.breaks import JUMP
 from engine.motion.quantities import Asked, FieldAnswers
 from engine.stepping.records import on_arrays, over_all, some
 
-# Halvings of a step, and the fraction to which twice as many positions must have reduced the left coefficients: those
-# that are rounding, or of a jump, a halving doesn't reduce either.
+# Maximum halvings of a step. A step is halved only if doubling its positions reduced the left coefficients to this
+# fraction: neither reduces those that are rounding or due to a jump.
 HALVINGS, REDUCED = 6, 0.5
 # Limits of the sum of all coefficients left out, relative to the last ones: of a smooth curve, whose coefficients fall
 # at least as k⁻⁶; and of one with a kink, relative to n of them, which fall as k⁻² and may by chance be small.
@@ -76,7 +76,7 @@ class _Tops(NamedTuple):
     owner : ndarray of int
         Number of the extreme: of a side, −minimum or maximum, of a field and of a variant.
     value, bound, off : ndarray
-        Peak, what no value nearby exceeds, and error estimate of the peak.
+        Peak, upper bound of the values nearby, and error estimate of the peak.
     turned, turned_off : ndarray
         Angle turned there, and its error estimate [rad].
     time, time_off : ndarray
@@ -221,8 +221,8 @@ class FieldStatistics:
     def answers(self, asked: Iterable[Asked], compared: "FieldStatistics | None" = None) -> FieldAnswers:
         """Requested statistics of all variants.
 
-        Of a motion shifted by error estimates, ranges differ from those `compared` by the changes of both extremes: the
-        shifts of all have one sign, but errors needn't.
+        For a motion shifted by error estimates, ranges differ from those `compared` by the changes of both extremes:
+        all shifts have one sign, but errors need not.
         """
         found, variants = FieldAnswers.none(), self.fields.variants
         known: dict[str, tuple[dict[str, np.ndarray], dict[str, np.ndarray]]] = {}
@@ -266,7 +266,7 @@ class FieldStatistics:
     def _extremes(self, side: int, i: int) -> _Tops:
         """−Minima or maxima of a field, (variants,): the highest candidates, the earliest of equal ones.
 
-        Their errors cover all that may be higher, and how far it is away. NaN for a variant without any.
+        Their errors cover all candidates that may be higher, and the distance to them. NaN for a variant without any.
         """
         count = self._size.shape[1]
         first = (side * len(self.names) + i) * count
@@ -286,7 +286,7 @@ class FieldStatistics:
 
 
 class _Peaks(NamedTuple):
-    """Maxima of curves on panels, (panels,): values, upper bounds, errors; places on [−1, 1] and errors of these."""
+    """Maxima of curves on panels, (panels,): values, upper bounds, errors; positions on [−1, 1] and their errors."""
 
     value: np.ndarray
     bound: np.ndarray
@@ -312,10 +312,10 @@ def _left_out(values: np.ndarray, degree: int = DEGREE) -> tuple[np.ndarray, np.
 
 
 def _squared(curve: np.ndarray, left: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Which curves are followed by their signed squares, these, and bounds of all coefficients that they leave out.
+    """Which curves are represented by their signed squares, the squares, and bounds of the coefficients left out.
 
-    Those of one sign that the squares follow more closely: the magnitude of a vector has a kink where it vanishes, its
-    square doesn't.
+    These are curves of one sign that their squares represent more closely: the magnitude of a vector has a kink where
+    it vanishes, its square doesn't.
 
     Parameters
     ----------

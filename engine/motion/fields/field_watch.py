@@ -49,6 +49,6 @@ class FieldWatch:
         self.observers += [self.instants] if kept else []
 
     def answers(self, compared: "FieldWatch | None" = None) -> FieldAnswers:
-        """What was requested; of a shifted motion, `compared` with the watch of the other."""
+        """The requested results; for a shifted motion, `compared` with the watch of the unshifted one."""
         found = self._statistics.answers(self._asked, compared._statistics if compared else None)
         return found if self.instants is None else found._replace(rows=self.instants.rows)

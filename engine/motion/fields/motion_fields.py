@@ -127,11 +127,11 @@ def power_rows(motors: np.ndarray, loads: np.ndarray, heat: np.ndarray | float =
 
     Parameters
     ----------
-    motors : ndarray (places, variants)
+    motors : ndarray (instants, variants)
         Power of the motors [W].
-    loads : ndarray (channels, places, variants)
+    loads : ndarray (channels, instants, variants)
         Powers of all loads, by `CHANNELS`; negative for resistances [W].
-    heat : ndarray (places, variants)
+    heat : ndarray (instants, variants)
         Power dissipated in a coupling, negative [W].
     """
     driving, useful, harmful, braking, other = loads

@@ -79,7 +79,7 @@ class OneSpeedMotion:
     Parameters
     ----------
     equation : EquationOfMotion
-        Of all variants of the runs.
+        Equation for all variants of the runs.
     who : ndarray (steps,) of int
         Variants, ascending.
     facing : ndarray (steps,)
@@ -88,7 +88,7 @@ class OneSpeedMotion:
         Time [s] and angle turned [rad] from the start of the run; the magnitude of the speed [rad/s] or, of steps over
         the angle, the kinetic energy [J].
     lengths : ndarray (steps,), optional
-        Of steps over the angle [rad].
+        Lengths of steps over the angle [rad].
     steep : bool
         Whether the torque follows from the slope of the energy, since that from the speed is less accurate.
     """
@@ -153,7 +153,7 @@ def turn_inwards(turned: np.ndarray, inwards: np.ndarray, equation: EquationOfMo
     inwards : ndarray (instants, columns)
         +1 or −1 at ends, else 0.
     equation : EquationOfMotion
-        Of the columns.
+        Equation for the columns.
     """
     ends = np.flatnonzero(inwards.any(axis=1))
     if ends.size:

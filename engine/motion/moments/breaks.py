@@ -45,10 +45,10 @@ class Breaks(NamedTuple):
 
     Attributes
     ----------
-    angles : ndarray (places, variants)
+    angles : ndarray (breaks, variants)
         [rad]; NaN where a variant has none.
     actions : tuple of str
-    acting : ndarray (actions, places, variants) of bool
+    acting : ndarray (actions, breaks, variants) of bool
         Which actions' torques have a jump or a kink there.
     """
 

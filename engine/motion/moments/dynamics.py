@@ -90,7 +90,7 @@ class Variants(NamedTuple):
 
 
 class Reduction:
-    """What a machine in motion has, whatever acts: its inertia, breaks of the torques, and ends of strokes.
+    """What the motion needs whichever actions act: inertia, breaks of the torques, and ends of strokes.
 
     Parameters
     ----------
@@ -259,7 +259,7 @@ class Dynamics:
         formulas = load_formulas(scene)
         self.changing = self.moved or any(formulas[name].depends_on_time for name in self.active & formulas.keys())
         self.brakes = tuple(name for name in self.active if isinstance(scene.moments.get(name), Brake))
-        # Whether all torques vanish with the speed: then nothing stops the machine nor starts it.
+        # Whether all torques vanish with the speed: then nothing stops or starts the machine.
         self.fades = not (self.motors or rubs or own) and all(load.order in (1, 2) for load in working)
         self.cycle = reduction.cycle
 

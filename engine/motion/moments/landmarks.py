@@ -85,7 +85,7 @@ class Landmarks:
         return parameters, ends, Breaks(angles, self.actions, self._acting(parameters, angles, which))
 
     def _acting(self, parameters: np.ndarray, angles: np.ndarray, which: np.ndarray) -> np.ndarray:
-        """Whether the torques of actions are nonzero next to their breaks, (actions, places, variants)."""
+        """Whether the torques of actions are nonzero next to their breaks, (actions, breaks, variants)."""
         acting = np.zeros((len(self.actions), *angles.shape), bool)
         if not angles.size:
             return acting

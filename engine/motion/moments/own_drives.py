@@ -1,4 +1,4 @@
-"""Motion with second inputs that have drives of their own, servos, which give whatever torque their laws need.
+"""Motion with second inputs that have their own drives, servos, which supply whatever torque their laws need.
 
 The first input keeps one degree of freedom φ. Its equation is the projection of Newton's and Euler's equations on
 displacements with the second inputs held, r_φ = ∂r/∂φ and θ_φ = ∂θ/∂φ (Lagrange's equation with laws of time):
@@ -28,9 +28,9 @@ from engine.scene.pairs import own_drives
 from engine.scene.scene import SceneError
 
 _NOT_SMOOTH = (
-    "in a run with a second input that has a drive of its own, a load whose point or link that input moves may neither "
-    "jump nor be along its point's motion, by formula or a higher power of the speed: use a linear one with an angle, "
-    "or let gears or cams move the input, drive = 'crank'"
+    "in a run with a second input that has its own drive, a load on a point or link moved by that input can't jump, "
+    "act along its point's path, be given by a formula or grow with a higher power of the speed: give an angle and a "
+    "load linear in the speed, or let gears or cams move the input, drive = 'crank'"
 )
 
 
@@ -44,7 +44,7 @@ def loads_of(
 
 
 class WithServos(Loads):
-    """Loads and masses of a machine whose second inputs have drives of their own.
+    """Loads and masses of a machine whose second inputs have their own drives.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class WithServos(Loads):
     time : Node
         [s].
     speed : Node
-        Of the first input, in its direction of motion [rad/s].
+        Speed of the first input, in its direction of motion [rad/s].
     magnitude : Node, optional
         Its magnitude, for formulas; by default, `speed`.
     epsilon : Node, optional
@@ -116,7 +116,7 @@ class WithServos(Loads):
     def _projected(self, by_input: Load, held: Load, true: Load) -> Load:
         """A load with the power of the speed in its characteristic, and its torque on the first input.
 
-        With derivatives by the input the same as with the second inputs held, it depends on the first input alone.
+        If derivatives by the input are the same with the second inputs held, it depends on the first input only.
         """
         speed, graph = self._speed_in_motion, self.kinematics.graph
         characteristic, direction = true.characteristic, true.grip.direction

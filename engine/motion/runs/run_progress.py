@@ -78,7 +78,7 @@ class Ends(NamedTuple):
 
     @classmethod
     def never(cls, count: int, **given: np.ndarray) -> "Ends":
-        """Ends of runs that nothing ends but what is given."""
+        """Ends of runs that only the given conditions end."""
         return cls(**{name: np.full(count, np.inf) for name in ("turned", "time", "speed", "most_turned")} | given)
 
     @property
@@ -188,7 +188,7 @@ class MachineRuns(WalkedRuns):
     Parameters
     ----------
     form : EquationOfMotion
-        Of the crank, with the initial crank angles.
+        Equation for the crank, with the initial crank angles.
     standing : Standing
         Initial state.
     ends : Ends

@@ -64,7 +64,7 @@ _FOREIGN = {
 _HINTS = {
     ast.Tuple: "commas separate the operands of a function only; join conditions by 'and', write 1.5 for 1,5",
     ast.UAdd: "leave the leading + out",
-    ast.Mod: "% stands behind a number only, as in 6 %",
+    ast.Mod: "% may only follow a number, as in 6 %",
     ast.Lambda: "functions can't be defined here",
     ast.JoinedStr: "text with {} can't be used here",
 }

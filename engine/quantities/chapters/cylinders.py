@@ -59,7 +59,7 @@ def _of_cylinder(m: Mechanics, name: str) -> Declared:
     yield Summary(f"{name}.indicated_work", f"{words} per cycle of the machine", "J", work, "W_i")
     words = f"indicated power {whose} in {called('cylinder', name)}"
     yield answer_summary(f"{name}.indicated_power", words, "W", lambda: per_second(work()), "P_i")
-    # Cycles of the gas in a cycle of the machine.
+    # Gas cycles per machine cycle.
     times = m.scene.input.revolutions / (2.0 if isinstance(cylinder, FourStroke) else 1.0)
     if not isinstance(cylinder, Pump):
         words, summary = f"indicated mean effective pressure of {called('cylinder', name)}", answer_if(engine)

@@ -43,7 +43,7 @@ from engine.scene.scene import Numbers
 from engine.words.quantity import called, ordinal
 
 _USEFUL = frozenset({"useful"})
-# Of the drive torque, over the cycle.
+# Highest harmonic of the drive torque over the cycle.
 HARMONICS = 12
 
 

@@ -56,7 +56,7 @@ def declare(mechanics: Mechanics) -> Declared:
             yield variable(f"{pair.name}.friction_moment", f"moment of friction on {pair.link} {where}", "N m")
         else:
             along = "the cam's tangent (contact normal turned left)" if pair.kind == "contact" else ""
-            words = f"friction on {pair.link} along {along or 'its own direction'} {where}"
+            words = f"friction on {pair.link} along {along or 'its x axis'} {where}"
             yield variable(f"{pair.name}.friction_force", words, "N")
         yield variable(f"{pair.name}.friction_power", f"power lost to friction {where}", "W")
         words = f"work lost to friction in {pair.place}, {span}"
@@ -75,7 +75,7 @@ def declare(mechanics: Mechanics) -> Declared:
     words = "minimum determinant of the friction equations: 1 without friction, 0 at jamming"
     yield answer_summary("jamming_margin", words, "1", margin)
     if m.has_cycle:
-        # Without a useful or driving load nothing comes out by definition.
+        # Without useful or driving loads the efficiency says nothing.
         works = any(term.role in ("useful", "driving") for term in m.loads.terms)
         of = "useful work and work delivered at the input over driving work and work supplied there, over the cycle"
         words = f"mechanical efficiency: {of}"

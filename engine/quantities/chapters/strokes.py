@@ -101,7 +101,7 @@ def quick_return_ratio(low_at: Measured, high_at: Measured) -> Measured:
     up = np.mod(high_at.value - low_at.value, math.tau)
     slow = np.maximum(up, math.tau - up)
     ratio = slow / (math.tau - slow)
-    # R of α + dα, less R of α: where positions tie, dα is no small change.
+    # R(α + dα) − R(α), not linearised: where positions tie, dα is large.
     off = low_at.error + high_at.error
     error = math.tau * off / ((math.tau - slow) * (math.tau - slow - off))
     unknown = ~((error < ratio) & (slow + off < math.tau))

@@ -19,7 +19,7 @@ def declare(mechanics: Mechanics) -> Declared:
     """Deviations of all wanted motions, as rms and maximum."""
     for name, wanted in mechanics.scene.wanted.items():
         if isinstance(wanted, WantedPath):
-            what, units = f"distance of the points wanted in {name} from the path of {wanted.point}", "m"
+            what, units = f"distance of the wanted points of {name} from the path of {wanted.point}", "m"
             squared = _squared_distances(mechanics, wanted)
             rms, most = Formula(_rms, squared), sqrt(maximum(*squared))
         else:

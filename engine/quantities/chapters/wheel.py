@@ -27,7 +27,7 @@ _SIZES = {
 _ANSWERS = ("diameter", "mass", "width", "rim_speed", "hoop_stress", "burst_margin")
 _BURSTING = {
     "burst_speed": ("speed of the input at which the flywheel bursts", "rad s-1"),
-    "burst_margin": ("speed at which the flywheel bursts over its peak speed", "1"),
+    "burst_margin": ("burst speed of the flywheel over its peak speed", "1"),
     "burst_energy": ("kinetic energy of the flywheel when it bursts", "J"),
     "burst_impulse": ("angular impulse at the input from the flywheel's peak speed to its bursting", "N m s"),
 }

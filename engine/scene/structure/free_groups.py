@@ -93,7 +93,7 @@ def cutting_of(group: FreeGroup) -> Cutting:
                 used = {id(pair) for _, pair in placed}
                 used |= {id(pair) for link in cut for pair in group.pairs_of(link)}
                 return Cutting(tuple(placed), cut, tuple(p for p in group.pairs if id(p) not in used))
-    raise AssertionError("a group without any link cut out always hangs together")
+    raise AssertionError("a group without any link cut out is always connected")
 
 
 def _can_be_cut(group: FreeGroup, link: str) -> bool:

@@ -37,7 +37,7 @@ def next_free_group(scene: Scene, known: Iterable[str]) -> FreeGroup | None:
     constraints = _constraints(links, ready)
     matched = maximum_bipartite_matching(constraints, perm_type="column")
     of_freedom = _partners(matched, constraints.shape[1])
-    # Constraint i needs constraint j if it acts on a freedom matched to j; the last row stands for no constraint.
+    # Constraint i needs constraint j if it acts on a freedom matched to j; the last row means "no constraint".
     rows, columns = constraints.nonzero()
     nothing = constraints.shape[0]
     needed = np.where(of_freedom[columns] < 0, nothing, of_freedom[columns])
@@ -94,7 +94,7 @@ def why_not_grouped(scene: Scene, known: Iterable[str]) -> list[Problem]:
     at = f"links.{links[0]}"
     far = sorted({name for p in pairs for name in (p.link, p.other)} - {*links, *known})
     if far:
-        return [(at, f"waits for {', '.join(far)}, which can't be ordered themselves")]
+        return [(at, f"needs {', '.join(far)}, which can't be ordered either; connect those first")]
     if not pairs:
         return [(at, f"{', '.join(links)}: no joint or guide joins this to the machine; name its joints or its guide")]
     constraints = _constraints(links, pairs)
@@ -107,7 +107,7 @@ def why_not_grouped(scene: Scene, known: Iterable[str]) -> list[Problem]:
         words += "pair out, or put a link between"
     else:
         held, tight = _reached(csr_array(constraints.T), free, _partners(of_freedom, constraints.shape[0]))
-        words = "moves too freely: {links} with the pairs {pairs} have W = {count} freedoms of their own; join them to "
+        words = "moves too freely: {links} with the pairs {pairs} have W = {count} degrees of freedom; join them to "
         words += "the machine by another link, joint or guide"
     named = [links[j] for j in sorted({f // _FREEDOMS for f in held})]
     own = [pairs[i].name for i in sorted({c // _CONSTRAINTS for c in tight})]

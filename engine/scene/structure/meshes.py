@@ -73,7 +73,7 @@ def _wrong_pinion(scene: Scene, name: str) -> list[Problem]:
         message = f"{pinion.pivot!r} doesn't move along {guide!r}, so the pinion wouldn't turn; name the joint "
         return [(f"{at}.pivot", f"{message}of a slider on that guide, or give the rack that moves")]
     if pinion.rack is not None and rides == pinion.rack:
-        message = f"{pinion.pivot!r} goes along with {pinion.rack!r}, so the pinion wouldn't turn; name another point"
+        message = f"{pinion.pivot!r} moves with {pinion.rack!r}, so the pinion wouldn't turn; name another point"
         return [(f"{at}.pivot", message)]
     return []
 
@@ -85,7 +85,7 @@ def _unknown_angle(scene: Scene, name: str) -> list[Problem]:
     if root_of(scene, carrier) == root_of(scene, rack.pinion):
         return []
     message = (
-        f"{rack.guide!r} is on {carrier!r}, whose angle against {rack.pinion!r} isn't known over its turns; drive "
+        f"{rack.guide!r} is on {carrier!r}, whose angle relative to {rack.pinion!r} isn't known over its turns; drive "
     )
     message += "the rack by a pinion that a rack on that link turns, or put the guide where the pinion's own rack lies"
     return [(f"racks.{name}.guide", message)]

@@ -68,7 +68,7 @@ def group_links(scene: Scene, name: str) -> tuple[str, str]:
 
 
 class _Step(NamedTuple):
-    """A part to be ordered: where it stands in the scene, what it needs, and what is known after it.
+    """A part to be ordered: its path in the scene, its needs, and what is known after it.
 
     Things needed and known are ("point" | "guide" | "link", name).
     """
@@ -84,7 +84,7 @@ def _outer(one: Attachment) -> tuple[str, str]:
 
 
 def _steps(scene: Scene) -> Iterator[_Step]:
-    """All parts but groups of free links, in the order in which they are taken where several could be."""
+    """All parts but groups of free links, in order of preference where several could come next."""
     for kind, table in (("point", scene.points), ("guide", scene.guides)):
         for name, part in table.items():
             yield _step(kind, name, f"{kind}s.{name}", {("link", part.link)}, {(kind, name)})
@@ -115,7 +115,7 @@ def _step(kind: str, name: str, path: str, needs: set[tuple[str, str]], gives: s
 
 
 def _needs_of_mesh(scene: Scene, part: Rack | Pinion) -> set[tuple[str, str]]:
-    """What a rack or pinion is attached to."""
+    """Parts to which a rack or pinion is attached."""
     driver = part.pinion if isinstance(part, Rack) else part.rack
     guide = part.guide or guide_of(scene, driver)
     riding = None if guide is None else structure.meshes.rides_along(scene, part.pivot, guide)
@@ -192,9 +192,9 @@ def _sliding_loops(scene: Scene, ordering: _Ordering) -> list[Problem]:
         elif pair.name in in_groups:
             links = ", ".join(ordering.free_groups[in_groups[pair.name]].links)
             words = (
-                f"{links} have a loop of sliding pairs alone, which {pair.name} closes: its links can't turn against "
+                f"{links} form a loop of sliding pairs only, closed by {pair.name}: its links can't turn relative to "
             )
-            words += "each other, so its pairs hold less than W = 0 counts; replace one of these pairs by a joint"
+            words += "each other, so its pairs constrain less than W = 0 says; replace one of these pairs by a joint"
             problems.append((f"links.{pair.link}.guide", words))
     return problems
 
@@ -205,10 +205,10 @@ def _free_problems(scene: Scene, ordering: _Ordering) -> Iterator[Problem]:
         outer = {link for pair in group.pairs for link in (pair.link, pair.other)} - set(group.links)
         at, n, p = f"links.{group.links[0]}", len(group.links), len(group.pairs)
         if outer == {FRAME}:
-            words = f"{', '.join(group.links)} meet the frame alone, so they can't move (W = 3·{n} − 2·{p} = 0)"
+            words = f"{', '.join(group.links)} are joined to the frame only, so they can't move (W = 3·{n} − 2·{p} = 0)"
             yield at, f"over-constrained: {words}; attach one of them to a moving link"
         if name in {*scene.groups, *scene.links, *scene.points, *scene.regimes, *scene.cams}:
-            yield at, f"the name {name!r} is that of the group found here; rename the other part"
+            yield at, f"the name {name!r} belongs to the group found here; rename the other part"
     moving = {link for group in ordering.free_groups.values() for link in group.links}
     on_links = {point for point, link in carriers(scene).items() if link in moving}
     for point in scene.near:
@@ -217,16 +217,16 @@ def _free_problems(scene: Scene, ordering: _Ordering) -> Iterator[Problem]:
             yield f"near.{point}", message + did_you_mean(point, on_links)
 
 
-# Why a part of each kind can't be ordered; the first of a kind stands for all.
+# Why a part of each kind can't be ordered; only the first of a kind is reported.
 _WAITING = {
     "shaft": "gears that nothing drives: {chain}; gear one to a link that moves",
     "noncircular wheel": "a wheel that nothing drives; gear it to the crank, a shaft with a pivot, or such a wheel",
     "rack": "a rack that nothing drives, or whose axis or guide nothing holds; attach it to a moving part",
     "pinion": "a pinion that nothing drives, or whose axis or guide nothing holds; attach it to a moving part",
-    "second input": "{held!r} is on what this input would drive, or on nothing that moves; name one known before it",
+    "second input": "{held!r} is on a link that this input drives, or that nothing drives; name one known before it",
     "cam": "a cam that nothing turns, or whose follower nothing holds; put it on the crank or a shaft",
     "group": "can't be ordered: {lacks}. These {count} groups ({links} links, {pairs} pairs) depend on each other: a "
-    "structural group of class III or higher, which is given by free links, [links], or a chain that nothing connects "
+    "structural group of class III or higher, which is given as free links, [links], or a chain that nothing connects "
     "to the input. Attach one of them to points that are known before it",
 }
 
@@ -243,7 +243,7 @@ def _why_unordered(scene: Scene, ordering: _Ordering) -> Iterator[Problem]:
             words.format(
                 chain=", ".join(f"{n!r} on {scene.shafts[n].geared_to!r}" for n in lacks if n in scene.shafts),
                 held=next(iter(waiting[0].needs))[1],
-                lacks="; ".join(f"{name} waits for {' and '.join(refs)}" for name, refs in lacks.items()),
+                lacks="; ".join(f"{name} needs {' and '.join(refs)}" for name, refs in lacks.items()),
                 count=len(waiting),
                 links=2 * len(waiting),
                 pairs=3 * len(waiting),
@@ -262,8 +262,8 @@ def order(scene: Scene) -> Structure:
         or to the frame only, free links that can't move or move too freely, and actions on parts that can't carry them.
     """
     if scene.input is None:
-        raise SceneError([("input", "is missing: a mechanism begins at it, and this scene has only machine elements")])
-    # Phases: the problems of one would only be consequences in the next.
+        raise SceneError([("input", "is missing: add one; this scene has only machine elements and no mechanism")])
+    # Phases: checking ends with the first that finds problems, as these cause others in the next.
     for phase in (_of_names, _of_order, _of_parts, _of_gears, _of_details):
         if problems := phase(scene):
             raise SceneError(problems)

@@ -51,7 +51,7 @@ def _wrong_train(scene: Scene, name: str, shaft: Shaft) -> list[Problem]:
         message = f"{carrier!r} carries this wheel, and can't be geared to it; name another link that is hinged to it"
         return [(f"{at}.geared_to", message)]
     if shaft.pivot is None and shaft.pressure_angle is not None:
-        return [(f"{at}.pressure_angle", "its teeth have no place without a pivot; give pivot")]
+        return [(f"{at}.pressure_angle", "without a pivot its mesh has no position; give pivot")]
     if shaft.pivot is None and shaft.carrier is None:
         return []
     if {carrier, shaft.geared_to} <= still:
@@ -61,8 +61,8 @@ def _wrong_train(scene: Scene, name: str, shaft: Shaft) -> list[Problem]:
         return []
     unknown = sorted({carrier, shaft.geared_to} & loose)
     if unknown:
-        message = f"shaft {unknown[0]!r} has no pivot and so no angle, which the place of this one follows from: give "
-        return [(f"{at}.geared_to", f"{message}it a pivot, or leave that of {name!r} out")]
+        message = f"shaft {unknown[0]!r} has no pivot and so no angle, on which the position of this one depends: give "
+        return [(f"{at}.geared_to", f"{message}it a pivot, or omit that of {name!r}")]
     points = _axes_on(scene, carrier)
     if not _is_one_of(scene, shaft.pivot, points):
         message = f"{shaft.pivot!r} is not a point of the carrier {carrier!r}; {did_you_mean(shaft.pivot, points)}"
@@ -72,11 +72,11 @@ def _wrong_train(scene: Scene, name: str, shaft: Shaft) -> list[Problem]:
         message = f"no joint holds {shaft.geared_to!r} on {carrier!r}, which carries this wheel: the distance of their "
         return [(f"{at}.geared_to", f"{message}axes would change; name a link that is hinged to it")]
     if shaft.pressure_angle is not None and _is_one_of(scene, axis, [shaft.pivot]):
-        message = f"its teeth have no place, as it is about the axis of {shaft.geared_to!r}; leave the angle out"
+        message = f"it is coaxial with {shaft.geared_to!r}, so it has no mesh; omit the pressure angle"
         return [(f"{at}.pressure_angle", message)]
     apart = shaft.carrier is not None and not _is_one_of(scene, axis, [shaft.pivot])
     if shaft.ratio == 1.0 and (apart or shaft.pressure_angle is not None):
         return [(f"{at}.ratio", "1 is not a ratio of two wheels whose axes lie apart, as in a belt; change the ratio")]
     if shaft.gives("around") and has_known_angle(scene, name):
-        return [(f"{at}.around", f"the angle of {name!r} is known over all turns, about no other; leave around out")]
+        return [(f"{at}.around", f"the angle of {name!r} is known over all turns, so around has no effect; omit it")]
     return []

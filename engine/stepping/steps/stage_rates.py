@@ -1,4 +1,4 @@
-"""Rates of the states at the stages of a step, implicit ones by secants; what a step records."""
+"""Rates of the states at the stages of a step, implicit ones by secants; the record of a step."""
 
 import math
 
@@ -114,7 +114,7 @@ def look(end: int, printed: Printed, task: WalkTask, room: Room) -> None:
 
 @routine
 def keep_place(stage: int, task: WalkTask, room: Room) -> None:
-    """Store the position-dependent values of a stage in the slot of each lane's trial step, behind those it keeps."""
+    """Store the position-dependent values of a stage in the slot of each lane's trial step, after its stored steps."""
     own, kept, numbers = room.lane, room.places, in_lanes(room.numbers)
     for lane in range(LANES):
         slot = int(own.kept[lane])

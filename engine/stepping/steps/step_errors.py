@@ -1,4 +1,4 @@
-"""Error estimate of a step, the length of the next one, and what earlier errors have become."""
+"""Error estimate of a step, the length of the next one, and the propagation of earlier errors."""
 
 import math
 
@@ -140,7 +140,7 @@ def shorten(lane: int, task: WalkTask, room: Room) -> None:
 
 @inlined
 def energy_beside(lane: int, task: WalkTask, room: Room) -> float:
-    """Change of ½Iω² at constant speed from an edge that ends a step to the place where its inertia is evaluated.
+    """Change of ½Iω² at constant speed from an edge that ends a step to the angle at which its inertia is evaluated.
 
     ½ω²·dI/dφ is the rate of the energy over the angle less I ω dω/dφ.
     """
@@ -172,7 +172,7 @@ def carry_errors(task: WalkTask, room: Room) -> None:
             errors[q, lane] = abs(errors[q, lane]) + behind + ahead
     most, rounded = (-3.0, 4.0 * FOUND_TO) if task.implicit else (-1.0, 0.25 * EPS)
     for lane in range(LANES):
-        # A steep motor holds the speed that the energy and the inertia of this place next to the edge have.
+        # A steep motor holds the speed that follows from the energy and the inertia at this angle next to the edge.
         fades = abs(own.length[lane] * watched[end + STEEPNESS, lane])
         errors[0, lane] += energy_beside(lane, task, room) * (fades if fades < 1.0 else 1.0)
         grows = 0.5 * own.length[lane] * (watched[STEEPNESS, lane] + watched[end + STEEPNESS, lane])

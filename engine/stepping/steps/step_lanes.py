@@ -1,4 +1,4 @@
-"""State of each lane of a walk, the scratch memory of a block of lanes, and what a walk receives and returns."""
+"""State of each lane of a walk, the scratch memory of a block of lanes, and the input and output of a walk."""
 
 from collections.abc import Callable
 from typing import NamedTuple

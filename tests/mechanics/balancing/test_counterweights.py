@@ -260,8 +260,8 @@ test_what_cannot_be_balanced__is_said = refusals(
     ({"links": ["rod"]}, "'rod' doesn't turn about a fixed axis: give a place on it; or choose from crank"),
     ({}, "no link may have a counterweight"),
     ({"links": ["crank"], "criterion": "least"}, "criterion = 'least': allowed are 'full', 'rms' and 'peak'"),
-    ({"links": ["crank"], "most": {"rod": 1.0}}, "most['rod'] = 1.0: a positive mass times radius"),
-    ({"links": ["crank"], "criterion": "rms", "radius": 0.0}, "radius = 0.0: counterweights sit at a positive"),
+    ({"links": ["crank"], "most": {"rod": 1.0}}, "most['rod'] = 1.0: give mass times radius above 0"),
+    ({"links": ["crank"], "criterion": "rms", "radius": 0.0}, "radius = 0.0: give a positive distance"),
     (
         {"links": ["crank"], "places": [CounterweightPlace("crank", 0.1)]},
         "counterweights on crank have the same effect",

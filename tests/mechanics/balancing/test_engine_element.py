@@ -75,7 +75,7 @@ def test_element_whose_crank_cannot_turn__has_a_verdict():
 test_element_that_cannot_be__is_refused = refusals(
     lambda changes: Scene.model_validate({"elements": {"it": {**TWIN, **changes}}}),
     ({"layout": "in-line"}, "bank_angle goes with layout = 'V' or 'W'; the layout is 'in-line'"),
-    ({"cylinders": 3}, "3 cylinders can't stand in 2 banks of equal length"),
+    ({"cylinders": 3}, "3 cylinders can't stand in 2 banks"),
     ({"throws": [0.0, 1.0]}, "2 throws are given; this layout has 1"),
     ({"rod": "30 mm"}, "it must be longer than half the stroke, 40 mm"),
     ({"layout": "radial", "bank_angle": None, "throws": [0.0]}, "throws goes with layout … the layout is 'radial'"),

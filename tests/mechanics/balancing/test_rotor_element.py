@@ -225,9 +225,9 @@ def test_rotor__moves_planes_into_one_place_is_not_finite():
 
 test_rotor__that_cannot_be_is_refused_in_words = refusals(
     lambda changes: element(**changes),
-    ({"second_bearing": 0.0}, "first_bearing and second_bearing are in one place"),
+    ({"second_bearing": 0.0}, "first_bearing and second_bearing coincide"),
     ({"planes": {}}, "planes"),
-    ({"planes": planes_with(position=0.5)}, "planes left, right are in one place; move one"),
+    ({"planes": planes_with(position=0.5)}, "planes left, right coincide; move one"),
     ({"planes": planes_with(holes=12)}, "holes and piece belong together: give both, or neither"),
     ({"planes": planes_with(holes=7.5, piece=0.01)}, "holes = 7.5: give a whole number"),
     ({"planes": planes_with(holes=200, piece=0.01, most=9, used=3)}, "200 holes with up to 9 pieces in 3"),

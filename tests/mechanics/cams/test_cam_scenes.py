@@ -23,8 +23,8 @@ test_cam_that_cannot_be__is_refused_with_a_mend = refusals(
     (ROLLER, {"sections__rest": {"type": "dwell"}}, "only one section may omit it"),
     (ROLLER, {"sections__back__lift": "10 mm"}, "0.01 away from where it began; add a return"),
     (ROLLER, {"sections__out__lift": None}, "sections.out.lift is missing"),
-    (ROLLER, {"sections__out__swing": "5 deg"}, "what moves here slides; give lift instead"),
-    (ARM, {"sections__out__lift": "5 mm"}, "what moves here turns; give swing instead"),
+    (ROLLER, {"sections__out__swing": "5 deg"}, "this link slides; give lift instead"),
+    (ARM, {"sections__out__lift": "5 mm"}, "this link turns; give swing instead"),
     (
         ROLLER,
         {"sections__out__law": "sine"},

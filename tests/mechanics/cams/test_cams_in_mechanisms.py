@@ -267,7 +267,7 @@ test_wrong_cams__are_refused_in_words = refusals(
     ({"cams__cam__on": "tappet"}, "a cam that nothing turns"),
     ({"cams__cam__on": "cranck"}, "did you mean 'crank'"),
     ({"cams__cam__follower__guide": "wya"}, "did you mean 'way'"),
-    ({"cams__cam__sections__out__law": "uniform"}, "velocities jump"),
+    ({"cams__cam__sections__out__law": "uniform"}, "the velocity jumps"),
     ({"cams__cam__closure": "form", "cams__cam__follower__contact": "flat"}, "roller_radius goes with"),
     ({"cams__cam__follower__link": "crank"}, "already moved by"),
     ({"cams__cam__sections__out__swing": "3 deg"}, "give lift instead"),

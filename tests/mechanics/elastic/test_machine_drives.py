@@ -340,7 +340,7 @@ test_drive_that_is_given_twice_or_not_at_all__says_what_to_mend = refusals(
     ({"stiffness": None}, {}, "give stiffness or parts"),
     ({"damping_ratio": 0.1}, {}, "damping and damping_ratio are given"),
     ({"run": {"begin": "steady", "time": 1.0, "angle": 0.5}}, {}, "angle goes with begin = 'at rest'"),
-    ({}, {"input": crank(start=0.0, stop=1.0)}, "only a crank that turns fully is driven"),
+    ({}, {"input": crank(start=0.0, stop=1.0)}, "can only drive a crank that turns fully"),
 )
 
 
@@ -354,7 +354,7 @@ test_drive_of_a_machine_that_cannot_be__says_what_to_mend = refusals(
     ({"off": ["motor"]}, {}, "every motor is off"),
     ({"off": ["moter"]}, {}, "did you mean 'motor'"),
     ({"motor_inertia": None, "driver": "weel"}, {}, "'weel' is not a link of this scene; … 'wheel'"),
-    ({}, {"friction": {"f": {"pair": "g.second", "coefficient": 0.1}}}, "aren't counted on an elastic shaft"),
+    ({}, {"friction": {"f": {"pair": "g.second", "coefficient": 0.1}}}, "aren't computed on an elastic shaft"),
 )
 
 

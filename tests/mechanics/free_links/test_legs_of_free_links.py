@@ -103,7 +103,7 @@ def test_loop_of_sliding_pairs__is_refused():
         "c": {"guide": "on_a"},
         "bar": {"joints": ["P", "J"], "length": 0.3},
     }
-    with pytest.raises(SceneError, match=r"a loop of sliding pairs alone, which c\.on_a closes"):
+    with pytest.raises(SceneError, match=r"a loop of sliding pairs only, closed by c\.on_a"):
         order(Scene.model_validate(data | {"bodies": {}}))
 
 

@@ -99,7 +99,7 @@ def test_forces_between_teeth__turn_the_shaft_and_load_both_bearings():
 
 test_wrong_planets__are_refused_in_words = refusals(
     lambda changes: Mechanics(Scene.model_validate(changed(CARDAN, **changes))),
-    ({"shafts__planet__pivot": "O"}, "its teeth have no place, as it is about the axis of 'frame'"),
+    ({"shafts__planet__pivot": "O"}, "it is coaxial with 'frame', so it has no mesh"),
     ({"shafts__planet__pivot": None}, "'planet' has no pivot; give it one"),
     ({"shafts__planet__carrier": "rod"}, "gears that nothing drives"),
     ({"shafts__planet__ratio": 1}, "axes lie apart"),

@@ -208,5 +208,5 @@ def test_losses_and_what_does_not_know_them__are_refused_in_words():
         regimes={"run": {"type": "run", "time": 1.0}},
     )
     scene = Scene.model_validate(coupled)
-    with pytest.raises(SceneError, match=r"shafts.motor_shaft.efficiency: losses of the teeth between a coupling"):
+    with pytest.raises(SceneError, match=r"shafts.motor_shaft.efficiency: mesh losses between a coupling"):
         Machine(scene, ["run.time"])

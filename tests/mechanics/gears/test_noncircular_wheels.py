@@ -146,7 +146,7 @@ test_wrong_wheels__are_refused_in_words = refusals(
 
 def test_harmonics_that_turn_back__are_refused():
     law = {"type": "harmonic", "harmonics": {"one": {"order": 1, "cosine": 1.1}}}
-    with pytest.raises(ValueError, match="would stand or turn back 180°"):
+    with pytest.raises(ValueError, match="would stop or reverse 180°"):
         Scene.model_validate(changed(ELLIPSES, **{f"{AT}__law": law}))
 
 

@@ -100,9 +100,9 @@ test_wrong_racks__are_refused_in_words = refusals(
     (DOUBLER, {"racks__table__guide": "other", "guides__other": {}}, "doesn't keep its distance from guide 'other'"),
     (DOUBLER, {"pinions__wheel__pivot": "O"}, "doesn't move along 'way'"),
     (LIFT, {"pinions__gear__rack": "rod"}, "'rod' doesn't slide on a guide"),
-    (LIFT, {"pinions__gear__pivot": "B"}, "goes along with 'ram'"),
+    (LIFT, {"pinions__gear__pivot": "B"}, "moves with 'ram'"),
     (LIFT, {"pinions__gear__rack": "post"}, "nothing drives"),
-    (DOUBLER, {"guides__arm": {"link": "rod"}, "racks__table__guide": "arm"}, "whose angle against 'wheel' isn't"),
+    (DOUBLER, {"guides__arm": {"link": "rod"}, "racks__table__guide": "arm"}, "whose angle relative to 'wheel' isn't"),
     (LIFT, {"friction": {"f": {"pair": "gear", "coefficient": 0.1, "diameter": 0.01}}}, "forces between teeth"),
 )
 

@@ -116,7 +116,7 @@ def refusal(train):
 
 def test_too_few_given_speeds__are_told_with_the_count_of_freedoms():
     told = refusal(simple_planetary(18, 24, 66, {"sun": {"speed": 1.0}}))
-    assert "n = 4 shafts that move, p1 = 4 bearings, p2 = 2 meshes: W = 3·4 − 2·4 − 2 = 2, and as many" in told
+    assert "n = 4 shafts that move, p1 = 4 bearings, p2 = 2 meshes: W = 3·4 − 2·4 − 2 = 2, so this many" in told
     assert "those with a speed are 1: sun_shaft" in told
 
 

@@ -124,7 +124,7 @@ def test_differential__adds_motions_and_divides_moments(pivot):
         ({"shafts__counter__geared_to": "sun", "shafts__counter__pivot": "F"}, None),
         ({"shafts__sun__pivot": "D"}, "'D' is not a point of the carrier 'crank'"),
         ({"shafts__idler__carrier": "rod"}, "'rod' carries this wheel"),
-        ({"shafts__idler__pressure_angle": 0.3, "shafts__idler__pivot": "B"}, "about the axis of 'rod'"),
+        ({"shafts__idler__pressure_angle": 0.3, "shafts__idler__pivot": "B"}, "coaxial with 'rod'"),
         ({"shafts__loose": {"geared_to": "crank", "ratio": 2}, "shafts__counter__geared_to": "loose"}, "has no pivot"),
         ({"shafts__idler__geared_to": "frame", "shafts__idler__carrier": "frame"}, "carries this wheel"),
     ],

@@ -262,9 +262,9 @@ def test_variant_that_fails__has_its_own_verdict(machine):
 
 def test_refusals__name_what_is_wrong(machine):
     scene, mode = machine.scene, "groups.drive.mode"
-    with pytest.raises(AskError, match=r"'groups.drive.mode' is one of \[1, -1\]: there is no derivative by it"):
+    with pytest.raises(AskError, match=r"'groups.drive.mode' is one of \[1, -1\]: it has no derivative"):
         derivatives(Machine(scene, ["ram.stroke"], varied=[mode]), {mode: np.array([1.0])}, mode)
-    with pytest.raises(AskError, match=r"'ram.slide.max_at' is the place of an extreme"):
+    with pytest.raises(AskError, match=r"'ram.slide.max_at' is the position of an extreme"):
         derivatives(Machine(scene, ["ram.slide.max_at"], varied=[ROD]), {ROD: np.array([0.2])}, ROD)
 
 

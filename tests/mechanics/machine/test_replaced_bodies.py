@@ -173,7 +173,7 @@ test_impossible_choice__is_refused_in_the_mechanics_words = refusals(
     with_more_points,
     ({"type": "static", "at": ["A", "D"]}, f"{AT}'D' is not a point of link 'rod' … A, B"),
     ({"type": "static", "at": ["A", "center", "B"]}, f"{AT} … did you mean 'centre'"),
-    ({"type": "dynamic", "at": ["A", "N", "centre", "M"]}, f"{AT} … 'N' and 'M' … one place"),
+    ({"type": "dynamic", "at": ["A", "N", "centre", "M"]}, f"{AT} … 'N' and 'M' coincide"),
     ({"type": "static", "at": ["A", "P"]}, f"{AT} … A, P … on a line through"),
     ({"type": "static", "at": ["A", "N", "B"]}, f"{AT} … don't lie on one line"),
     ({"type": "dynamic", "at": ["centre"]}, f"{AT} … away from the centre of mass"),

@@ -191,10 +191,10 @@ test_laws_without_meaning__are_refused_in_words = refusals(
     (
         OVER_RANGE,
         {"inputs__second__travel": 0.1, "inputs__second__period": None},
-        "inputs.second.travel: is of a first input",
+        "inputs.second.travel: needs a first input",
     ),
     (OVER_RANGE, {"regimes": {"run": {"type": "run", "time": 1.0}}}, "inputs.second.sections: a run with"),
-    (SLIDING, {"inputs__second__travel": None}, "give travel, the length"),
+    (SLIDING, {"inputs__second__travel": None}, "give travel, the distance"),
     (SLIDING, {"inputs__second__drive": "crank"}, "there is no crank"),
 )
 

@@ -256,8 +256,8 @@ TOO_FAR = {"out": TURN, "back": {"type": "return", "law": "cycloidal", "swing": 
 
 test_wrong_laws__are_refused_in_words = refusals(
     lambda changes: Scene.model_validate(changed(JOINED, **changes)),
-    ({"inputs__ram__sections__out__swing": 1.0}, "what moves here slides; give lift"),
-    ({"inputs__ram__sections__out__law": "uniform"}, "velocities jump"),
+    ({"inputs__ram__sections__out__swing": 1.0}, "this link slides; give lift"),
+    ({"inputs__ram__sections__out__law": "uniform"}, "the velocity jumps"),
     ({"inputs__ram__sections__rest__angle": "10 deg"}, "not to 360 deg"),
     ({"inputs__ram__table": {"over_angle": [0, 1], "lift": [0, 0.01]}}, "one of the two"),
     ({"inputs__ram__sections": {}}, "begin has no meaning without sections or a table"),
@@ -271,7 +271,7 @@ test_misplaced_second_inputs__are_refused_in_words = refusals(
     lambda changes: order(Scene.model_validate(changed(JOINED, **changes))),
     ({"inputs__ram__guide": "rail"}, "inputs.ram.guide: 'rail' is not a guide"),
     ({"inputs__table": INDEX["inputs"]["table"] | {"pivot": "O"}}, "inputs.table.sections: 'table' makes 0.25 turns"),
-    ({"guides__way__link": "left"}, "inputs.ram.guide: 'way' is on what this input would drive"),
+    ({"guides__way__link": "left"}, "inputs.ram.guide: 'way' is on a link that this input drives"),
     ({"inputs__fore": {"type": "crank", "pivot": "B", "ratio": 1}}, "inputs.fore.pivot: 'B' is a joint of two links"),
     ({"input__start": 0.0, "input__stop": 1.0, "flywheel": {"inertia": 1.0}}, "flywheel"),
 )

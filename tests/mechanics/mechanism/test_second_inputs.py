@@ -32,12 +32,12 @@ SLIDER = {"type": "slider", "link": "crank", "guide": "way", "point": "A", "star
 
 test_wrong_second_inputs__are_refused_in_words = refusals(
     lambda changes: order(Scene.model_validate(changed(FIVE_BAR, **changes))),
-    ({"inputs__second__pivot": "B"}, "inputs.second.pivot: 'B' is on what this input would drive"),
+    ({"inputs__second__pivot": "B"}, "inputs.second.pivot: 'B' is on a link that this input drives"),
     ({"inputs__second__ratio": 0.5}, "makes 0.5 turns in a cycle of 1 of the crank"),
     ({"inputs": {"left": {"type": "crank", "pivot": "C", "ratio": 1}}}, "link 'left' is already moved by inputs.left"),
     ({"input": SLIDER, "guides": {"way": {}}}, "inputs.second: the first input slides and has no angle"),
-    ({"regimes": {"idle": {"type": "steady"}}}, "regimes.idle: counts on one drive"),
-    ({"flywheel": {"speed_fluctuation": 0.05}}, "flywheel: counts on one drive"),
+    ({"regimes": {"idle": {"type": "steady"}}}, "regimes.idle: needs a single drive"),
+    ({"flywheel": {"speed_fluctuation": 0.05}}, "flywheel: needs a single drive"),
 )
 
 

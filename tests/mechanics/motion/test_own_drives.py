@@ -317,8 +317,8 @@ REGIMES = {"go": LOADED | {"time": 0.8}}
 
 test_uncounted_parts__are_refused_in_words = refusals(
     lambda changes: order(Scene.model_validate(changed(FIVE_BAR, regimes=REGIMES, **changes))),
-    ({"regimes__go": {"type": "steady"}}, "regimes.go: counts on one drive, and 'second' has its own"),
-    ({"flywheel": {"inertia": 0.05}}, "flywheel: counts on one drive"),
+    ({"regimes__go": {"type": "steady"}}, "regimes.go: needs a single drive, but 'second' has its own"),
+    ({"flywheel": {"inertia": 0.05}}, "flywheel: needs a single drive"),
     ({"friction": {"f": {"pair": "arms.inner", "coefficient": 0.1, "diameter": 0.02}}}, "friction.f: a run with"),
     (
         {"inputs__second__period": None, "inputs__second__drive": "crank", "inputs__other": SECOND},
@@ -327,22 +327,22 @@ test_uncounted_parts__are_refused_in_words = refusals(
     ({"shafts": {"s": {"geared_to": "crank", "ratio": 2, "pivot": "C"}}}, "shafts.s.pivot: a run with 'second'"),
     (
         {"inputs__second__sections": {"a": {"type": "dwell"}}},
-        "inputs.second.sections: a run with 'second', which has a drive of its own, doesn't count this",
+        "inputs.second.sections: a run with 'second', which has its own drive, ignores this",
     ),
 )
 
 
-JUMPS = "may neither jump nor"
+JUMPS = "can't jump, act"
 test_what_a_second_input_does_not_allow__is_refused = refusals(
     lambda changes: Machine(Scene.model_validate(changed(FIVE_BAR, regimes=REGIMES, **changes)), ["go.time"]),
     ({"forces__rub": {"type": "against_motion", "on": "B", "force": 1.0}}, JUMPS),
-    ({"forces__rub": {"type": "linear_drag", "on": "B", "coefficient": 1.0}}, "use a linear one with an angle"),
+    ({"forces__rub": {"type": "linear_drag", "on": "B", "coefficient": 1.0}}, "give an angle and a load linear"),
     ({"forces__oil__acts": "along"}, JUMPS),
     ({"moments__air": {"type": "quadratic_drag", "on": "left", "coefficient": 1e-3}}, JUMPS),
     ({"moments__air": {"type": "torsion_spring", "on": "left", "stiffness": 1.0}}, JUMPS),
     ({"forces__rub": {"type": "formula", "on": "B", "force": "9 N/m * B.x", "angle": 0.0}}, JUMPS),
     (
         {"regimes__go__method": "rk4", "regimes__go__steps_per_turn": 64, "inputs__second__period": None},
-        "don't follow a second input with a drive of its own",
+        "can't follow a second input with its own drive",
     ),
 )

@@ -462,14 +462,14 @@ BY = {"type": "formula", "moment": "1 N m * sin(phi)"}
 test_what_has_no_meaning__is_refused = refusals(
     without_meaning,
     ({"couplings": {"clutch": CLUTCH | {"shaft": "crank"}}}, "'crank' is not a shaft geared to the crank"),
-    ({"couplings": {"a": CLUTCH, "b": CLUTCH}}, "leave one coupling"),
+    ({"couplings": {"a": CLUTCH, "b": CLUTCH}}, "keep only one coupling"),
     ({"couplings": {"fluid": FLUID}}, "no friction clutch is engaged here"),
     ({"couplings": {}}, "no friction clutch is engaged here"),
     ({"shafts": {"motor_shaft": {"geared_to": "crank", "ratio": 2.0, "pivot": "O"}}}, "has a pivot"),
-    ({"moments": {"m": BY | {"on": "motor_shaft"}}}, "may depend on that speed alone"),
+    ({"moments": {"m": BY | {"on": "motor_shaft"}}}, "may depend on that speed only"),
     (
         {"moments": {"m": BY | {"on": "crank", "moment": "-1 N m s * motor_shaft.angular_velocity"}}},
-        "'motor_shaft' turns at a speed of its own",
+        "'motor_shaft' turns at a separate speed",
     ),
     ({"moments": {"m": DC | {"on": "motor_shaft"}, "n": DC | {"on": "crank"}}}, "motors are on both of its sides"),
 )

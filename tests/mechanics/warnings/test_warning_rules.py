@@ -229,13 +229,13 @@ CASES = [
         "groups.bars: its transmission angle falls to 47.156",
     ),
     # λ = l/(d/4).
-    ("slenderness", rod_of(1.001, -100.0), rod_of(0.999, -100.0), "200.2 is the slenderness"),
-    ("slenderness", rod_of(1.001, -100.0), rod_of(1.001, 100.0), "and it is compressed"),
+    ("slenderness", rod_of(1.001, -100.0), rod_of(0.999, -100.0), "slenderness 200.2 exceeds"),
+    ("slenderness", rod_of(1.001, -100.0), rod_of(1.001, 100.0), "and the rod is compressed"),
     (
         "slenderness",
         as_free_links(rod_of(1.001, -100.0)),
         as_free_links(rod_of(1.001, 100.0)),
-        "200.2 is the slenderness",
+        "slenderness 200.2 exceeds",
     ),
     (
         "massless_link",
@@ -253,7 +253,7 @@ CASES = [
         "no_masses",
         scene(moments={"load": HALF_WAVE}),
         scene(moments={"load": HALF_WAVE}, bodies=RAM),
-        "0 masses in a machine with loads",
+        "the machine has loads but 0 masses",
     ),
     # 2/sin² 20° = 17.097; with a shift of 0.1 15.388.
     ("undercut", gear(17), gear(18), "17 teeth, below 17.097"),

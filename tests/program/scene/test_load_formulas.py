@@ -84,14 +84,14 @@ def test_formula_that_is_a_force__is_taken_and_written_again(tmp_path, force):
         ("1 N if v > 3 mm else 0", "compares a speed with a length"),
         ("1 N * (ram.slide / (1 m))^phi + 1 N * ram.slide^phi", "the power of a length must be a fixed number"),
         ("1 N / 0", "not a finite number"),
-        ("1 N * log(0 * v / (1 m/s))", "not a finite number, whatever its names mean"),
-        ("1 N if phi == 0 else 0", "== holds in single places at most; compare by < or >"),
+        ("1 N * log(0 * v / (1 m/s))", "not a finite number, whatever the values of its names"),
+        ("1 N if phi == 0 else 0", "== holds at isolated points at most; compare by < or >"),
         ("1 N * ram.slied / (1 mm)", "unknown name 'ram.slied'; did you mean 'ram.slide'"),
         ("1 N * x", "a formula may use k, n, phi, v, omega, t, gravity, numbers given in [forces.cut.numbers]"),
         ("1 N * x", "SLIDER.slide, .velocity, .stroke, .stroke_low, .stroke_high, .from_low, .from_high"),
-        ("3 kN / mm * ram.slide", "'mm' is a unit: units follow a number"),
+        ("3 kN / mm * ram.slide", "'mm' is a unit: write it after a number"),
         ("1 N * ram.acceleration", "'ram.acceleration' can't be used: accelerations follow from the loads"),
-        ("1 N * input.speed / omega", "'input.speed' is the mean speed alone"),
+        ("1 N * input.speed / omega", "'input.speed' is only the mean speed"),
         ("v > 0", "'v > 0' is a condition; a number is needed: write A if v > 0 else B"),
         ("3 Nn", "'Nn' is not a valid unit here, or an operator is missing before it"),
         ("ram.angle * 1 N * O.x", "unknown name 'O.x'"),
@@ -112,7 +112,7 @@ def test_moment_that_is_a_force__is_refused(tmp_path):
 @each(
     "numbers, words",
     [
-        ('k = "3 kN/mm", t = "2 s"', "'t' has a meaning of its own in formulas"),
+        ('k = "3 kN/mm", t = "2 s"', "'t' already has a meaning in formulas"),
         ('k = "3 kN/mn"', "unknown unit 'mn': did you mean"),
         ("k = { value = 3.0, dimension = 'length' }", "expected a number"),
         ('k = "3 kN"', "gives a moment or energy, but this is a force"),
@@ -132,7 +132,7 @@ def test_regimes__take_no_jump_at_a_speed(tmp_path, jump):
     force = f"-5 N if {jump} else 0 N"
     read(tmp_path, force=force)
     message = refused(tmp_path, force=force, regimes=REGIMES.format("steady"))
-    assert "jumps at a speed, about which a motion may hover for ever; switch 'cut' off in regimes.work" in message
+    assert "about which a motion could hover for ever; switch 'cut' off in regimes.work" in message
     # Where it bends, or the motion turns round, nothing hovers.
     for force in ("-5 N * max(0, v / (2 m/s) - 1)", "-5 N if v > 0 else 0 N"):
         read(tmp_path, force=force, regimes=REGIMES.format("steady"))

@@ -153,7 +153,7 @@ Python for a number | GOOD | mass = "100 kg" | mass = "__import__('os').system('
     | a mass such as '1.2 kg' | __import__
 Python for a name | GOOD | inner = "C" | inner = "C); import os; os.remove('press.toml'); (" | 30: groups.press.inner
     | is not a name
-class III | TRIAD |  |  | 18: groups.one | one waits for F | two waits for corner | class III
+class III | TRIAD |  |  | 18: groups.one | one needs F | two needs corner | class III
 undriven link | FOUR_BAR | [input] | [points.P]\nlink = "lever"\nx = "1 mm"\ny = "0 mm"\n\n[input] | 7: points.P.link
     | 'lever' is not a link | coupler, crank, frame, rocker
 sliding input on a moving guide | SLIDING | guide = "way" | guide = "slot" | 12: input.guide | moving link

@@ -219,7 +219,7 @@ summary | derivatives = ["ram.strok by input.length"] | line 14: outputs.derivat
 number | derivatives = ["ram.stroke by input.lenght"] | line 14: outputs.derivatives:
     | 'input.lenght' is not a number that the scene gives; did you mean 'input.length' or 'input.speed'
 mode | derivatives = ["ram.stroke by groups.drive.mode"] | line 14: outputs.derivatives:
-    | 'groups.drive.mode' is one of [1, -1]: there is no derivative by it
+    | 'groups.drive.mode' is one of [1, -1]: it has no derivative
 place | derivatives = ["ram.slide.max_at by input.length"] | line 14: outputs.derivatives:
     | is the position of an extreme, which may jump
 tolerance | [tolerances]\n"input.lenght" = "1 mm" | tolerances.input.lenght: is not a number

@@ -174,7 +174,7 @@ def test_carried_masses__are_in_the_reduced_inertia_and_in_equilibrium():
     ("moment", "off", "path", "mend"),
     [
         ({"on": "rod"}, [], "moments.rope.on", "allowed: crank, drum, wheel"),
-        ({}, ["rope"], "regimes.go.off", "always goes along"),
+        ({}, ["rope"], "regimes.go.off", "always moves with the machine"),
     ],
 )
 def test_what_has_no_meaning__is_refused_in_words(moment, off, path, mend):
