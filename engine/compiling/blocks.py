@@ -42,7 +42,7 @@ def gather(numbers: np.ndarray, begin: int, block: Rows) -> None:
 
 
 @routine
-def hand_out_row(row: Row, begin: int, answers: np.ndarray) -> None:
+def scatter_row(row: Row, begin: int, answers: np.ndarray) -> None:
     """Copy a row (LANES,) of a block to the results (variants,) of its variants, the first of which is `begin`."""
     lanes = min(LANES, answers.shape[0] - begin)
     if lanes == LANES:
@@ -54,10 +54,10 @@ def hand_out_row(row: Row, begin: int, answers: np.ndarray) -> None:
 
 
 @routine
-def hand_out(rows: Rows, begin: int, answers: np.ndarray) -> None:
+def scatter_rows(rows: Rows, begin: int, answers: np.ndarray) -> None:
     """Copy the first rows (rows, LANES) of a block to the results (results, variants) of its variants."""
     for i in range(answers.shape[0]):
-        hand_out_row(rows[i], begin, answers[i])
+        scatter_row(rows[i], begin, answers[i])
 
 
 @routine

@@ -5,7 +5,7 @@ All have one signature. Those that add curves to the record run before those tha
 
 import math
 
-from engine.compiling.blocks import LANES, hand_out, in_lanes
+from engine.compiling.blocks import LANES, in_lanes, scatter_rows
 from engine.compiling.decorators import separate
 from engine.compiling.packed import unpacked
 from engine.cycle.driver import DriverAnswers, Task, Workspace, set_row
@@ -53,7 +53,7 @@ def measure_fluctuations(task: Task, answers: DriverAnswers, work: Workspace, fi
         asked = task.fluctuations[k]
         steady = SteadyWheel(asked[0], asked[1], block[asked[2]], block[asked[3]])
         find_fluctuation(record, steady, search, work.ends, work.fluctuation)
-        hand_out(work.fluctuation, first, answers.fluctuations[k])
+        scatter_rows(work.fluctuation, first, answers.fluctuations[k])
         for j in range(task.speeds.shape[0]):
             if task.speeds[j] == k:
                 add_speed(record, steady, work.ends, work.fluctuation, begin + j)
@@ -66,7 +66,7 @@ def measure_roots(task: Task, answers: DriverAnswers, work: Workspace, first: in
         integrate_roots(
             unpacked(work.record), task.roots[k], task.tolerance[task.kept[task.roots[k]]], work.parts, work.root
         )
-        hand_out(work.root, first, answers.roots[k])
+        scatter_rows(work.root, first, answers.roots[k])
 
 
 @separate
@@ -85,7 +85,7 @@ def measure_extremes(task: Task, answers: DriverAnswers, work: Workspace, first:
                 find_extreme(record, SoughtExtreme(a, b, factor, sign), search, found)
             else:
                 fill(found, _EXTREME, math.nan)
-            hand_out(found, first, answers.extremes[k, side])
+            scatter_rows(found, first, answers.extremes[k, side])
 
 
 @separate
@@ -93,7 +93,7 @@ def measure_averages(task: Task, answers: DriverAnswers, work: Workspace, first:
     """Find means and mean squares."""
     for k in range(task.averages.shape[0]):
         find_averages(unpacked(work.record), task.averages[k], work.averages)
-        hand_out(work.averages, first, answers.averages[k])
+        scatter_rows(work.averages, first, answers.averages[k])
 
 
 @separate
@@ -104,7 +104,7 @@ def measure_arcs(task: Task, answers: DriverAnswers, work: Workspace, first: int
         square = task.arcs[k, 2]
         find_extreme(record, SoughtExtreme(square, square, search.zero, search.up), search, found)
         find_unloaded_arcs(record, task.arcs[k, 0], task.arcs[k, 1], found, arcs)
-        hand_out(arcs.arc, first, answers.arcs[k])
+        scatter_rows(arcs.arc, first, answers.arcs[k])
 
 
 @separate

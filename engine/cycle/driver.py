@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import LANES, Row, Rows, copy_rows, gather, hand_out, hand_out_row, in_lanes
+from engine.compiling.blocks import LANES, Row, Rows, copy_rows, gather, in_lanes, scatter_row, scatter_rows
 from engine.compiling.decorators import driver, routine, separate
 from engine.compiling.packed import call_at, unpacked
 from engine.cycle.close_turns import ADDED, CloseTurns, add_close_turns, begin_close_turns, new_close_turns
@@ -21,10 +21,10 @@ from engine.cycle.events import (
     find_crossings,
     find_landmarks,
     find_turns,
-    hand_out_crossings,
     lay_edges,
     note_coarse,
     scan_positions,
+    store_crossings,
 )
 from engine.cycle.measures.angles import FollowedAngle
 from engine.cycle.measures.averages import Averages
@@ -488,19 +488,19 @@ def evaluate_blocks(
             # Infinite, because the cause has no single position.
             work.broken_at[lane] = math.inf if work.too_many[lane] > 0.0 else work.broken_at[lane]
         if answers.crossings.shape[0] > 0:
-            hand_out_crossings(unpacked(work.crossings), first, answers.crossings)
+            store_crossings(unpacked(work.crossings), first, answers.crossings)
         answers.short_of_room[b] = task.tolerance.shape[0] > 0 and not follow(task, given, work)
         if answers.short_of_room[b]:
             continue
         for k in range(measures.shape[0]):
             call_at(measures[k], (task, answers, work, first))
         for f in range(task.landmarks.shape[0]):
-            hand_out(work.landmarks[f], first, answers.landmarks[f])
+            scatter_rows(work.landmarks[f], first, answers.landmarks[f])
         for k in range(task.integrals.shape[0]):
-            hand_out(work.integrals[k], first, answers.integrals[k])
+            scatter_rows(work.integrals[k], first, answers.integrals[k])
         for c in range(task.tolerance.shape[0]):
-            hand_out_row(work.scales[c].greatest, first, answers.sizes[c])
+            scatter_row(work.scales[c].greatest, first, answers.sizes[c])
         for k in range(task.kept.shape[0]):
-            hand_out_row(record.whole[k].first, first, answers.firsts[k])
-        hand_out_row(walk.taken, first, answers.panels)
-        hand_out_row(work.broken_at, first, answers.broken_at)
+            scatter_row(record.whole[k].first, first, answers.firsts[k])
+        scatter_row(walk.taken, first, answers.panels)
+        scatter_row(work.broken_at, first, answers.broken_at)

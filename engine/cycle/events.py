@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import LANES, Row, Rows, hand_out_row, in_lanes
+from engine.compiling.blocks import LANES, Row, Rows, in_lanes, scatter_row
 from engine.compiling.decorators import inlined, routine
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import any_positive
@@ -435,14 +435,14 @@ def lay_edges(crossings: Roots, landmarks: Rows, cut_rows: np.ndarray, block: Ro
 
 
 @routine
-def hand_out_crossings(crossings: Roots, first: int, found: np.ndarray) -> None:
+def store_crossings(crossings: Roots, first: int, found: np.ndarray) -> None:
     """Store the positions of a block's crossings, (crossings, roots, variants)."""
     level, slot = -1, 0
     for r in range(crossings.used[0]):
         # Roots of one level are consecutive.
         slot = slot + 1 if crossings.level[r] == level else 0
         level = crossings.level[r]
-        hand_out_row(crossings.rows[r].x, first, found[level, slot])
+        scatter_row(crossings.rows[r].x, first, found[level, slot])
 
 
 @routine

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import LANES, gather, hand_out, in_lanes, rows
+from engine.compiling.blocks import LANES, gather, in_lanes, rows, scatter_rows
 from engine.compiling.decorators import driver
 from engine.compiling.printed_functions import PrintedFunction
 from engine.compiling.running import spread
@@ -82,4 +82,4 @@ def _fill(begin: int, end: int, function: Callable, points: Points, room: np.nda
                 position[0, lane] = points.q[point]
                 position[1, lane], position[2, lane] = direction_of(position[0, lane])
         function(block, points.memory, place[0:1], place[1:2], place[2:3], tile)
-        hand_out(filled, first, points.out)
+        scatter_rows(filled, first, points.out)

@@ -38,7 +38,7 @@ def names_of(names: str | Iterable[str]) -> tuple[str, ...]:
     return (names,) if isinstance(names, str) else tuple(names)
 
 
-def allowed_share(accuracy: float | str | None) -> float | None:
+def relative_accuracy(accuracy: float | str | None) -> float | None:
     """An accuracy as a fraction.
 
     Raises

@@ -13,12 +13,12 @@ from engine.cycle.measured import UNKNOWN_ROOT, Measured
 from engine.graph.nodes import Found, Node, Return, reached
 from engine.machine.asked_quantities import ACCURACY_REACHED, POSITIONS_USED, AskedQuantities
 from engine.machine.checks import (
-    allowed_share,
     check_positions,
     check_scene,
     check_varied,
     given_numbers,
     names_of,
+    relative_accuracy,
     size_remarks,
 )
 from engine.machine.elements.attached_elements import AttachedElements
@@ -105,7 +105,7 @@ class Machine:
         check_scene(scene)
         check_positions(positions)
         self.scene, self.positions, self.dtype = scene, positions, np.dtype(dtype)
-        self.accuracy, self.varied = allowed_share(accuracy), names_of(varied)
+        self.accuracy, self.varied = relative_accuracy(accuracy), names_of(varied)
         self._limits = scene_numbers(scene)
         check_varied(scene, self.varied, self._limits)
         self.mechanics = Mechanics(scene, frozenset(self.varied))

@@ -99,7 +99,7 @@ class Kinematics(Assembly):
             return link.origin
         along = self.graph.derived(f"bodies.{name}.along", mass.along)
         across = self.graph.derived(f"bodies.{name}.across", mass.across)
-        return link.at(Vector(along, across).in_axes(link.u)).called(f"centre_of_{name}")
+        return link.at(Vector(along, across).to_frame(link.u)).called(f"centre_of_{name}")
 
     # Elements of the ordering
 
@@ -110,12 +110,12 @@ class Kinematics(Assembly):
             return
         link, varied = self.links[part.link], {f"points.{name}.x", f"points.{name}.y"} & self.varied
         on_axis = part.x == part.y == 0.0 and not varied
-        self.points[name] = link.origin if on_axis else link.at(place.in_axes(link.u)).called(name)
+        self.points[name] = link.origin if on_axis else link.at(place.to_frame(link.u)).called(name)
 
     def _guide(self, name: str) -> None:
         carrier = self.links[self.scene.guides[name].link]
         r, u = self.place("guides", name), self.direction(f"guides.{name}.angle")
-        self.guides[name] = GuideLine(carrier, carrier.origin.r + r.in_axes(carrier.u), u.in_axes(carrier.u))
+        self.guides[name] = GuideLine(carrier, carrier.origin.r + r.to_frame(carrier.u), u.to_frame(carrier.u))
 
     def _input(self, name: str) -> None:
         drive, g, (first, second, *_) = self.scene.input, self.graph, self.course
@@ -178,7 +178,7 @@ class Kinematics(Assembly):
             # Beyond half a turn of the driver the shaft's angle is ambiguous.
             self.sines[name] = named(clear, f"{name}_clear")
             self.solutions[name] = (clear, turned)
-            return Vector(*self.graph.apply(direction_of, turned + phase)).in_axes(carrier.u)
+            return Vector(*self.graph.apply(direction_of, turned + phase)).to_frame(carrier.u)
         direction = Vector(*self.graph.apply(direction_of, self.angles[name]))
         self.graph.returns(direction, Return(f"shafts.{name}.ratio", self.turns(name)))
         return direction

@@ -38,7 +38,7 @@ class Vector(NamedTuple):
         """The z component of the vector product."""
         return self.x * other.y - self.y * other.x
 
-    def in_axes(self, direction: "Vector") -> "Vector":
+    def to_frame(self, direction: "Vector") -> "Vector":
         """Transform from link axes to frame axes; `direction` is the link's x axis."""
         return direction * self.x + direction.normal * self.y
 

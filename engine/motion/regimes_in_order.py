@@ -27,7 +27,7 @@ from engine.stepping.walk_task import WALKS
 from engine.words.verdicts import Verdict
 
 # Largest relative change of the final time, angle or speed with equal steps of twice the length; beyond: TOO_COARSE.
-TELLS_NOTHING = 0.01
+MAX_STEP_CHANGE = 0.01
 # Bytes of cache shared by the cores, and rows of tables: they limit the variants computed together.
 CACHE, ROWS = 16e6, 6
 # Variants computed together, if no fields are tabulated: with fewer, calls of NumPy count.
@@ -152,7 +152,7 @@ class RegimesInOrder(AskedRegimes):
                 for mine, other in zip(regimes, others, strict=True):
                     if mine.by_equal_steps is not None and longer == WALKS[1]:
                         own = mine.by_equal_steps[:, again]
-                        close = np.abs(own - other.by_equal_steps) <= TELLS_NOTHING * np.abs(own)
+                        close = np.abs(own - other.by_equal_steps) <= MAX_STEP_CHANGE * np.abs(own)
                         rough[again] |= ~close.all(axis=0) | ~whole[again]
         verdict = np.where(rough & (verdict == Verdict.OK), Verdict.TOO_COARSE, verdict).astype(np.uint8)
         values = {name: np.where(verdict == Verdict.OK, v, np.nan) for name, v in fine.values.items()}

@@ -143,7 +143,7 @@ answer_summary, check_summary = (partial(Summary, rank=rank) for rank in (Rank.A
 detail = partial(Field, rank=Rank.FURTHER)
 
 
-def answer_if(asked: bool) -> Callable[..., Summary]:
+def ranked_summary(asked: bool) -> Callable[..., Summary]:
     """Constructor of summaries, ranked as main results if asked for."""
     return answer_summary if asked else Summary
 

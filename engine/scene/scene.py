@@ -261,7 +261,7 @@ class Numbers(Mapping[str, float | np.ndarray]):
         """Copy with some of the numbers replaced."""
         return Numbers(self._fixed, {**self._varied, **values})
 
-    def on_the_way(self, share: float | np.ndarray) -> "Numbers":
+    def interpolated(self, share: float | np.ndarray) -> "Numbers":
         """Numbers interpolated from the scene's (share 0) to these (share 1); discrete choices are taken from these.
 
         Parameters

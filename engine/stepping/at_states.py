@@ -5,9 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import LANES, hand_out_row, in_lanes
+from engine.compiling.blocks import LANES, in_lanes, scatter_row
 from engine.compiling.decorators import driver
-from engine.stepping.steps.stage_rates import look, rate, stand
+from engine.stepping.steps.stage_rates import look, rate, set_position
 from engine.stepping.steps.step_lanes import Printed, Room
 from engine.stepping.walk_task import WalkTask
 
@@ -59,13 +59,13 @@ def evaluate_states(begin: int, end: int, batch: GivenStates, task: WalkTask, ro
             own.start[lane], own.direction[lane], own.clock[lane] = batch.places[point], 0.0, batch.clock[point]
             own.at[lane], own.length[lane] = 0.0, 1.0
             own.low[lane], own.high[lane], own.begins[lane], own.ends[lane] = -math.inf, math.inf, -math.inf, math.inf
-        stand(0.0, 0, -1, printed, task, room)
+        set_position(0.0, 0, -1, printed, task, room)
         if rates_asked:
             rate(0, printed, task, room)
         look(0, printed, task, room)
         for i in range(batch.wanted.shape[0]):
             row = batch.wanted[i]
             if row < task.width:
-                hand_out_row(rated[row], first, batch.found[i])
+                scatter_row(rated[row], first, batch.found[i])
             else:
-                hand_out_row(watched[row - task.width], first, batch.found[i])
+                scatter_row(watched[row - task.width], first, batch.found[i])

@@ -13,12 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import LANES, Row, hand_out_row
+from engine.compiling.blocks import LANES, Row, scatter_row
 from engine.compiling.decorators import driver, routine
 from engine.compiling.packed import call_at
 from engine.cycle.panels.lanes import one, rows
 from engine.stepping.steps.step_edges import find_edge
-from engine.stepping.steps.step_lanes import Room, WalkBatch, give_out
+from engine.stepping.steps.step_lanes import Room, WalkBatch, store_block
 from engine.stepping.walk import StepAddresses, take_in
 from engine.stepping.walk_task import FULL, GOAL, GOING, STEEP, WalkTask
 from engine.words.verdicts import Verdict
@@ -288,8 +288,8 @@ def find_cycles(
                 own.farthest[lane], search.laying[lane] = batch.farthest, 1.0
                 begin_cycle(lane, search.energy[lane], edges, task, room)
         make_cycles(first, 1.0, addresses, batch, batch.last, room)
-        give_out(first, walks, task, room.walk)
-        hand_out_row(search.energy, first, batch.energies)
+        store_block(first, walks, task, room.walk)
+        scatter_row(search.energy, first, batch.energies)
         for lane in range(min(LANES, batch.energies.shape[0] - first)):
             batch.outcome[0, first + lane], batch.outcome[1, first + lane] = search.off[lane], search.verdict[lane]
             batch.outcome[2, first + lane] = search.carried_error[lane]

@@ -17,7 +17,7 @@ from engine.compiling.decorators import driver, inlined, routine, separate
 from engine.compiling.packed import call_at, unpacked
 from engine.stepping.methods import at_stage, step_end
 from engine.stepping.steps.repeated_steps import NEARLY, cycles_ahead, go_back, remember
-from engine.stepping.steps.stage_rates import keep_place, look, rate, record, stand
+from engine.stepping.steps.stage_rates import keep_place, look, rate, record, set_position
 from engine.stepping.steps.step_edges import (
     MOST_PARTS,
     NEARLY_ALL,
@@ -65,7 +65,7 @@ from engine.stepping.steps.step_lanes import (
     STEEPNESS,
     Room,
     WalkBatch,
-    give_out,
+    store_block,
 )
 from engine.stepping.walk_task import FADED, FULL, GOAL, GOING, GUARD, LONGEST, LOST, OTHER_GOAL, RANGE, STEEP, WalkTask
 
@@ -106,7 +106,7 @@ def attempt(kept: int, keeps: bool, addresses: StepAddresses, batch: WalkBatch, 
         for s in range(task.stages):
             if s > 0:
                 at_stage(task.method, s, task.states, task.width, begin, own.length, k, state)
-            stand(task.nodes[s], s, kept, printed, task, room)
+            set_position(task.nodes[s], s, kept, printed, task, room)
             rate(s, printed, task, room)
             if s == 0:
                 look(0, printed, task, room)
@@ -124,7 +124,7 @@ def attempt(kept: int, keeps: bool, addresses: StepAddresses, batch: WalkBatch, 
     for q in range(task.states):
         for lane in range(LANES):
             state[q, lane] = after[q, lane]
-    stand(1.0, task.stages, kept, printed, task, room)
+    set_position(1.0, task.stages, kept, printed, task, room)
     if task.solves >= 0:
         rate(task.stages, printed, task, room)
     look(1, printed, task, room)
@@ -465,4 +465,4 @@ def walk(begin: int, end: int, addresses: StepAddresses, batch: WalkBatch, task:
             going = False
             for lane in range(LANES):
                 going = going or own.why[lane] == GOING
-        give_out(first, batch, task, room)
+        store_block(first, batch, task, room)

@@ -108,7 +108,7 @@ def drive_rates(drive: Drive, touch: float, moves: float, motion: Motion) -> tup
 
 
 @scalar
-def ways_of_drive(drive: Drive, touch: float, moves: float, motion: Motion) -> tuple[float, float]:
+def rate_signs(drive: Drive, touch: float, moves: float, motion: Motion) -> tuple[float, float]:
     """Numbers with the signs of the rates of the shaft torque (twist, if out of contact) and of the load's speed."""
     moment, rise, load_rise = drive_rates(drive, touch, moves, motion)
     slip, apart = motion[1] - motion[2], rise - load_rise
@@ -118,7 +118,7 @@ def ways_of_drive(drive: Drive, touch: float, moves: float, motion: Motion) -> t
 
 @scalar
 def guards_of_drive(drive: Drive, phase: Phase, motion: Motion) -> tuple[float, float, float, float]:
-    """Guards of the contact, the load's direction, and both signs of `ways_of_drive`; positive until these change."""
+    """Guards of the contact, the load's direction, and both signs of `rate_signs`; positive until these change."""
     (touch, moves, growing, gains), shaft, load = phase, drive[2:5], drive[5]
     twist, speed, load_speed, _, _ = motion
     moment, rise, load_rise = drive_rates(drive, touch, moves, motion)
@@ -131,7 +131,7 @@ def guards_of_drive(drive: Drive, phase: Phase, motion: Motion) -> tuple[float, 
 
 
 @scalar
-def behind_guard(drive: Drive, phase: Phase, motion: Motion, seen: Seen) -> Behind:
+def after_guard(drive: Drive, phase: Phase, motion: Motion, seen: Seen) -> Behind:
     """Held quantities after a guard, as in `HeldOfDrive`, and the load's speed."""
     touch, moves, _, _ = phase
     twist, speed, load_speed, driving, now = motion
@@ -158,7 +158,7 @@ def behind_guard(drive: Drive, phase: Phase, motion: Motion, seen: Seen) -> Behi
     greatest = chosen(higher, reached, greatest)
     moving = chosen(load_at < 0.0, touch * moves, 0.0)
     load_at = chosen(moving == 0.0, load_at, now)
-    change, gain = ways_of_drive(drive, touch, moves, motion)
+    change, gain = rate_signs(drive, touch, moves, motion)
     seen_so_far = greatest, greatest_at, closings + closes, impact_at, impact_speed, load_at
     return touch, moves, sense(change), sense(gain), *seen_so_far, load_speed
 
@@ -199,7 +199,7 @@ class TwoMasses(PrintedSystem):
             Guard(name, value, False)
             for name, value in zip(names, graph.apply(guards_of_drive, drive, phase, motion), strict=True)
         ]
-        behind = graph.apply(behind_guard, drive, phase, motion, seen)
+        behind = graph.apply(after_guard, drive, phase, motion, seen)
         held = dict(zip((*self.held, load_speed), behind, strict=True))
         for i, (knot, side) in enumerate(self.bends):
             guards.append(Guard(f"bend {i}", side * (speed - knot), False))
@@ -293,7 +293,7 @@ def follow_drives(
     moves = np.where((speed > 0.0) | (load == 0.0), 1.0, 0.0)
     at_begin = (touch, moves, (twist, speed, speed, driving, zero))
     moment = drive_rates(tuple(drive), *at_begin)[0]
-    signs = (np.sign(way) for way in ways_of_drive(tuple(drive), *at_begin))
+    signs = (np.sign(way) for way in rate_signs(tuple(drive), *at_begin))
     starts = np.where((speed > 0.0) | ((moves != 0.0) & (touch != 0.0)), 0.0, -1.0)
     held = HeldOfDrive(touch, moves, *signs, np.abs(moment), zero, zero, zero - 1.0, zero - 1.0, starts)
     frequency = drive.frequency

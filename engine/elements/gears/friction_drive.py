@@ -15,7 +15,7 @@ from engine.words.quantity import main_result
 from engine.words.verdicts import Verdict
 
 # Results that remain valid for sliding wheels.
-_TOLD = ("tangential_force", "needed_press_force", "traction_share")
+_VALID_WHEN_SLIDING = ("tangential_force", "needed_press_force", "traction_share")
 
 
 class FrictionDrive(FrictionElement):
@@ -64,6 +64,6 @@ class FrictionDrive(FrictionElement):
         slides = found.get("traction_share", np.zeros_like(n["speed"])) >= 1.0
         fits = n["driven_diameter"] > n["driving_diameter"] if self.internal else np.ones(slides.shape, bool)
         for name in found:
-            found[name] = np.where(fits & (~slides | (name in _TOLD)), found[name], np.nan)
+            found[name] = np.where(fits & (~slides | (name in _VALID_WHEN_SLIDING)), found[name], np.nan)
         verdicts = np.where(fits, np.where(slides, Verdict.SLIDES, Verdict.OK), Verdict.DOES_NOT_FIT)
         return Answers(found, errors, verdicts.astype(np.uint8))

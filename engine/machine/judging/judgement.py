@@ -17,7 +17,7 @@ from engine.words.verdicts import Verdict
 
 # A run that reverses within this distance of a singular position counts as having reached it [rad, for a range of 2π]:
 # near a dead centre of the driven side, only the step error decides where the input comes to a standstill.
-BESIDE = 1e-6
+NEAR_SINGULAR = 1e-6
 # Verdicts of a group of free links on its assembly mode.
 _ON_MODES = (Verdict.CANNOT_ASSEMBLE, Verdict.SINGULAR, Verdict.MODE_NOT_REACHED, Verdict.OTHER_MODE)
 
@@ -197,10 +197,10 @@ def failures_within(measuring: Measuring, numbers: Numbers, covered: np.ndarray)
     length = bounds[1] - bounds[0]
     if measuring.mechanics.has_cycle:
         turns = np.floor(low / length) * length
-        low, high = low - turns - BESIDE, np.fmin(high - turns + BESIDE, low - turns + length)
+        low, high = low - turns - NEAR_SINGULAR, np.fmin(high - turns + NEAR_SINGULAR, low - turns + length)
     else:
-        beside = BESIDE * length / math.tau
-        low, high = np.fmax(low - beside, bounds[0]), np.fmin(high + beside, bounds[1])
+        near = NEAR_SINGULAR * length / math.tau
+        low, high = np.fmax(low - near, bounds[0]), np.fmin(high + near, bounds[1])
     table[ends] = np.where(np.isnan(covered), np.nan, [low, high])
     answers = measuring(table)
     measuring.fill_found(table, answers.outcome.landmarks)

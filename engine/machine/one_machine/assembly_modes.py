@@ -58,7 +58,7 @@ def near_of_variant(scene: Scene, values: Mapping[str, float]) -> dict[str, floa
     found: dict[str, float] = {}
     for tables in Mechanics(scene, frozenset(values)).kinematics.seed_tables.values():
         try:
-            places = tables.told_places(numbers)
+            places = tables.near_points(numbers)
         except ModeNotGiven:
             return None
         if places is None:

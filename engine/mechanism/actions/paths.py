@@ -93,7 +93,7 @@ def along(kinematics: Kinematics, name: str, force: ForceAction) -> Along:
     if force.angle is None:
         return _along_motion(kinematics, force.on)
     point, link = kinematics.points[force.on], kinematics.links[force.turns_with]
-    direction = kinematics.direction(f"forces.{name}.angle").in_axes(link.u)
+    direction = kinematics.direction(f"forces.{name}.angle").to_frame(link.u)
     straight = _straight(kinematics, force.on)
     if straight is not None and direction.x.stage < Stage.POSITION:
         slide, axis = straight

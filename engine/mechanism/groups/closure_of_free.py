@@ -30,7 +30,7 @@ class Direction(NamedTuple):
 Unknown = Direction | Slide
 
 
-class Miss(NamedTuple):
+class LoopResidual(NamedTuple):
     """Residual of an equation, with its first and second derivative."""
 
     r: Node
@@ -127,7 +127,7 @@ class ClosureOfFree:
         """A guide on its carrier."""
         r = self.assembly.place("guides", guide)
         u = self.assembly.direction(f"guides.{guide}.angle")
-        return GuideLine(carrier, carrier.origin.r + r.in_axes(carrier.u), u.in_axes(carrier.u))
+        return GuideLine(carrier, carrier.origin.r + r.to_frame(carrier.u), u.to_frame(carrier.u))
 
     def slider_guide(self, pair: Pair) -> str:
         """Name of the guide of a prismatic pair."""
@@ -186,19 +186,19 @@ class ClosureOfFree:
         """A link whose guide carries a slider placed before it."""
         slider, name = links[pair.link], self.slider_guide(pair)
         angle = self.assembly.direction(f"guides.{name}.angle")
-        u = Vector(angle.x, -angle.y).in_axes(slider.u)
+        u = Vector(angle.x, -angle.y).to_frame(slider.u)
         r = self.assembly.place("guides", name)
         axis, sliding = slider.u, unknown.v * slider.u
         carrier = Turning(slider.origin, u, slider.w, slider.e)
         # The carrier's point under the slider moves with the slider, less the relative sliding.
         back = (carrier.w + carrier.w) * sliding.normal
         under = MovingPoint(slider.origin.r, slider.origin.v - sliding, slider.origin.a - back - unknown.a * axis)
-        arm = -(r.in_axes(u) + unknown.d * axis + self.offset(pair.link) * axis.normal)
+        arm = -(r.to_frame(u) + unknown.d * axis + self.offset(pair.link) * axis.normal)
         return carrier._replace(origin=_at_arm(carrier._replace(origin=under), arm))
 
     # Equations
 
-    def misses(self, links: dict[str, Turning], still: bool = False) -> list[Miss]:
+    def misses(self, links: dict[str, Turning], still: bool = False) -> list[LoopResidual]:
         """Residuals of the loops: of cut links, then of cut pairs."""
         found = [self._of_link(links, cut, still) for cut in self.cut_links]
         for pair in self.cutting.cut_pairs:
@@ -229,38 +229,38 @@ class ClosureOfFree:
         angle = self.assembly.direction(f"guides.{guide}.angle")
         return GuideLine(slider, slider.origin.r, slider.u), angle.cross(joint - r) - self.offset(cut.other.link)
 
-    def _of_link(self, links: dict[str, Turning], cut: CutLink, still: bool) -> Miss:
+    def _of_link(self, links: dict[str, Turning], cut: CutLink, still: bool) -> LoopResidual:
         if cut.other.kind == "prismatic":
             point = self.joint_on(links, cut.one.beyond(cut.name), cut.one.joint, still)
             return _line_residual(*self.line(links, cut), point)
         one, other = self.ends(links, cut, still)
         bar = self.bar(cut)
         r, v, a = (two - first for first, two in zip(one, other, strict=True))
-        return Miss((r.dot(r) - bar.dot(bar)) * 0.5, r.dot(v), r.dot(a) + v.dot(v))
+        return LoopResidual((r.dot(r) - bar.dot(bar)) * 0.5, r.dot(v), r.dot(a) + v.dot(v))
 
-    def _of_pair(self, links: dict[str, Turning], pair: Pair, still: bool) -> list[Miss]:
+    def _of_pair(self, links: dict[str, Turning], pair: Pair, still: bool) -> list[LoopResidual]:
         if pair.kind == "revolute":
             one = self.joint_on(links, pair.link, pair.joint, still)
             other = self.joint_on(links, pair.other, pair.joint, still)
             r, v, a = (first - two for first, two in zip(one, other, strict=True))
-            return [Miss(r.x, v.x, a.x), Miss(r.y, v.y, a.y)]
+            return [LoopResidual(r.x, v.x, a.x), LoopResidual(r.y, v.y, a.y)]
         line, slider = self.guide_on(self.slider_guide(pair), links[pair.other]), links[pair.link]
         sine, cosine = line.u.cross(slider.u), line.u.dot(slider.u)
         w, e = slider.w - line.carrier.w, slider.e - line.carrier.e
-        turning = Miss(sine * self.size, cosine * w * self.size, (cosine * e - sine * w * w) * self.size)
+        turning = LoopResidual(sine * self.size, cosine * w * self.size, (cosine * e - sine * w * w) * self.size)
         return [turning, _line_residual(line, self.offset(pair.link), slider.origin)]
 
     # Bounds for the proof
 
     def bounds(
-        self, unknowns: Sequence[Unknown], misses: Sequence[Miss], within: Node
+        self, unknowns: Sequence[Unknown], misses: Sequence[LoopResidual], within: Node
     ) -> tuple[list[list[Node]], list[Node]]:
         """Bounds of each equation's first derivatives at these unknowns, and of the sum of its second derivatives.
 
         Parameters
         ----------
         unknowns : sequence of Direction or Slide
-        misses : sequence of Miss
+        misses : sequence of LoopResidual
             Residuals at the unknowns.
         within : Node
             Radius in which the bounds of second derivatives hold [rad, or units of the group's size].
@@ -338,7 +338,7 @@ def hinged(link: Turning, place: Vector) -> Turning:
 
 def point_on(link: Turning, place: Vector) -> MovingPoint:
     """Motion of a point given in a link's axes."""
-    return _at_arm(link, place.in_axes(link.u))
+    return _at_arm(link, place.to_frame(link.u))
 
 
 def _at_arm(link: Turning, arm: Vector) -> MovingPoint:
@@ -346,11 +346,13 @@ def _at_arm(link: Turning, arm: Vector) -> MovingPoint:
     return link.origin if arm == (nothing, nothing) else link.at(arm)
 
 
-def _line_residual(line: GuideLine, offset: Node, point: MovingPoint) -> Miss:
+def _line_residual(line: GuideLine, offset: Node, point: MovingPoint) -> LoopResidual:
     """Residual of a point's distance to the left of a line."""
     under, n = line.under(point.r), line.u.normal
     relative = point.v - under.v
-    return Miss(n.dot(point.r - line.r) - offset, n.dot(relative), n.dot(point.a - under.a - line.coriolis(relative)))
+    return LoopResidual(
+        n.dot(point.r - line.r) - offset, n.dot(relative), n.dot(point.a - under.a - line.coriolis(relative))
+    )
 
 
 def _turned_by(base: Reach, turns: int | None, arm: Node) -> Reach:

@@ -8,7 +8,15 @@ from engine.laws.elementary import direction_of
 from engine.laws.kinematics.closure import greater
 from engine.laws.kinematics.seeds import between_seeds, place_in_range, place_in_table, proved, turned, two_seeds
 from engine.mechanism.assembly import Assembly, Slide, Turning
-from engine.mechanism.groups.closure_of_free import ClosureOfFree, CutLink, Direction, Miss, Unknown, hinged, point_on
+from engine.mechanism.groups.closure_of_free import (
+    ClosureOfFree,
+    CutLink,
+    Direction,
+    LoopResidual,
+    Unknown,
+    hinged,
+    point_on,
+)
 from engine.mechanism.groups.minors import Inverse, inverse
 from engine.mechanism.groups.seed_tables import SeedTables
 from engine.mechanism.vectors import Vector, named
@@ -26,7 +34,7 @@ class Linearised(NamedTuple):
 
     Attributes
     ----------
-    misses : list of Miss
+    misses : list of LoopResidual
         Residuals of the loops, with their rates for fixed unknowns.
     units : list of dict of str to Turning
         For each unknown, the motion of all links if only that unknown moved, by 1 rad or by the group's size.
@@ -34,7 +42,7 @@ class Linearised(NamedTuple):
         Inverse of the Jacobian.
     """
 
-    misses: list[Miss]
+    misses: list[LoopResidual]
     units: list[dict[str, Turning]]
     inverse: Inverse
 
@@ -114,7 +122,7 @@ def _points(closure: ClosureOfFree, links: dict[str, Turning]) -> dict[str, Vect
     found = {joint: (link, closure.local(link, joint)) for joint, link in joint_owners(scene).items() if link in own}
     found |= {p: (part.link, closure.local(part.link, p)) for p, part in scene.points.items() if part.link in own}
     coordinates = closure.assembly.coordinates
-    return {name: coordinates(whole[link].at(place.in_axes(whole[link].u)).r) for name, (link, place) in found.items()}
+    return {name: coordinates(whole[link].at(place.to_frame(whole[link].u)).r) for name, (link, place) in found.items()}
 
 
 def _places_of(closure: ClosureOfFree, unknowns: Sequence[Node]) -> list[Place]:
@@ -263,5 +271,5 @@ def _cut_link(closure: ClosureOfFree, links: dict[str, Turning], cut: CutLink) -
     u = line.u
     if cut.other.link != cut.name:
         angle = closure.assembly.direction(f"guides.{closure.slider_guide(cut.other)}.angle")
-        u = Vector(angle.x, -angle.y).in_axes(line.u)
+        u = Vector(angle.x, -angle.y).to_frame(line.u)
     return hinged(Turning(point, u, line.carrier.w, line.carrier.e), joint)

@@ -222,7 +222,7 @@ class SeedTables:
             for i in range(unknowns.shape[1])
         ]
 
-    def told_places(self, numbers: Numbers) -> dict[str, tuple[float, float]] | None:
+    def near_points(self, numbers: Numbers) -> dict[str, tuple[float, float]] | None:
         """Positions of the points in `near` for one variant; None if its mode isn't reached."""
         chosen = [mode for mode in self.modes if mode.chosen]
         if not chosen:
@@ -331,7 +331,7 @@ class SeedTables:
             if not going.any():
                 return unknowns, sines, progress >= 1.0
             ahead = np.where(going, np.minimum(progress + step, 1.0), progress)
-            at = self._at(numbers.on_the_way(ahead if variants > 1 else ahead[0]))
+            at = self._at(numbers.interpolated(ahead if variants > 1 else ahead[0]))
             with np.errstate(all="ignore"):
                 moved = unknowns + rates * (ahead - progress)
                 *deltas, certificate, sine = at(moved, curves)

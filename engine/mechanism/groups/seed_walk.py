@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import LANES, copy_rows, gather, hand_out, in_lanes
+from engine.compiling.blocks import LANES, copy_rows, gather, in_lanes, scatter_rows
 from engine.compiling.decorators import driver, routine
 from engine.compiling.printed_functions import PrintedFunction
 from engine.compiling.running import spread
@@ -313,7 +313,7 @@ def _walk(begin: int, end: int, group: _Group, paths: _Paths, scratch: _Scratch)
         reached = paths.reached
         for lane in range(min(LANES, reached.shape[1] - first)):
             reached[0, first + lane], reached[1, first + lane] = path.found[lane], path.place[lane]
-        hand_out(in_lanes(scratch.now), first, reached[2:])
+        scatter_rows(in_lanes(scratch.now), first, reached[2:])
 
 
 class SeedWalk:

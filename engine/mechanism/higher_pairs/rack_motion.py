@@ -74,7 +74,7 @@ def add_pinion(assembly: Assembly, name: str) -> None:
     rack = still if pinion.rack is None else assembly.slides[pinion.rack]
     angle, w, e = ((slide - own) / radius for slide, own in zip(rack, axis, strict=True))
     assembly.turned[name] = phase + angle
-    u = Vector(*graph.apply(direction_of, assembly.turned[name])).in_axes(line.carrier.u)
+    u = Vector(*graph.apply(direction_of, assembly.turned[name])).to_frame(line.carrier.u)
     assembly.link(name, Turning(assembly.points[pinion.pivot], u, line.carrier.w + w, line.carrier.e + e))
 
 

@@ -34,7 +34,7 @@ def add_second_input(assembly: Assembly, name: str) -> None:
     assembly.turned[name] = angle
     base_name = drive_base(assembly.scene, name)
     base, u = assembly.links[base_name], Vector(*assembly.graph.apply(direction_of, angle))
-    assembly.link(name, Turning(assembly.points[second.pivot], u.in_axes(base.u), base.w + w, base.e + e))
+    assembly.link(name, Turning(assembly.points[second.pivot], u.to_frame(base.u), base.w + w, base.e + e))
 
 
 def rate_of_drive(assembly: Assembly, name: str) -> Node:

@@ -81,7 +81,7 @@ class CoupledMotion:
         """States at fractions (instants, columns) of the length of steps (columns,)."""
         time, *moving, moment = weighted(weights_at(share), self.samples[..., step])
         states = CoupledSnapshots(self.who[step], time, np.array(moving), moment, some(self._joined, step))
-        inwards = states.joined.crank_way * inward(share, self.samples[1 + TURNED][:, step])
+        inwards = states.joined.crank_direction * inward(share, self.samples[1 + TURNED][:, step])
         turn_inwards(states.turned, inwards, self._sides.crank.of(states.who))
         return states
 

@@ -137,7 +137,7 @@ class CoupledRuns(MachineRuns):
 
     def endless(self, who: np.ndarray) -> np.ndarray:
         """Verdicts on runs that never end: with the clutch slipping, with the crank standing, or in motion."""
-        slips, stands = np.abs(self.joined.mode[who]) == FORWARDS, self.joined.crank_way[who] == 0.0
+        slips, stands = np.abs(self.joined.mode[who]) == FORWARDS, self.joined.crank_direction[who] == 0.0
         return np.where(slips, Verdict.SLIPS, np.where(stands, Verdict.STALLS, Verdict.NO_END))
 
     def last_change(self, who: np.ndarray) -> np.ndarray:
@@ -171,13 +171,13 @@ class CoupledRuns(MachineRuns):
         self.unsettled[who] = self.implicit[who] = False
         sides, joined, moving = self.sides.some(who), some(self.joined, who), self.state[: SHAFT_SPEED + 1, who].copy()
         # At a jump, evaluate just after it.
-        moving[TURNED] += np.sign(moving[CRANK_SPEED]) * sides.crank.beside(moving[TURNED])
+        moving[TURNED] += np.sign(moving[CRANK_SPEED]) * sides.crank.break_offset(moving[TURNED])
         ways = np.sign(moving[CRANK_SPEED]), np.sign(moving[SHAFT_SPEED])
         mode = np.full(who.size, APART if sides.two.open else FLUID)
         if sides.two.is_clutch:
             mode = self._holding(sides, joined, moving, self.time[who], ways)
         ways = self._ways(sides, joined, moving, self.time[who], mode, ways)
-        self.joined.mode[who], self.joined.crank_way[who], self.joined.shaft_way[who] = mode, *ways
+        self.joined.mode[who], self.joined.crank_direction[who], self.joined.shaft_direction[who] = mode, *ways
         holds = mode == TOGETHER
         locks = who[holds & (ways[0] != 0.0) & np.isnan(self.lock_time[who])]
         self.lock_time[locks], self.lock_speed[locks] = self.time[locks], self.state[CRANK_SPEED, locks]
@@ -203,7 +203,7 @@ class CoupledRuns(MachineRuns):
         forth, back, _, shaft_forth, _, shaft_back = self._free(sides, joined, moving, time)
         off = np.where(standing, np.where(forth > 0.0, 1.0, np.where(back < 0.0, -1.0, 0.0)), ways[0])
         capacity = _grip(sides.coupling, joined.engaged + time)
-        trial = joined._replace(mode=np.full(slip.size, TOGETHER), crank_way=off, shaft_way=off)
+        trial = joined._replace(mode=np.full(slip.size, TOGETHER), crank_direction=off, shaft_direction=off)
         needed = coupling_pull(sides, trial, moving, time).moment
         # Where both are at rest, either side may be held by its own resistance.
         alone = np.where(shaft_forth > capacity, 1, np.where(-shaft_back > capacity, -1, 0))
@@ -222,7 +222,9 @@ class CoupledRuns(MachineRuns):
         found = []
         for way in (forth, -forth):
             # These torques only decide about sides at rest.
-            pull = coupling_pull(sides, joined._replace(crank_way=way, shaft_way=way), moving, time, moves=False)
+            pull = coupling_pull(
+                sides, joined._replace(crank_direction=way, shaft_direction=way), moving, time, moves=False
+            )
             found.append((pull.crank.total, pull.shaft.total))
         (a, b), (c, d) = found
         return a + b, c + d, a, b, c, d
@@ -267,7 +269,7 @@ class CoupledRuns(MachineRuns):
         cycles = (np.floor(faced * turned / self.cycle + NEARLY) + 1.0) * self.cycle
         ahead = np.where(compared, np.minimum(ahead, cycles - faced * turned), ahead)
         # Where torques jump, a clutch may break loose and a standing side start.
-        looks = (joined.mode == TOGETHER) | (joined.shaft_way == 0.0)
+        looks = (joined.mode == TOGETHER) | (joined.shaft_direction == 0.0)
         direction = self.variants.direction[who]
         here = self.start[who] + direction * turned
         breaks = np.mod(faced * direction * (self.variants.breaks.angles[:, who] - here), self.cycle)
@@ -304,7 +306,7 @@ class CoupledRuns(MachineRuns):
         """Walk by a method, for at most a time [s] and up to an angle turned."""
         sides, joined, system = self.sides.some(who), some(self.joined, who), self.sides.two.system
         sizes, state, time = system.sizes, self.state[:, who].copy(), self.time[who]
-        crank_moves, shaft_moves = joined.crank_way != 0.0, joined.shaft_way != 0.0
+        crank_moves, shaft_moves = joined.crank_direction != 0.0, joined.shaft_direction != 0.0
         holds, slips = joined.mode == TOGETHER, np.abs(joined.mode) == FORWARDS
         stands = ~crank_moves | ~shaft_moves
         counts = (crank_moves, shaft_moves & ~holds, slips, slips, holds & crank_moves, stands)
@@ -354,7 +356,7 @@ class CoupledRuns(MachineRuns):
         self.state[TURNED, who] = np.where(why == Why.OTHER_GOAL, goal, self.state[TURNED, who])
         ended = (why == Why.GOAL) & (longest == self.ends.time[who] - before)
         self.time[who] = np.where(ended, self.ends.time[who], before + gone.at)
-        moves = (joined.crank_way != 0.0) | (joined.shaft_way != 0.0)
+        moves = (joined.crank_direction != 0.0) | (joined.shaft_direction != 0.0)
         self.pace[who] = np.where(moves, gone.pace, self.pace[who])
         self.cover(who)
         self.slip_time[who] += np.where(np.abs(joined.mode) == FORWARDS, gone.at, 0.0)
@@ -384,7 +386,7 @@ class CoupledRuns(MachineRuns):
         first, phase = np.full(who.size, np.inf), some(joined, seen.column)
         if not self.sides.two.is_clutch:
             return first
-        holds = (phase.mode == TOGETHER) & (phase.crank_way != 0.0)
+        holds = (phase.mode == TOGETHER) & (phase.crank_direction != 0.0)
         time = self.time[who[seen.column]] + seen.begin + SHOWN[:, None] * seen.length
         grip = _grip(some(self.sides.coupling, who[seen.column]), phase.engaged + time)
         slip = phase.mode * (seen.moving[SHAFT_SPEED] - seen.moving[CRANK_SPEED])
@@ -432,15 +434,15 @@ class CoupledRuns(MachineRuns):
         column : ndarray (steps,) of int
             Columns of `numbers`, those of the motion.
         """
-        holds = (joined.mode == TOGETHER) & (joined.crank_way != 0.0)
+        holds = (joined.mode == TOGETHER) & (joined.crank_direction != 0.0)
         sides = self.sides._replace(coupling=some(self.sides.coupling, who))
         found = sides.apart_moment(joined, moving, time)
         if holds.any():
             system, own, (turned, speed, other, shaft_speed) = sides.two.system, who[holds], moving[..., holds]
-            ways, crank = joined.crank_way[holds], EquationOfMotion(self.dynamics, self.variants, self.start, own)
+            ways, crank = joined.crank_direction[holds], EquationOfMotion(self.dynamics, self.variants, self.start, own)
             # Torques jump at the ends of a step, not within it.
-            turned[0] += ways * crank.beside(turned[0])
-            turned[-1] -= ways * crank.beside(turned[-1])
+            turned[0] += ways * crank.break_offset(turned[0])
+            turned[-1] -= ways * crank.break_offset(turned[-1])
             places = self.start[own] + self.variants.direction[own] * turned
             states, clock = (turned, ways * speed, other, ways * shaft_speed), joined.clock[holds] + time[:, holds]
             found[:, holds] = system.at(numbers, places, states, [system.shown["coupling"]], clock, column[holds])[0]
@@ -460,7 +462,7 @@ class CoupledRuns(MachineRuns):
             crank, shaft = self.inertia(locked, self.turned[locked]), self.sides.shaft.inertia[locked]
             both = (crank * self.omega[locked] + shaft * self.shaft_omega[locked]) / (crank + shaft)
             # A standing crank stays at rest.
-            both = np.where(self.joined.crank_way[locked] == 0.0, 0.0, both)
+            both = np.where(self.joined.crank_direction[locked] == 0.0, 0.0, both)
             self.state[CRANK_SPEED, locked] = self.state[SHAFT_SPEED, locked] = both
         rest = met(CRANK_RESTS)
         together = rest[self.joined.mode[rest] == TOGETHER]
@@ -485,16 +487,16 @@ class CoupledRuns(MachineRuns):
             self.pace[touching] = np.inf
         self.done[rest] |= self.ends.reversal
         self.unsettled[who[~np.isin(why, (Why.FULL, Why.STEEP, BREAKS_LOOSE, TURNS))]] = True
-        self._tell_endless(rest, met(Why.OTHER_GOAL), who)
+        self._abandon_endless(rest, met(Why.OTHER_GOAL), who)
 
-    def _tell_endless(self, rest: np.ndarray, at_mark: np.ndarray, who: np.ndarray) -> None:
+    def _abandon_endless(self, rest: np.ndarray, at_mark: np.ndarray, who: np.ndarray) -> None:
         """Give up runs that never end.
 
         These are runs that swing no farther forward than at their last stop, that repeat the cycle before, that slow
         down for ever without stopping, or whose clutch slips faster from cycle to cycle.
         """
-        self.compare_swings(rest[self.joined.crank_way[rest] > 0.0])
-        speeds, moves = np.abs(self.state[[CRANK_SPEED, SHAFT_SPEED]]), self.joined.crank_way != 0.0
+        self.compare_swings(rest[self.joined.crank_direction[rest] > 0.0])
+        speeds, moves = np.abs(self.state[[CRANK_SPEED, SHAFT_SPEED]]), self.joined.crank_direction != 0.0
         faded = who[moves[who] & (speeds[0, who] > 0.0) & (speeds[0, who] < FADED * self.highs[0, who])]
         self.give_up(faded[~self.done[faded] & self._fades(faded)])
         stands = who[~moves[who]]

@@ -153,7 +153,7 @@ class Joined(NamedTuple):
     ----------
     mode : ndarray of int
         TOGETHER, FORWARDS, …
-    crank_way, shaft_way : ndarray
+    crank_direction, shaft_direction : ndarray
         Direction of motion of each side, +1 or −1; 0 at rest.
     clock : ndarray
         Clock time of time-dependent torques at the start of the run [s].
@@ -164,8 +164,8 @@ class Joined(NamedTuple):
     """
 
     mode: np.ndarray
-    crank_way: np.ndarray
-    shaft_way: np.ndarray
+    crank_direction: np.ndarray
+    shaft_direction: np.ndarray
     clock: np.ndarray
     engaged: np.ndarray
     touch: np.ndarray
@@ -234,8 +234,8 @@ class CoupledSides(NamedTuple):
         return {
             given.holds: joined.mode == TOGETHER,
             given.sense: np.where(slips, joined.mode, 0),
-            given.moves: joined.crank_way != 0.0,
-            given.shaft_moves: joined.shaft_way != 0.0,
+            given.moves: joined.crank_direction != 0.0,
+            given.shaft_moves: joined.shaft_direction != 0.0,
             given.piece: np.zeros(self.count),
             given.engaged: joined.clock - joined.engaged,
             given.touch: joined.touch,
@@ -269,7 +269,7 @@ class CoupledSides(NamedTuple):
 
 def faced_ways(joined: Joined) -> tuple[np.ndarray, np.ndarray]:
     """Direction that each side faces, +1 or −1; standing sides face forwards."""
-    return np.where(joined.crank_way < 0.0, -1.0, 1.0), np.where(joined.shaft_way < 0.0, -1.0, 1.0)
+    return np.where(joined.crank_direction < 0.0, -1.0, 1.0), np.where(joined.shaft_direction < 0.0, -1.0, 1.0)
 
 
 class Pull(NamedTuple):

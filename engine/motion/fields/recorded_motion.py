@@ -157,7 +157,7 @@ def turn_inwards(turned: np.ndarray, inwards: np.ndarray, equation: EquationOfMo
     """
     ends = np.flatnonzero(inwards.any(axis=1))
     if ends.size:
-        turned[ends] += inwards[ends] * equation.beside(turned[ends])
+        turned[ends] += inwards[ends] * equation.break_offset(turned[ends])
 
 
 def at_instant(equation: EquationOfMotion, time: np.ndarray, turned: np.ndarray, omega: np.ndarray) -> OneSpeedMotion:

@@ -120,7 +120,7 @@ class Reduction:
             working.get(load.action, []).append((load.coefficient, load.basis))
         moments = {action: graph.combination(terms) for action, terms in working.items()}
         self.nodes = [reduced.inertia, reduced.slope, *moments.values()]
-        terms = [*self.loads.terms, *_reversals(mechanics), *_jerks(mechanics)]
+        terms = [*self.loads.terms, *_reversals(mechanics), *_slope_jumps(mechanics)]
         watched = [load.characteristic for load in terms]
         functions = functions_at(graph, mechanics.first, mechanics.last, self.nodes, watched)
         self.tabulation = Tabulation(functions)
@@ -209,7 +209,7 @@ def _has_programs(scene: Scene) -> bool:
     return bool(scene.cams) or any(second.sections or second.table is not None for second in scene.inputs.values())
 
 
-def _jerks(mechanics: Mechanics) -> list[Load]:
+def _slope_jumps(mechanics: Mechanics) -> list[Load]:
     """Jumps of the inertia's derivative where sections meet, as a load; independent of the acting actions."""
     if not _has_programs(mechanics.scene):
         return []

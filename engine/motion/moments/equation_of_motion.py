@@ -139,7 +139,7 @@ class EquationOfMotion:
         places = self.start[who] + self.variants.direction[who] * turned
         return system.at(self.dynamics.moving(system, self.variants), places, (energy,), [0], time, who)[0]
 
-    def beside(self, turned: np.ndarray) -> np.ndarray:
+    def break_offset(self, turned: np.ndarray) -> np.ndarray:
         """Offset at which torques are evaluated from angles turned, (…, variants) [rad]: 0 except at a break."""
         own, who, cycle = self.variants, self.who, self.dynamics.cycle
         breaks = own.direction[who] * (own.breaks.angles[:, who] - self.start[who])

@@ -130,7 +130,7 @@ class OneSpeedRuns(MachineRuns):
             state, facing = self.state, np.where(self.facing < 0.0, -1.0, 1.0)
             equation = self.equation(None)
             # At a jump, evaluate the torques after it.
-            turned = state.turned + facing * equation.beside(state.turned)
+            turned = state.turned + facing * equation.break_offset(state.turned)
             self.see(at_instant(equation, state.time, turned, state.omega))
 
     def begin_cycles(self, who: np.ndarray) -> None:

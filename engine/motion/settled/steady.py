@@ -110,7 +110,7 @@ def steady_motion(
             variants.kept[key] = closed, steep
         closed, steep = variants.kept[key]
         verdict = np.where(closed.verdict == TOO_STEEP, Verdict.NOT_FINITE, closed.verdict)
-        return motion.gone_through(closed, steep.copy(), verdict.astype(np.uint8), (observers, off_observers))
+        return motion.final_cycles(closed, steep.copy(), verdict.astype(np.uint8), (observers, off_observers))
 
 
 class _Motion:
@@ -143,7 +143,7 @@ class _Motion:
     def _task(self, implicit: bool, extremes: bool) -> Packed:
         return self.system.task(self.dynamics.cycle, NINE if implicit else EIGHT, extremes=extremes, timed=False)
 
-    def gone_through(
+    def final_cycles(
         self, closed: Closed, steep: np.ndarray, verdict: np.ndarray, observers: tuple[Sequence[Observer], ...]
     ) -> tuple[Steady, Steady]:
         """The cycles found, computed with all requested results, and their error estimates."""

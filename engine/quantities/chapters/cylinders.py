@@ -10,7 +10,7 @@ from engine.mechanism.actions.cylinders import Diagram, piston_area
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.cylinders import EngineCylinder, FourStroke, Pump
 from engine.quantities.expressions import Expression, Integral, StrokeEnd, VariantNumber, length_of_range
-from engine.quantities.register import Declared, Field, Summary, answer_if, answer_summary
+from engine.quantities.register import Declared, Field, Summary, answer_summary, ranked_summary
 from engine.words.quantity import called
 
 
@@ -62,7 +62,7 @@ def _of_cylinder(m: Mechanics, name: str) -> Declared:
     # Gas cycles per machine cycle.
     times = m.scene.input.revolutions / (2.0 if isinstance(cylinder, FourStroke) else 1.0)
     if not isinstance(cylinder, Pump):
-        words, summary = f"indicated mean effective pressure of {called('cylinder', name)}", answer_if(engine)
+        words, summary = f"indicated mean effective pressure of {called('cylinder', name)}", ranked_summary(engine)
         yield summary(f"{name}.mean_effective_pressure", words, "Pa", lambda: work() / (swept() * times), "p_mi")
     if engine:
         return

@@ -31,12 +31,12 @@ from engine.quantities.register import (
     Field,
     InputUnits,
     Summary,
-    answer_if,
     answer_summary,
     check_summary,
     detail,
     drive_words,
     mean,
+    ranked_summary,
 )
 from engine.scene.pairs import has_friction
 from engine.scene.scene import Numbers
@@ -133,7 +133,7 @@ def _drive(m: Mechanics) -> Declared:
 
     words = "mean torque of the useful resistances over the cycle, reduced to the input"
     yield Summary("mean_useful_moment", words, "N m", lambda: -mean(m, m.moment_of(_USEFUL)))
-    summary = answer_if(is_loaded(m))
+    summary = ranked_summary(is_loaded(m))
     yield summary("required_drive_moment", "mean drive torque", "N m", resisting, "M_d")
     yield summary("required_power", "mean drive power", "W", lambda: resisting() * VariantNumber(m.speed), "P")
     energies = "kinetic energy at constant speed and the work of the inertia forces"
@@ -153,7 +153,7 @@ def _flywheel(m: Mechanics) -> Declared:
     steady = partial(steady_cycle, m)
     words = "work of all moments with a constant drive torque: change of kinetic energy"
     yield Field("work", words, "J", lambda: Work(m.moment_of()), "W")
-    yield answer_if(is_loaded(m))("excess_work", "excess work", "J", partial(steady, "excess_work"), "A_exc")
+    yield ranked_summary(is_loaded(m))("excess_work", "excess work", "J", partial(steady, "excess_work"), "A_exc")
     if asked:
         for name, words in (
             ("flywheel_excess_work", "flywheel inertia by the excess work"),

@@ -19,11 +19,11 @@ from engine.quantities.register import (
     Field,
     InputUnits,
     Summary,
-    answer_if,
     answer_summary,
     check_summary,
     drive_words,
     mean,
+    ranked_summary,
 )
 from engine.scene.pairs import contact_pairs, has_friction, lossy_meshes, mesh_driver, pairs
 
@@ -79,7 +79,7 @@ def declare(mechanics: Mechanics) -> Declared:
         works = any(term.role in ("useful", "driving") for term in m.loads.terms)
         of = "useful work and work delivered at the input over driving work and work supplied there, over the cycle"
         words = f"mechanical efficiency: {of}"
-        yield answer_if(works)("mechanical_efficiency", words, "1", lambda: _efficiency(m), may_be_undefined=True)
+        yield ranked_summary(works)("mechanical_efficiency", words, "1", lambda: _efficiency(m), may_be_undefined=True)
 
 
 def _efficiency(m: Mechanics) -> Expression:

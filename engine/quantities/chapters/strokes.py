@@ -20,7 +20,7 @@ from engine.quantities.expressions import (
     Integral,
     StrokeEnd,
 )
-from engine.quantities.register import Declared, InputUnits, Summary, answer_if
+from engine.quantities.register import Declared, InputUnits, Summary, ranked_summary
 from engine.scene import structure
 from engine.scene.pairs import held_by_frame
 
@@ -75,7 +75,7 @@ def _ends(
 ) -> Declared:
     of = f"{'slider' if kind == 'stroke' else 'link'} {name}"
     q = InputUnits.of(mechanics.scene).q
-    swings, summary = kind == "swing", answer_if(name in held_by_frame(mechanics.scene))
+    swings, summary = kind == "swing", ranked_summary(name in held_by_frame(mechanics.scene))
     symbol = "ψ" if swings else "H"
     yield summary(f"{name}.{kind}", f"{kind} of {of}", unit, lambda: end("high") - end("low"), symbol, swings)
     for side in ("low", "high"):

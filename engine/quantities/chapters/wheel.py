@@ -11,7 +11,7 @@ from engine.cycle.measured import Measured
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.chapters.dynamics import steady_cycle
 from engine.quantities.expressions import Expression, Formula, VariantNumber
-from engine.quantities.register import Declared, answer_if
+from engine.quantities.register import Declared, ranked_summary
 from engine.scene.scene import scene_numbers
 
 _SIZES = {
@@ -50,7 +50,7 @@ def declare(mechanics: Mechanics) -> Declared:
         return Formula(_sizes_of(flywheel.wheel, paths), operands)
 
     for key, (words, unit) in (_SIZES if flywheel.wheel.strength is None else _SIZES | _BURSTING).items():
-        summary = answer_if(key in _ANSWERS)
+        summary = ranked_summary(key in _ANSWERS)
         yield summary(f"wheel_{key}", words, unit, lambda key=key: Formula(_size(key), (sizes(),)))
 
 

@@ -4,7 +4,7 @@ import math
 
 from engine.compiling.blocks import LANES, Rows, in_lanes
 from engine.compiling.decorators import inlined, routine, separate
-from engine.stepping.steps.stage_rates import FOUND_TO, LEAST_LEFT, MOST_ROUNDS, NEARLY_FOUND, look, rate, stand
+from engine.stepping.steps.stage_rates import FOUND_TO, LEAST_LEFT, MOST_ROUNDS, NEARLY_FOUND, look, rate, set_position
 from engine.stepping.steps.step_lanes import Printed, Room
 from engine.stepping.walk_task import WalkTask
 
@@ -22,7 +22,7 @@ def find_stages(printed: Printed, task: WalkTask, room: Room) -> None:
     each, first = task.solved, 1 if task.along_time else 0
     count = stages * each
     found, slopes = count * (count + 1), task.watched + task.slopes
-    stand(0.0, 0, -1, printed, task, room)
+    set_position(0.0, 0, -1, printed, task, room)
     if task.solves >= 0:
         rate(0, printed, task, room)
     look(0, printed, task, room)
@@ -33,7 +33,7 @@ def find_stages(printed: Printed, task: WalkTask, room: Room) -> None:
             for lane in range(LANES):
                 equations[found + s * states + q, lane] = begin[q, lane]
         if not task.along_time:
-            stand(task.nodes[s], s, -1, printed, task, room)
+            set_position(task.nodes[s], s, -1, printed, task, room)
             for i in range(task.places):
                 for lane in range(LANES):
                     kept[s * task.places + i, lane] = numbers[task.first_place + i, lane]
@@ -138,7 +138,7 @@ def rate_found(stage: int, printed: Printed, task: WalkTask, room: Room) -> None
         for lane in range(LANES):
             numbers[state + q, lane] = own[found + q, lane]
     if task.along_time:
-        stand(task.nodes[stage], stage, -1, printed, task, room)
+        set_position(task.nodes[stage], stage, -1, printed, task, room)
     else:
         for i in range(task.places):
             for lane in range(LANES):

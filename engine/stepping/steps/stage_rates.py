@@ -29,7 +29,7 @@ def places_at(stage: int, task: WalkTask) -> int:
 
 
 @routine
-def stand(share: float, stage: int, slot: int, printed: Printed, task: WalkTask, room: Room) -> None:
+def set_position(share: float, stage: int, slot: int, printed: Printed, task: WalkTask, room: Room) -> None:
     """Put the position and the time of a stage into P; a negative `slot` computes the position's values afresh."""
     own, position, state = room.lane, in_lanes(room.position), in_lanes(room.numbers)
     first, count = task.first_place, task.places
@@ -131,7 +131,7 @@ def record(first: int, printed: Printed, recorded: np.ndarray, task: WalkTask, r
     carried_errors, shown, last = room.carried_errors, task.shown, task.shown.shape[0] - 1
     for s in range(task.stages, dense):
         at_stage(task.method, s, task.states, task.width, begin, own.length, k, state)
-        stand(task.nodes[s], s, -1, printed, task, room)
+        set_position(task.nodes[s], s, -1, printed, task, room)
         rate(s, printed, task, room)
     for lane in range(LANES):
         if own.taken[lane] > 0.0 and first + lane < recorded.shape[2]:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import Row, Rows, hand_out, hand_out_row, in_lanes
+from engine.compiling.blocks import Row, Rows, in_lanes, scatter_row, scatter_rows
 from engine.compiling.decorators import routine
 from engine.cycle.panels.lanes import OFFSET, one, rows
 from engine.stepping.walk_task import WalkTask
@@ -247,12 +247,12 @@ class WalkBatch(NamedTuple):
 
 
 @routine
-def give_out(first: int, batch: WalkBatch, task: WalkTask, room: Room) -> None:
+def store_block(first: int, batch: WalkBatch, task: WalkTask, room: Room) -> None:
     """Store the final states of a block of variants."""
-    hand_out(room.begin, first, batch.states)
-    hand_out(room.carried_errors, first, batch.carried_errors)
-    hand_out(room.ending, first, batch.ending)
+    scatter_rows(room.begin, first, batch.states)
+    scatter_rows(room.carried_errors, first, batch.carried_errors)
+    scatter_rows(room.ending, first, batch.ending)
     for i in range(batch.found.shape[0]):
-        hand_out_row(room.lane[FIRST_FOUND + i], first, batch.found[i])
+        scatter_row(room.lane[FIRST_FOUND + i], first, batch.found[i])
     if task.held.shape[0] > 0:
-        hand_out(in_lanes(room.numbers), first, batch.numbers)
+        scatter_rows(in_lanes(room.numbers), first, batch.numbers)
