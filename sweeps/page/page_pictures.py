@@ -112,7 +112,7 @@ def inline_svg(path: Path, prefix: str) -> "Markup":
 
 
 def _of_few_colours(found: re.Match) -> str:
-    """A raster picture with a palette, which takes a fraction of the room of one in all colours."""
+    """A raster picture with a palette, which is a fraction of the size of one in full colour."""
     made = BytesIO()
     with Image.open(BytesIO(base64.b64decode(found[0]))) as picture:
         picture.quantize(method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(made, "png", optimize=True)

@@ -45,7 +45,7 @@ class WatchedPage:
         self._make()
 
     def look(self) -> bool:
-        """Make the page again if a file has changed since it was read; whether one has."""
+        """Make the page again if a file has changed since it was read; return whether one has."""
         # Editors that replace a file remove it for a moment.
         found = {path: Stamp.of(path) or stamp for path, stamp in self._files.items()}
         if found == self._files:

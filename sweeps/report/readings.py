@@ -30,7 +30,7 @@ class Readings(NamedTuple):
     remark : str
         What is wrong with the machine as a whole, or "".
     further : tuple of str
-        Fields that are shown only if all are.
+        Fields that are only shown if all are requested.
     regimes : sequence of str
         Regime at each time; empty for positions.
     """

@@ -235,7 +235,7 @@ def _unfinished_text(store: Store, failures: Mapping[int, str]) -> str:
 
 
 def complete_text(path: Path) -> str:
-    """What is said of a result that needs no computing."""
+    """Message on a result that is complete already."""
     return f"{path} is complete: nothing was computed. --restart recomputes it."
 
 

@@ -17,7 +17,7 @@ NEAR_STAND = math.radians(45)
 CLEARLY = 0.1
 
 
-# Fixed parts are asked for at every position of a motion.
+# Fixed parts are requested at every position of a motion.
 @lru_cache(1)
 def frame_parts(m: DrawnMotion) -> tuple[Primitive, ...]:
     """Guides of the frame and pitch circles, painted below moving links."""

@@ -20,7 +20,7 @@ from sweeps.study.sensitivity import RSS, WORST_CASE
 VEIL = "#e9ebed"
 # Maximum total variation along a row or column, in ranges, for legible contour lines.
 MOST_TRAVEL = 4.0
-# Entries of a list that have room for a tick each.
+# Maximum number of entries of a list with a tick each.
 MOST_TICKS = 12
 # Cells with white edges.
 MOST_CELLS = 2500
