@@ -229,9 +229,9 @@ of the C++ time for the summaries, and 1.55, 1.27 and 1.21 of it for I, dI/dφ a
 
 {names}: each with its error estimate. The engine measures them on separate panels for each variant, the C++ at
 {positions} equally spaced positions. Errors are against the engine at accuracy {accuracy:g}, the same method with a
-smaller tolerance (`results/accuracy/calibration.md` has an independent truth), relative to the summary, or to the excess work
-for mean moment and power. The table gives median and maximum over the variants for the worst summary, and the share of
-all errors that the error estimates cover.
+smaller tolerance (`results/accuracy/calibration.md` has an independent truth), relative to the summary, or to the
+excess work for mean moment and power. The table gives median and maximum over the variants for the worst summary, and
+the share of all errors that the error estimates cover.
 """
 
 

@@ -478,8 +478,8 @@ def table(tally: Tally) -> str:
         figures = f"{row['longest']:.1f} | {row['memory'] / 1e6:.0f} | {row['wrong']}"
         rows.append(f"| {NAMES[kind]} | {times} | {tally.ways(kind)} | {figures} |")
     words = f"""Wrong are: a traceback, a crash, more than {READ_WITHIN:g} s of processor time or
-{MOST_MEMORY / 1e9:g} GB to read a text, more than {RUN_WITHIN:g} s to run one of at most {FEW} variants, a failure without a
-message, a message of more than 3000 characters, and executed code from a text.
+{MOST_MEMORY / 1e9:g} GB to read a text, more than {RUN_WITHIN:g} s to run one of at most {FEW} variants, a failure
+without a message, a message of more than 3000 characters, and executed code from a text.
 
 | kind | cases | outcome | longest, s of processor | memory, MB | wrong |
 |---|---|---|---|---|---|"""
