@@ -41,7 +41,7 @@ from sweeps.study.study_text import Best
 if TYPE_CHECKING:
     from distributed import Client
 
-# Arguments: generations done, those done before this run, and the best result so far as text.
+# Arguments: generations done, those done in earlier runs, and the best result so far as text.
 OnGeneration = Callable[[int, int, str], None]
 
 
