@@ -95,7 +95,7 @@ def main() -> None:
 
 
 def joints_by_letter(command: Command) -> Command:
-    """Let the names asked of a FILE name the force in a joint by its letter, `A.reaction.peak`."""
+    """Accept the letter of a joint as the name of its force in the command's options, `A.reaction.peak`."""
 
     @wraps(command)
     def asked(file: str | Path, **options: object) -> None:
@@ -172,7 +172,7 @@ class WholeNumber(click.ParamType):
         self.least, self.most = least, most
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> int:
-        """The number, or click's way to refuse it."""
+        """The number; otherwise click's error."""
         text = str(value).strip()
         number = int(text) if re.fullmatch("-?[0-9]{1,18}", text) else None
         if number is None or number < self.least or (self.most is not None and number > self.most):

@@ -14,7 +14,7 @@ from sweeps.text.input_files import Stamp, files_read
 
 
 class WatchedPage:
-    """The page of one machine, with its last motion that could be drawn and what is wrong with its text now.
+    """The page of one machine, with its last drawable motion and the present mistakes in its text.
 
     Nothing is compiled for it: one machine is evaluated by NumPy.
 

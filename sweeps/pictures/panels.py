@@ -137,7 +137,7 @@ def draw_panel(
 
 
 def _crowded(panel: Panel) -> bool:
-    """Whether names of places next to each other would meet."""
+    """Whether neighbouring tick names would overlap."""
     order = np.argsort(panel.places)
     lengths = np.array([max(map(len, name.split("\n"))) for name in panel.names])[order]
     gaps = np.diff(panel.places[order]) / (np.ptp(panel.places) or 1.0)

@@ -21,9 +21,9 @@ class Readings(NamedTuple):
     ----------
     place : str
         Name of the coordinate: "phi", "q" or "time".
-    at : ndarray (places,)
+    at : ndarray (positions,)
         Positions or times [rad, m or s].
-    values : dict of str to ndarray (places,)
+    values : dict of str to ndarray (positions,)
         SI.
     units, long_names : dict of str to str
         Including the coordinate.

@@ -232,7 +232,7 @@ class ResultFile:
         return engine.unknown_name_message(name, (other for other in known if not other.endswith("_error")))
 
     def field_rows(self, name: str, chosen: np.ndarray | slice) -> np.ndarray:
-        """Rows of a field (chosen, places) of some variants, in memory.
+        """Rows of a field (chosen, positions) of some variants, in memory.
 
         Raises
         ------

@@ -165,7 +165,7 @@ def _cheapest(costs: np.ndarray, moving: np.ndarray, closed: bool) -> list[int]:
 
 
 def _covered(marks: np.ndarray, places: np.ndarray, half: complex) -> np.ndarray:
-    """Number of obstacles that a name of this half size would cover at each place."""
+    """Number of obstacles that a name of this half size would cover at each position."""
     near = np.abs(marks - places.mean()) < np.abs(places - places.mean()).max() + 2 * abs(half)
     gap = marks[near] - places[:, None]
     # The imaginary part is half the height; a quarter of it stays clear on either side.

@@ -60,7 +60,7 @@ def revolute_pairs(cycle: MachineCycle) -> list[Pair]:
 
 
 def bearing_load(cycle: MachineCycle, pair: str, axes: str = FRAME) -> BearingLoad:
-    """Bearing load in the axes of a link: acting on the pair's other link if those are its axes, else on its own link.
+    """Bearing load in the axes of a link, as the force on that link; in frame axes, as the force on the moving link.
 
     Parameters
     ----------

@@ -17,7 +17,7 @@ MOST_LACKING = 4
 
 
 def shown_parameters(result: SweepResult, every: bool = False) -> tuple[str, ...]:
-    """Parameters to show: numbers of the machine, variables, and whatever a condition limits.
+    """Parameters to show: numbers of the machine, variables, and numbers in conditions.
 
     Parameters
     ----------
