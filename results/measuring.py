@@ -1,4 +1,4 @@
-"""How all measurements of speed take processor time, and on which processor."""
+"""Processor time and type of processor, for all speed measurements."""
 
 import platform
 import time
@@ -16,9 +16,9 @@ def seconds(run: Callable[[], object]) -> float:
 
 
 def times_by_turns(runs: Sequence[Callable[[], object]], rounds: int, twice: bool = False) -> np.ndarray:
-    """Processor times [s] of some runs by turns, (runs, rounds): what else the computer does falls on all.
+    """Processor times [s] of some runs in turn, (runs, rounds), so that other load on the computer affects all.
 
-    `twice`: each runs a first time unmeasured, as what another left in caches and freed would count for it.
+    `twice`: each first runs unmeasured, so that caches and memory left by another don't count.
     """
     times = np.empty((len(runs), rounds))
     for turn in range(rounds):
@@ -30,7 +30,7 @@ def times_by_turns(runs: Sequence[Callable[[], object]], rounds: int, twice: boo
 
 
 def least_time(run: Callable[[], object], rounds: int = 5) -> float:
-    """Processor time [s], the least of some rounds after a first one, which compiles."""
+    """Minimum processor time [s] of some rounds after a first one, which compiles."""
     run()
     return float(times_by_turns([run], rounds).min())
 

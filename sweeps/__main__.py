@@ -10,9 +10,9 @@ from sweeps.text.interruption import finish, listen
 def start() -> None:
     """Run the command line; signal handlers are set before the slow imports."""
     listen()
-    # Nearly all that a command makes stays until its end: garbage among it is looked for more rarely.
+    # Nearly all objects live until the command ends: collect garbage less often.
     gc.set_threshold(50_000, 20, 20)
-    # Variants are spread over all cores; NumPy's own threads would only wait for small matrices, and keep cores busy.
+    # Variants already use all cores; NumPy's own threads gain nothing on small matrices and keep cores busy.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from sweeps.cli import main
 

@@ -1,10 +1,10 @@
-"""How true the error figures are: the share of true errors that they cover, and how far they lie above them.
+"""Calibration of the error estimates: the share of true errors that they cover, and their ratio to them.
 
     python results/accuracy/calibration.py
 
-writes calibration.md and calibration.png beside this file. The truth owes nothing to the engine: closed formulas of
-each mechanism in extended precision (`closed_motion.py`, `closed_forces.py`), made into summaries by Legendre series on
-panels of their own (`closed_cycle.py`, `closed_summaries.py`); `fifty_digits.md` tells how they compare with mpmath.
+writes calibration.md and calibration.png next to this file. The truth is independent of the engine: closed formulas of
+each mechanism in extended precision (`closed_motion.py`, `closed_forces.py`), and summaries by Legendre series on
+separate panels (`closed_cycle.py`, `closed_summaries.py`); `fifty_digits.md` compares them with mpmath.
 """
 
 import argparse
@@ -29,18 +29,18 @@ HERE = Path(__file__).parent
 ACCURACIES = (None, 1e-3, 1e-6)
 NEAR = ("slider-crank", "crank-rocker")
 NOTHING = 5e-324
-# A shortfall of a figure, relative to the quantity, that nobody notices.
+# Negligible shortfall of an estimate, relative to the quantity.
 SLIGHT = 1e-12
 
 
-# Distances of the machines from the origin, by turns [m]: as powers of 2 they are taken off again without rounding.
+# Distances of the machines from the origin, in turn [m]: as powers of 2 they are subtracted without rounding.
 DISTANCES = (0.0, 2.0**10, 2.0**20)
 
 
 class Found(NamedTuple):
-    """Of all machines of a kind under one accuracy: each row a summary of one machine.
+    """Errors of all machines of a kind at one accuracy: each row is a summary of one machine.
 
-    True error and error figure are relative; `doubts` are the reference's own.
+    True errors and error estimates (`figures`) are relative; `doubts` are uncertainties of the reference.
     """
 
     kind: str
@@ -56,12 +56,12 @@ class Found(NamedTuple):
 
     @property
     def beyond(self) -> np.ndarray:
-        """How far each true error lies beyond its figure."""
+        """Excess of each true error over its estimate."""
         return self.errors - self.doubts - self.figures
 
 
 def truths_of(kind: Kind, varied: Varied, near: bool) -> tuple[list[dict[str, Truth]], float]:
-    """True summaries of each machine, and what the worst of the references' series leaves over at its last degrees."""
+    """True summaries of each machine, and the largest remainder of the references' series at their last degrees."""
     found, tail = [], 0.0
     for k in range(varied["input.length"].size):
         numbers = {path: float(values[k]) for path, values in varied.items()}
@@ -73,7 +73,7 @@ def truths_of(kind: Kind, varied: Varied, near: bool) -> tuple[list[dict[str, Tr
 
 
 def scale_of(truths: dict[str, Truth], name: str, speed: float) -> float:
-    """What an error is relative to: the peak of a field for its statistics, 1 for places and differences."""
+    """Reference size of an error: the peak of a field for its statistics, 1 for positions and differences."""
     field = name.rpartition(".")[0]
     if name.endswith(("_at", "_difference")):
         return 1.0
@@ -98,8 +98,8 @@ def compared(
     near: bool,
     tail: float,
 ) -> Found:
-    """True errors and error figures of all that is asked of a kind; coordinates of machines that are moved left out."""
-    # Where the fluctuation is asked, the speeds are as asked and know no error.
+    """True errors and error estimates of a kind's summaries, without coordinates of moved machines."""
+    # With a required fluctuation the speeds are given and have no error.
     sized = "flywheel_wittenbauer" in kind.asked
     asked = [name for name in kind.asked if not (sized and name.startswith("speed_"))]
     outcome = Machine(kind.scene, asked, (), list(varied), accuracy=accuracy).evaluate(varied)
@@ -126,7 +126,7 @@ def measured(index: int, count: int, near: bool) -> list[Found]:
         varied = near_dead_centres(kind, varied)
     distance = np.resize(DISTANCES, count)
     there = translated(kind.scene, varied, distance)
-    # As computed, but for the distance: the engine is given coordinates that are rounded there.
+    # The same machines without the distance, with coordinates rounded as the engine gets them.
     moved = {path for path in there if there[path] is not varied.get(path)}
     here = {path: values - distance if path in moved else values for path, values in there.items()}
     truths, tail = truths_of(kind, here, near)
@@ -147,7 +147,7 @@ def _cell(errors: np.ndarray, figures: np.ndarray, doubts: np.ndarray) -> str:
 
 
 def _columns(results: list[Found], near: bool) -> list[Found]:
-    """All kinds as one, for each accuracy."""
+    """Errors of all kinds together, for each accuracy."""
     found = []
     for accuracy in ACCURACIES:
         some = [r for r in results if r.near == near and r.accuracy == accuracy]
@@ -164,7 +164,7 @@ def table(results: list[Found], near: bool) -> list[str]:
     """Lines of the table of coverage by class of quantity."""
     columns = _columns(results, near)
     labels = ["default" if a is None else f"accuracy {a:g}" for a in ACCURACIES]
-    lines = ["| | summaries | " + " | ".join(labels) + f" | short by > {SLIGHT:g} | shortest by |"]
+    lines = ["| | summaries | " + " | ".join(labels) + f" | too small by > {SLIGHT:g} | largest shortfall |"]
     lines.append("|---" * (len(labels) + 4) + "|")
     classes = [np.array([class_of(name) for name in column.names]) for column in columns]
     for one in sorted(set(classes[0])):
@@ -180,13 +180,13 @@ def table(results: list[Found], near: bool) -> list[str]:
 
 
 def _shortfalls(beyond: np.ndarray) -> list[str]:
-    """Share of figures that fall short by more than rounding would explain, and the greatest shortfall."""
+    """Share of estimates that are too small by more than rounding, and the largest shortfall."""
     share = 100.0 * np.count_nonzero(beyond > SLIGHT) / beyond.size
     return [f"{share:.2f} %", f"{beyond.max():.1e}" if beyond.max() > 0.0 else "–"]
 
 
 def uncovered(results: list[Found], count: int) -> list[str]:
-    """Lines of the worst true errors beyond their figures, under the default, of each kind and summary; no places."""
+    """Table lines of the largest true errors beyond their estimates, by default, without positions of extremes."""
     rows = {}
     for r in results:
         if r.accuracy is not None:
@@ -206,7 +206,7 @@ def uncovered(results: list[Found], count: int) -> list[str]:
 
 
 def draw(results: list[Found]) -> Figure:
-    """Figures over true errors under the default, for each kind of load."""
+    """Estimates over true errors by default, for each kind of load."""
     figure = Figure(figsize=(12, 3.8), layout="constrained")
     axes = figure.subplots(1, 4, sharex=True, sharey=True)
     random = np.random.default_rng(0)
@@ -221,27 +221,27 @@ def draw(results: list[Found]) -> Figure:
         ax.set(xscale="log", yscale="log", xlim=(5e-21, 3), ylim=(5e-21, 10), xlabel="true error, relative")
         ax.set_title(title)
         ax.grid(alpha=0.3)
-    axes[0].set_ylabel("error figure, relative")
+    axes[0].set_ylabel("error estimate, relative")
     return figure
 
 
 LOADS = ("smooth", "kinks", "jumps")
-TEXT = """# Error figures against true errors
+TEXT = """# Error estimates against true errors
 
 {machines} random machines of {kinds} structures (`random_machines.py`), and {near} slider-cranks and crank-rockers
-that come near a dead centre or a change point (`near_dead_centres.py`). Every cell: the share of true errors that
-are no greater than their error figure, and in brackets the median of figure over true error. `default` is a machine
-that is asked no accuracy; the others are asked that of every summary. The last two columns are of the default: the
-share of figures that fall short by more than {slight:g} of the quantity, and the greatest shortfall.
+that come near a dead centre or a change point (`near_dead_centres.py`). Each cell gives the share of true errors
+within their error estimates, and in brackets the median ratio of estimate to true error. `default` has no requested
+accuracy; the other columns request one for every summary. The last two columns refer to the default: the share of
+estimates that are too small by more than {slight:g} of the quantity, and the largest shortfall.
 
-The truth comes from closed formulas in extended precision (80 bits) by another method; what it leaves open itself is
-taken off the errors. The last two coefficients of its series are at most {tail:.0e} of the greatest (near dead centres
-{near_tail:.0e}).
+The truth comes from closed formulas in extended precision (80 bits) by another method; its own uncertainty is
+subtracted from the errors. The last two coefficients of its series are at most {tail:.0e} of the largest (near dead
+centres {near_tail:.0e}).
 Errors are relative to the peak of the field, for statistics of fields; to the value, for others.
-Two thirds of the machines stand 1 km and 1000 km from the origin; coordinates of their points are left out.
+Two thirds of the machines are 1 km and 1000 km from the origin; coordinates of their points are omitted.
 {failed}Made by `python results/accuracy/calibration.py`, in {minutes:.0f} minutes of processor time; {system}.
 
-![figures against errors](calibration.png)
+![Estimates against errors](calibration.png)
 """
 
 
@@ -264,24 +264,24 @@ def main() -> None:
         tail=max(r.tail for r in results if not r.near),
         near_tail=max(r.tail for r in results if r.near),
         near=count * len(NEAR),
-        failed=f"Left out because the engine gave no result: {words}.\n" if failed else "",
+        failed=f"Omitted, as the engine gave no result: {words}.\n" if failed else "",
         minutes=sum(seconds for _, seconds in found) / 60.0,
         system=f"{platform.machine()}, Python {platform.python_version()}",
     )
     lines = [text, "## Random machines", "", *table(results, near=False)]
     lines += ["## Near dead centres and change points", "", *table(results, near=True)]
-    lines += ["## Where a figure fell short most, by default", ""]
+    lines += ["## Largest shortfalls, by default", ""]
     rows = uncovered(results, 15)
-    heading = ["Relative to the size of the quantity, without places of extremes; `such`: how many machines.", ""]
-    heading += ["| machine | summary | variant | error | figure | such |", "|---|---|---|---|---|---|"]
-    lines += [*heading, *rows, ""] if rows else ["Nowhere.", ""]
+    heading = ["Relative to the size of the quantity, without positions of extremes; `cases`: number of machines.", ""]
+    heading += ["| machine | summary | variant | error | estimate | cases |", "|---|---|---|---|---|---|"]
+    lines += [*heading, *rows, ""] if rows else ["None.", ""]
     (HERE / "calibration.md").write_text("\n".join(lines), encoding="utf8")
     draw(results).savefig(HERE / "calibration.png", dpi=110)
     print("\n".join(lines))
 
 
 def timed(index: int, count: int, near: bool) -> tuple[list[Found], float]:
-    """What `measured` finds, and the processor time it took."""
+    """Result of `measured`, and its processor time."""
     begin = time.process_time()
     found = measured(index, count, near)
     print(f"{found[0].kind}{', near' if near else ''}: {time.process_time() - begin:.0f} s", flush=True)

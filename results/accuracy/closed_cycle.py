@@ -1,4 +1,4 @@
-"""True summaries of a cycle: extremes, means, works and flywheels from Legendre series on the pieces between breaks.
+"""True summaries of a cycle: extremes, means, work and flywheels from Legendre series on the pieces between breaks.
 
 The cycle is cut where a load switches, and further into panels until the Legendre series of degree 15 of every field
 on every panel has decayed to rounding; values at the nodes come from closed formulas in extended precision. Extremes,
@@ -21,15 +21,15 @@ from engine.scene.pairs import pairs
 NODES = 16
 FIRST_PANELS, MOST_PANELS = 20, 600
 GRID = 1440
-# Legendre coefficients that are left over at degree 15, relative to the greatest of the field.
+# Legendre coefficients that remain at degree 15, relative to the largest of the field.
 RESOLVED, SMALL = 1e-15, 1e-9
-# Extremes that differ by less than this, relative to the range, are one extreme at several places.
+# Extremes that differ by less than this, relative to the range, are one extreme at several positions.
 EQUAL = 1e-9
 TURN = 2 * PI
 
 
 def legendre_sum(x: np.ndarray, series: np.ndarray) -> np.ndarray:
-    """Σ cₖ Pₖ(x) by Clenshaw's recurrence; NumPy's own has its factors in double precision."""
+    """Σ cₖ Pₖ(x) by Clenshaw's recurrence; NumPy's has its factors in double precision."""
     one = np.longdouble(1)
     above, here = (series[-1] + x) * 0, series[-1] + x * 0
     for k in range(series.shape[0] - 2, -1, -1):
@@ -53,7 +53,7 @@ TO_SERIES = np.stack(
 
 
 class Panels(NamedTuple):
-    """Panels of a cycle: begins and lengths, and the middle of the piece that each belongs to."""
+    """Panels of a cycle: starts and lengths, and the middle of the piece that each belongs to."""
 
     begin: np.ndarray
     length: np.ndarray
@@ -73,18 +73,18 @@ class Curve:
 
     @classmethod
     def through(cls, panels: Panels, values: np.ndarray) -> "Curve":
-        """Of values at the panels' nodes."""
+        """The curve through values at the panels' nodes."""
         return cls(panels, TO_SERIES @ values.T)
 
     def integral(self) -> "Curve":
-        """From the begin of the cycle."""
+        """Integral from the start of the cycle, as a curve."""
         parts = legendre.legint(self.series, lbnd=-1) * (self.panels.length / 2)
         parts[0] += np.concatenate(([0], np.cumsum(parts.sum(axis=0))[:-1]))
         return Curve(self.panels, parts)
 
     @property
     def tail(self) -> float:
-        """Coefficients left over at the last two degrees, relative to the greatest of all panels."""
+        """Largest coefficient at the last two degrees, relative to the largest of all panels."""
         size = np.abs(self.series)
         return float(size[-2:].max() / size.max())
 
@@ -99,7 +99,7 @@ class Curve:
         return Curve(self.panels, a + factor * b)
 
     def at(self, panel: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Values at places from −1 to 1 of panels."""
+        """Values at local positions, from −1 to 1, of panels."""
         return legendre_sum(x, self.series[:, panel])
 
     def on_nodes(self) -> np.ndarray:
@@ -107,7 +107,7 @@ class Curve:
         return legendre_sum(X, self.series[:, :, None])
 
     def stationary(self) -> tuple[np.ndarray, np.ndarray]:
-        """Panels and local places of the ends of all panels and of all zeros of the derivative."""
+        """Panels and local positions of the ends of all panels and of all zeros of the derivative."""
         slope = legendre.legder(self.series)
         samples = np.linspace(-1, 1, NODES + 1).astype(np.longdouble)
         values = legendre_sum(samples, slope[:, :, None])
@@ -123,7 +123,7 @@ class Curve:
         return np.concatenate([panel, every, every]), places
 
     def extremes(self) -> tuple["Extreme", "Extreme"]:
-        """Least and greatest value of the cycle."""
+        """Minimum and maximum of the cycle."""
         panel, x = self.stationary()
         values = self.at(panel, x)
         begin, length = self.panels.begin[panel], self.panels.length[panel]
@@ -137,7 +137,7 @@ class Curve:
 
 
 class Extreme(NamedTuple):
-    """An extreme value, where it is, the middle of its piece, and where else the curve comes as near to it."""
+    """An extreme value, its angle, the middle of its piece, and all angles at which the curve reaches it."""
 
     value: np.longdouble
     angle: np.longdouble
@@ -160,7 +160,7 @@ def refined(function: Callable, low: np.ndarray, high: np.ndarray) -> np.ndarray
 
 
 def stroke_ends(motion: Callable, sliders: Iterable[str], grid: np.ndarray) -> tuple[Ends, dict]:
-    """Ends of all strokes, and the angles at which sliders are there; `motion` is that at some angles."""
+    """Ends of all strokes, and the angles at which sliders are there; `motion` gives the motion at angles."""
     ends, places = {}, {}
     for name in sliders:
 
@@ -172,14 +172,14 @@ def stroke_ends(motion: Callable, sliders: Iterable[str], grid: np.ndarray) -> t
         at = refined(rate, grid[k], grid[k + 1])
         d = motion(at).slides[name][0]
         ends[name] = d.min(), d.max()
-        # A ram behind a rocker comes to its dead centre twice, equally far.
+        # A ram behind a rocker reaches the same dead centre twice in a turn.
         near = EQUAL * (d.max() - d.min())
         places[name] = at[d <= d.min() + near], at[d >= d.max() - near]
     return ends, places
 
 
 class Field(NamedTuple):
-    """A field, or where it is the magnitude of a vector, the square of it, which is smooth where it vanishes."""
+    """A field or, for the magnitude of a vector, its square, which is smooth where the vector vanishes."""
 
     series: Series
     magnitude: bool = False
@@ -216,7 +216,7 @@ def fields_of(dynamics: Dynamics) -> dict[str, Field]:
 
 
 class Cycle:
-    """A machine's cycle at uniform speed of its crank, cut into panels."""
+    """A machine's cycle at constant crank speed, cut into panels."""
 
     def __init__(self, scene: Scene, varied: dict[str, float]) -> None:
         self.scene, self.numbers = scene, numbers_of(scene, varied)
@@ -249,7 +249,7 @@ class Cycle:
             if moment.type == "table":
                 found.append(np.array(moment.over_angle, np.longdouble))
         breaks = np.sort(np.concatenate(found) % TURN) if found else np.zeros(1, np.longdouble)
-        # A switch of two loads at once is one.
+        # Two loads that switch at the same angle make one break.
         return breaks[np.concatenate(([True], np.diff(breaks) > 1e-13))]
 
     def _cut(self, count: int) -> Dynamics:
@@ -267,7 +267,7 @@ class Cycle:
         return Dynamics(self.scene, self.numbers, where, self.ends)
 
     def _resolve(self, count: int) -> float:
-        """Fields on so many panels; returns what the series leave over at their last degrees."""
+        """Fields on a number of panels; returns the remainder of the series at their last degrees."""
         self.dynamics = self._cut(count)
         self.fields = fields_of(self.dynamics)
         self.curves = {name: self.curve(field.series) for name, field in self.fields.items()}

@@ -34,7 +34,7 @@ class Wrench(NamedTuple):
 
 
 class Where(NamedTuple):
-    """The motion at the angles asked, and at the middles of the pieces that they belong to."""
+    """The motion at given angles, and at the middles of the pieces that they belong to."""
 
     here: Motion
     middle: Motion
@@ -55,7 +55,7 @@ def angle_pieces(action: object) -> tuple[np.ndarray, np.ndarray]:
         zero = np.zeros(y.size - 1)
         return x, np.stack([zero, zero, np.diff(y) / np.diff(x), y[:-1]])
     if action.interpolation == "pchip":
-        # The cycle three times over, for the slopes at its ends.
+        # The cycle repeated three times, for the slopes at its ends.
         turns = np.concatenate([x[:-1] + 2 * np.pi * k for k in (-1, 0, 1)])
         curve, first = PchipInterpolator(turns, np.tile(y[:-1], 3)), x.size - 1
         return x, curve.c[:, first : first + x.size - 1]
@@ -63,13 +63,13 @@ def angle_pieces(action: object) -> tuple[np.ndarray, np.ndarray]:
 
 
 class Loads:
-    """What acts on the links of a machine at the uniform speed of its crank."""
+    """Loads on the links of a machine at constant crank speed."""
 
     def __init__(self, scene: Scene, numbers: Numbers, where: Where, ends: Ends) -> None:
         self.scene, self.numbers, self.where, self.ends = scene, numbers, where, ends
         self.motion = where.here
         self.speed = numbers["input.speed"]
-        # The reduced moment of each load, and what it does to the links.
+        # The reduced moment of each load, and its forces on the links.
         self.moments: list[Series] = []
         self.wrenches: dict[str, list[Wrench]] = {name: [] for name in self.motion.links}
         self.switches: list[Series] = []
@@ -103,7 +103,7 @@ class Loads:
         at = f"forces.{name}"
         place, link = self.motion.points[force.on], holder_of(self.scene, force.on)
         if force.angle is None:
-            # Linear drag: against the velocity itself.
+            # Linear drag acts against the velocity.
             factor = -self.numbers[f"{at}.coefficient"] * self.speed
             self._push(link, place, place.by_angle().times(factor))
             return
@@ -215,7 +215,7 @@ class Loads:
 
 
 class Dynamics:
-    """Reduced inertia and moment, and reactions, of a machine at uniform speed, as Taylor series by field."""
+    """Reduced inertia and moment, and reactions, of a machine at constant speed, as Taylor series by field."""
 
     def __init__(self, scene: Scene, numbers: Numbers, where: Where, ends: Ends) -> None:
         self.scene, self.numbers, self.motion = scene, numbers, where.here
@@ -245,7 +245,7 @@ class Dynamics:
         return sum(self.totals[link], Wrench(Place(zero, zero), zero))
 
     def _outer(self, name: str, point: str, link: str, load: Wrench, inner: Place) -> None:
-        """Reaction of an outer joint on a link, and its opposite on what carries the joint."""
+        """Reaction of an outer joint on a link, and the opposite force on the link that carries the joint."""
         reaction = Place(-load.force.x - inner.x, -load.force.y - inner.y)
         self.reactions[name] = reaction
         place, back = self.motion.points[point], reaction.times(-1)

@@ -1,4 +1,4 @@
-"""Motion of a mechanism by closed formulas in Taylor series: where every point and link is, with all derivatives.
+"""Motion of a mechanism by closed formulas in Taylor series: positions of points and links, with all derivatives.
 
 Joints are found as intersections of circles and straight lines; nothing is shared with the engine but the scene and
 its conventions.
@@ -16,7 +16,7 @@ Numbers = dict[str, object]
 
 
 def numbers_of(scene: Scene, varied: dict[str, float]) -> Numbers:
-    """All numbers of a scene, those that are varied as given."""
+    """All numbers of a scene, with the given values of varied ones."""
     absent = {f"bodies.{body}.{key}": 0.0 for body in scene.bodies for key in ("x", "y", "inertia")}
     known = {path: limit.value for path, limit in scene_numbers(scene).items()}
     return {path: LONG(value) for path, value in (absent | known | varied).items()}
@@ -82,7 +82,7 @@ class Pose(NamedTuple):
 
 
 class Motion:
-    """Poses of links, places of points and slides of sliders at many crank angles, as Taylor series.
+    """Poses of links, positions of points and slides of sliders at many crank angles, as Taylor series.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""True values of a machine's summaries, by the engine's names, with what the references themselves may be off by."""
+"""True values of a machine's summaries, by the engine's names, with the uncertainty of the references."""
 
 import math
 from typing import NamedTuple
@@ -8,12 +8,12 @@ from closed_cycle import TO_SERIES, TURN, Curve, Cycle, W, X, legendre_sum
 
 STATISTICS_OF_VALUE = ("min", "max", "range", "peak", "mean", "rms")
 ORDERS = (1, 2, 4)
-# What may be left of the series of a root, as a share of its greatest value, and the least length of a part of a panel.
+# Permitted remainder of the series of a root, relative to its maximum, and minimum length of a part of a panel.
 CLOSE_ROOT, SHORT = 1e-16, 1e-9
 
 
 class Truth(NamedTuple):
-    """A true value; for places all of them where the curve is extreme; what is left unresolved, in the same unit."""
+    """A true value; for positions, all angles of the extreme; and its uncertainty, in the same unit."""
 
     values: tuple
     doubt: float = 0.0
@@ -37,7 +37,7 @@ def one(value: object, doubt: float = 0.0) -> Truth:
 
 
 def integral_of_root(curve: Curve) -> tuple[np.longdouble, float]:
-    """Integral of the root of a curve, and what it leaves open.
+    """Integral of the root of a curve, and its uncertainty.
 
     Panels are halved until the root's series has decayed.
     """
@@ -56,7 +56,7 @@ def integral_of_root(curve: Curve) -> tuple[np.longdouble, float]:
         panel, low, high = panel[~done], low[~done], high[~done]
         middle = (low + high) / 2
         panel, low, high = np.tile(panel, 2), np.append(low, middle), np.append(middle, high)
-    # The square is known to its own rounding.
+    # The square is known within its rounding.
     return total, left + float(8 * np.finfo(np.longdouble).eps * scale * TURN)
 
 
@@ -67,7 +67,7 @@ class Summaries:
     ----------
     cycle : Cycle
     asked : set of str
-        Of the statistics of fields, only those of fields that are named here.
+        Names of summaries; only fields named here get statistics.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ class Summaries:
         mean_square = curve.total / TURN if field.magnitude else self._square(curve)
         mean, doubt, doubts = curve.total / TURN, 0.0, (0.0, 0.0)
         if field.magnitude:
-            # The square is known to within this; its root the less, the smaller it is.
+            # Uncertainty of the square; that of the root grows as it becomes small.
             left = np.abs(curve.series[-2:]).max() + 16 * np.finfo(np.longdouble).eps * high.value
             doubts = tuple(float(left / (np.sqrt(max(e.value, np.longdouble(0))) + np.sqrt(left))) for e in (low, high))
             total, doubt = integral_of_root(curve)
@@ -185,7 +185,7 @@ class Summaries:
         self.truths |= {name: one(value) for name, value in found.items()}
 
     def _sizes(self, work: Curve, inertia: Curve, omega: object, delta: object, excess: object) -> dict[str, object]:
-        # Half the squares of the least and the greatest speed.
+        # Half the squares of the minimum and maximum speed.
         slow, middle, fast = (omega**2 * (1 + sign * delta / 2) ** 2 / 2 for sign in (-1, 0, 1))
         energies = [work.plus(inertia, -slope).extremes() for slope in (slow, middle, fast)]
         scale = delta * omega**2
@@ -201,13 +201,13 @@ class Summaries:
         }
 
     def _first_kind(self) -> np.longdouble:
-        """Constant inertia: that of the bodies on the crank."""
+        """Constant part of the inertia, of the bodies on the crank."""
         n, scene = self.cycle.numbers, self.cycle.scene
         on_crank = [f"bodies.{name}" for name, body in scene.bodies.items() if body.link == scene.input.link]
         return sum(n[f"{b}.inertia"] + n[f"{b}.mass"] * (n[f"{b}.x"] ** 2 + n[f"{b}.y"] ** 2) for b in on_crank)
 
     def _speeds(self, work: Curve, inertia: Curve, omega: object, wheel: object) -> dict[str, object]:
-        """Least and greatest speed of the cycle with a flywheel, about its mean speed."""
+        """Minimum and maximum speed of the cycle with a flywheel, for its mean speed."""
         w, i = work.on_nodes(), inertia.on_nodes() + wheel
         usual = omega**2 / 2
 

@@ -1,8 +1,8 @@
-"""What little accuracy costs on the bundled studies of whole cycles, as a share of the default.
+"""Cost of low accuracy on the bundled studies of whole cycles, relative to the default.
 
     python results/accuracy/coarse.py
 
-writes coarse.md beside this file. All machines of a study run in one process, by turns, on one thread.
+writes coarse.md next to this file. All machines of a study run in one process, in turn, on one thread.
 """
 
 import os
@@ -34,7 +34,7 @@ NOTHING = 1e-300
 
 
 def row_of(folder: str, name: str) -> tuple[str, list[float]]:
-    """Row of a study, and what each accuracy costs as a share of the default."""
+    """Row of a study, and the cost of each accuracy relative to the default."""
     study = read_study(FOLDER / folder / f"{name}.toml")
     values, dropped = study.values(0, min(SLOW_VARIANTS if name in SLOW else VARIANTS, study.design.size))
     varied = {path: np.asarray(values[path])[~dropped] for path in study.paths}
@@ -56,15 +56,15 @@ def row_of(folder: str, name: str) -> tuple[str, list[float]]:
     return f"| {' | '.join(cells)} |", list(cost[1:] / cost[0])
 
 
-TEXT = """# What little accuracy costs
+TEXT = """# Cost of low accuracy
 
-µs of processor time per variant, also as a share of the default's; true errors against accuracy {truth:g}, relative to
-each value, of the summary that is worst, what 99 % of the variants are within, without places of extremes; and the
-share of errors of all summaries that their figures cover. Medians of the shares: {medians}.
+Processor time per variant, also relative to the default; true error against accuracy {truth:g}, relative to the value:
+the 99 % quantile over the variants of the worst summary, without positions of extremes; and the share of errors of all
+summaries that are within their estimates. Median relative times: {medians}.
 
 {processor}, shared with others. Made by `python results/accuracy/coarse.py`.
 
-| study | default [µs] | 1e-4 [µs] | share | true error | covered | 1 % [µs] | share | true error | covered |
+| study | default [µs] | 1e-4 [µs] | relative | true error | covered | 1 % [µs] | relative | true error | covered |
 |---|---|---|---|---|---|---|---|---|---|
 """
 

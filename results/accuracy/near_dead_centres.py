@@ -1,7 +1,6 @@
 """Random machines that come near a dead centre or a change point, and their references with panels graded towards it.
 
-A length is changed so that the group, where it is stretched, just reaches: by a share ε from 1e-6 to 0.1, evenly by its
-logarithm.
+A length is changed so that the stretched group just reaches, with a relative margin ε from 1e-6 to 0.1, log-uniform.
 """
 
 import numpy as np
@@ -9,13 +8,13 @@ from closed_cycle import TURN, Cycle
 from random_machines import SEED, Kind, Varied
 
 LEAST, MOST = 1e-6, 0.1
-# Distances of the reference's cuts from the sharp place [rad]: a panel half as long as it is far from there converges
-# tenfold with every degree.
+# Distances of the reference's cuts from the sharp position [rad]: the series of a panel half as long as its distance
+# from there converges tenfold with every degree.
 DISTANCES = 0.5 * np.longdouble(1.5) ** -np.arange(22)
 
 
 def near_dead_centres(kind: Kind, varied: Varied) -> Varied:
-    """These machines with the lengths of their group changed; slider-cranks and crank-rockers."""
+    """Slider-cranks or crank-rockers with changed lengths of their group."""
     random = np.random.default_rng([SEED, 1, *kind.name.encode()])
     crank, rod = varied["input.length"], varied["groups.g.first.length"]
     more = 1.0 + LEAST * (MOST / LEAST) ** random.random(crank.size)
@@ -27,7 +26,7 @@ def near_dead_centres(kind: Kind, varied: Varied) -> Varied:
 
 
 class NearCycle(Cycle):
-    """A cycle whose panels are the shorter, the nearer they are to where the group is stretched."""
+    """A cycle whose panels get shorter towards the stretched position of the group."""
 
     def _breaks(self, grid: np.ndarray) -> np.ndarray:
         n = self.numbers

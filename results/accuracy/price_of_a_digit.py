@@ -1,10 +1,10 @@
-"""What a digit costs: error against time of a cycle's summaries, a run and steady running; writes price_of_a_digit.png.
+"""Cost of a digit: error against time of a cycle's summaries, a run and steady running; writes price_of_a_digit.png.
 
     python results/accuracy/price_of_a_digit.py
 
-needs heyoka.py (pip install heyoka). All methods run by turns on one core with the same variants of one machine, the
-press of the benchmark of motion. heyoka.py starts anew at the jumps, which are given to it; equal positions and equal
-steps pass over them. Without a search for steady running, the others run until nothing changes any more.
+needs heyoka.py (pip install heyoka). All methods run in turn on one core with the same variants of one machine, the
+press of the motion benchmark. heyoka.py restarts at the jumps, which are given to it; equal positions and equal steps
+ignore them. Without a search for steady running, the other methods run until the motion is steady.
 """
 
 import sys
@@ -40,7 +40,7 @@ Results = Callable[[], np.ndarray]
 
 
 class Method(NamedTuple):
-    """A method at one setting: its results, (numbers, variants), and what is timed."""
+    """A method at one setting: its results, (numbers, variants), and the timed call."""
 
     name: str
     results: Results
@@ -101,7 +101,7 @@ def last_period(steps: int) -> Results:
 
 
 def last_period_by_taylor(tolerance: float) -> Method:
-    """The same by heyoka.py; timed is the longer of the two runs whose times it takes."""
+    """The same by heyoka.py; of its two runs the longer one is timed."""
     long, short = taylor(tolerance, UNTIL_STEADY), taylor(tolerance, UNTIL_STEADY - 1)
     return Method(TAYLOR, lambda: long()[1:] - short()[1:], long)
 
@@ -137,7 +137,7 @@ def main() -> None:
     truths = [cycle(TRUTH)(), run(TRUTH)(), steady(TRUTH)()]
     figure = Figure(figsize=(13, 4.2), layout="constrained")
     for ax, truth, (title, methods) in zip(figure.subplots(1, 3), truths, entries().items(), strict=True):
-        # A mean torque may vanish.
+        # A mean torque may be zero.
         scale = np.abs(truth) if len(truth) < len(STATISTICS) else np.abs(truth).max(axis=0)
         off = [np.abs(method.results() - truth) / scale for method in methods]
         errors = [max(float(np.median(rows.max(axis=0))), FLOOR) for rows in off]

@@ -1,4 +1,4 @@
-"""Groups of summaries that behave alike, and of machines whose loads do."""
+"""Groups of similar summaries, and of machines with similar loads."""
 
 LOADS = {
     "smooth": ("slider-crank", "crank-rocker", "swinging block"),
@@ -9,10 +9,10 @@ KINEMATIC = ("velocity", "acceleration", ".x")
 
 
 def class_of(name: str) -> str:
-    """Group of a summary, as it is called in tables."""
+    """Name of a summary's group in tables."""
     field, _, what = name.rpartition(".")
     if what in ("min_at", "max_at"):
-        return "places of extremes [rad]"
+        return "positions of extremes [rad]"
     if what in ("min", "max", "mean", "rms"):
         size = "extremes" if what in ("min", "max") else "mean, rms"
         return f"{_field(field)}: {size}"
@@ -29,8 +29,8 @@ def class_of(name: str) -> str:
         "excess_work": "excess work",
         "excess_work_difference": "flywheels",
         "speed_fluctuation": "speed fluctuation",
-        "speed_min": "least and greatest speed",
-        "speed_max": "least and greatest speed",
+        "speed_min": "minimum and maximum speed",
+        "speed_max": "minimum and maximum speed",
     }.get(what, "flywheels")
 
 

@@ -1,7 +1,7 @@
 """Random machines for the measurements of accuracy: structures with their loads, all numbers drawn at random.
 
-Dimensions are drawn so that transmission angles from good to a few degrees occur, masses and loads over decades.
-Those that can't be assembled all the way round are drawn again.
+Dimensions are drawn so that transmission angles from good to a few degrees occur; masses and loads vary over decades.
+Machines that can't be assembled over the whole turn are drawn again.
 """
 
 import math
@@ -29,7 +29,7 @@ Varied = dict[str, np.ndarray]
 
 
 class Kind(NamedTuple):
-    """A structure with its loads: the scene, how its numbers are drawn, fields and summaries that are looked at."""
+    """A structure with its loads: the scene, how its numbers are drawn, fields and summaries to compare."""
 
     name: str
     scene: Scene
@@ -386,7 +386,7 @@ def kinds() -> list[Kind]:
 
 
 def translated(scene: Scene, varied: Varied, distance: np.ndarray) -> Varied:
-    """The same machines elsewhere: all points and guides of the frame moved, each machine by its distance [m]."""
+    """The same machines with all points and guides of the frame moved, each machine by its distance [m]."""
     found = dict(varied)
     for kind, parts in (("points", scene.points), ("guides", scene.guides)):
         for name, part in parts.items():
@@ -397,7 +397,7 @@ def translated(scene: Scene, varied: Varied, distance: np.ndarray) -> Varied:
 
 
 def machines(kind: Kind, count: int, seed: int = SEED) -> Varied:
-    """Numbers of machines that can be assembled all the way round and run through the cycle."""
+    """Numbers of machines that can be assembled over the whole turn and run through the cycle."""
     random = np.random.default_rng([seed, *kind.name.encode()])
     found: Varied = {}
     asked = [f"{g}.transmission_angle" for g in kind.scene.groups] + ["speed_fluctuation"]

@@ -1,7 +1,7 @@
 """Truncated Taylor series by the crank angle: derivatives of closed formulas to any order, in extended precision.
 
-A series holds the coefficients f, f', f''/2!, … at many crank angles at once, as NumPy arrays. None of it is the
-engine's: it is the arithmetic of the references.
+A series has the coefficients f, f', f''/2!, … at many crank angles at once, as NumPy arrays. It is the arithmetic of
+the references, independent of the engine.
 """
 
 import numpy as np
@@ -12,7 +12,7 @@ PI = LONG("3.14159265358979323846264338327950288419716939937510582097494")
 
 
 class Series:
-    """Coefficients of a truncated Taylor series, lowest order first; operations keep the lesser order of two."""
+    """Coefficients of a truncated Taylor series, lowest order first; operations keep the lower order of two."""
 
     __array_ufunc__ = None
 

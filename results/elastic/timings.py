@@ -1,6 +1,6 @@
-"""Time of elastic links for each variant on one thread: python results/elastic/timings.py.
+"""Time per variant of elastic links on one thread: python results/elastic/timings.py.
 
-The least of several runs, in processor time, which other work on the machine changes least.
+The minimum processor time of several runs, which other work on the machine affects least.
 """
 
 import sys
@@ -17,7 +17,7 @@ VARIANTS = 20_000
 
 
 def train(masses: int, **others: object) -> dict:
-    """A free chain of equal masses and shafts; its losses have a meaning only under an excitation."""
+    """A free chain of equal masses and shafts; its losses only matter under an excitation."""
     shaft = {"stiffness": 1e4} | ({"energy_absorption": 0.05} if "excitations" in others else {})
     return {
         "type": "torsional_train",
@@ -59,12 +59,12 @@ CASES = {
     "train of 6 masses: 5 frequencies and modes": (train(6), "shafts.s2.stiffness"),
     "train of 20 masses: 19 frequencies and modes": (train(20), "shafts.s2.stiffness"),
     "train of 6 masses under 12 orders": (train(6, speed=10.0, excitations=ORDERS), "shafts.s2.stiffness"),
-    "start through backlash, with its figures": (START, "stiffness"),
+    "start through backlash, with its estimates": (START, "stiffness"),
     "the same under an induction motor": (
         {key: value for key, value in START.items() if key != "motor_moment"} | {"motor": INDUCTION},
         "stiffness",
     ),
-    "one mass, forced, with its figures": (ROTOR, "stiffness"),
+    "one mass, forced, with its estimates": (ROTOR, "stiffness"),
     "one mass, run through its resonance too": (
         ROTOR | {"run_through": {"start": 150.0, "acceleration": -2.0}},
         "stiffness",
@@ -86,4 +86,4 @@ if __name__ == "__main__":
     set_threads(1)
     for name, (element, path) in CASES.items():
         count = VARIANTS // 10 if "run through" in name else VARIANTS
-        print(f"{name:50s} {microseconds(element, path, count):8.2f} µs a variant")
+        print(f"{name:50s} {microseconds(element, path, count):8.2f} µs per variant")

@@ -1,4 +1,4 @@
-"""Make one picture of each kind again, and the page that shows them: `python results/gallery/gallery.py`."""
+"""Remake one picture of each kind, and the page that shows them: `python results/gallery/gallery.py`."""
 
 import shutil
 import tempfile
@@ -15,7 +15,7 @@ WIDTH = 1000
 
 
 class Shown(NamedTuple):
-    """What is shown: words, the commands that make it, and the pictures chosen of what they write."""
+    """An entry: heading, commands, and the pictures chosen from their output."""
 
     words: str
     commands: tuple[str, ...]
@@ -23,7 +23,7 @@ class Shown(NamedTuple):
 
 
 def of_template(words: str, name: str, *pictures: str) -> Shown:
-    """What `sweeps plot` makes of a template."""
+    """Pictures that `sweeps plot` makes of a template."""
     return Shown(words, (f"sweeps new {name}", f"sweeps plot {name}.toml"), pictures)
 
 
@@ -54,7 +54,7 @@ SHOWN = (
         ("results/loads_reactions.png", "results/loads_bearing_drive_inner.png"),
     ),
     Shown(
-        "A sweep over one number, over two, over many; two results against each other",
+        "Sweeps over one, two and many numbers; scatter of two results",
         (
             "sweeps run one_number.toml",
             "sweeps run two_numbers.toml",
@@ -92,7 +92,7 @@ def make(shown: Shown, folder: Path) -> list[str]:
 
 
 def shrink(path: Path) -> str:
-    """Copy a picture to the gallery, no wider than a page and in 256 colours, thin lines' own among them."""
+    """Copy a picture to the gallery, no wider than a page and in 256 colours, including those of thin lines."""
     if path.suffix == ".gif":
         shutil.copy(path, HERE / path.name)
         return path.name
@@ -107,9 +107,9 @@ def page(entries: list[tuple[Shown, list[str]]]) -> str:
     """The gallery in Markdown."""
     parts = [
         "# Pictures\n\n"
-        "Each kind once, with the commands that make it; all again: `python results/gallery/gallery.py`.\n"
+        "One picture of each kind, with its commands. To remake all: `python results/gallery/gallery.py`.\n"
         "Pictures of the guide: `python results/gallery/worked_pages.py`.\n"
-        "A design in Python, from what is wanted to its flywheel, is a notebook: [hacksaw.ipynb](hacksaw.ipynb)."
+        "A design in Python, from the requirements to the flywheel, is a notebook: [hacksaw.ipynb](hacksaw.ipynb)."
     ]
     for shown, names in entries:
         commands = "\n".join(shown.commands)

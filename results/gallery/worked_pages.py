@@ -1,6 +1,6 @@
 """Run the worked pages of the guide; remake their pictures and shown outputs: `python results/gallery/worked_pages.py`.
 
-A worked page writes files (a block ```` ```toml FILE ````, appended if FILE exists, in place of tables given again),
+A worked page writes files (a block ```` ```toml FILE ````, appended if FILE exists; its tables replace earlier ones),
 draws pictures by Python (```` ```python FILE ````) and shows commands with their output (```` ```console ````). In an
 output, a line `…` stands for any lines, `…` within a line for any text. Pages of the tutorial are run in one folder,
 one after the other; any other page starts with the compressor of the tutorial.
@@ -52,7 +52,7 @@ def write_files(page: Path, folder: Path) -> None:
 
 
 def append(path: Path, text: str) -> None:
-    """Append a block to a file, in place of the tables there that it gives again."""
+    """Append a block to a file; its tables replace those already there."""
     before = f"{path.read_text('utf8')}\n" if path.exists() else ""
     for table in re.findall(r"^\[.*\]$", text, re.M):
         before = re.sub(rf"^{re.escape(table)}.*?(?=^\[|\Z)", "", before, flags=re.M | re.S)
@@ -66,7 +66,7 @@ def commands(body: str) -> list[tuple[str, str]]:
 
 
 def output_of(command: str, shown: str) -> str:
-    """Run a command; it may fail only if an error is shown, or as `compare` does where results differ."""
+    """Run a command; it may fail only if an error is shown, or if `compare` finds differences."""
     words = shlex.split(command)
     if words[0] == "cp":
         shutil.copy(*words[1:])
@@ -80,7 +80,7 @@ def output_of(command: str, shown: str) -> str:
 
 
 def matches(shown: str, real: str) -> bool:
-    """Whether an output is the one shown, but for what `…` stands for."""
+    """Whether an output matches the one shown, in which `…` stands for any text."""
     lines = (
         "(?:.*\n)*?" if line.strip() == "…" else re.escape(line).replace("…", ".*?") + "\n"
         for line in shown.splitlines()
@@ -89,7 +89,7 @@ def matches(shown: str, real: str) -> bool:
 
 
 def renewed(shown: str, real: str) -> str:
-    """An output with the selection of lines shown before; all of it if nothing was shown."""
+    """An output reduced to the lines shown before; all of it if nothing was shown."""
     if matches(shown, real) or not shown.strip():
         return shown if shown.strip() else real
     left, lines = real.splitlines(), []

@@ -1,7 +1,7 @@
-"""A plate on three bars, followed along its crank with 50 digits: three distances, no tree and no cut.
+"""A plate on three bars, tracked along its crank with 50 digits, by the lengths of the bars.
 
-The unknowns are the plate's place and direction; what is solved are the three equations |P − F|² = l² of its bars. So
-nothing is shared with the engine but the geometry.
+The unknowns are the plate's position and direction; the equations are |P − F|² = l² of its three bars. Only the
+geometry is shared with the engine.
 """
 
 from collections.abc import Sequence
@@ -11,13 +11,13 @@ from typing import NamedTuple
 import mpmath
 
 DIGITS = 50
-# A first correction may be no longer than this [m, rad], and each must be this much shorter than the one before it.
+# Maximum first correction [m, rad], and factor by which each must be shorter than the one before it.
 _LONGEST, _SHORTER = Decimal("0.02"), Decimal("0.2")
-# A correction after which rounding is all that is left: errors fall with their squares.
+# A correction after which only rounding remains, as errors decrease quadratically.
 _LAST = Decimal(10) ** -26
 # Halvings of a step before a path ends.
 _HALVINGS = 30
-# Of the determinant at least this share is left after a step.
+# Minimum share of the determinant that remains after a step.
 _LEAST_SHARE = Decimal("0.2")
 
 Pair = tuple[Decimal, Decimal]
@@ -31,7 +31,7 @@ class ExactTriad(NamedTuple):
     corners : tuple of (Decimal, Decimal)
         The plate's joints in its own axes; the first belongs to the bar on the crank.
     pivots : tuple of (Decimal, Decimal)
-        Where the second and the third bar are joined to the frame; the crank turns about the origin.
+        Frame joints of the second and the third bar; the crank turns about the origin.
     lengths : tuple of Decimal
     crank : Decimal
     """
@@ -43,7 +43,7 @@ class ExactTriad(NamedTuple):
 
 
 class Pose(NamedTuple):
-    """Place and direction of the plate."""
+    """Position and direction of the plate."""
 
     x: Decimal
     y: Decimal
@@ -67,7 +67,7 @@ class ExactPath(NamedTuple):
 
 
 def _equations(triad: ExactTriad, pose: Pose, pin: Pair) -> tuple[list[Decimal], list[tuple], list[Pair]]:
-    """What the bars miss, their derivatives by the unknowns, and the bars."""
+    """Residuals of the bar lengths, their derivatives by the unknowns, and the bars."""
     x, y, c, s = pose
     misses, rows, bars = [], [], []
     for (u, v), (fx, fy), length in zip(triad.corners, (pin, *triad.pivots), triad.lengths, strict=True):
@@ -80,7 +80,7 @@ def _equations(triad: ExactTriad, pose: Pose, pin: Pair) -> tuple[list[Decimal],
 
 
 def solved_triple(rows: Sequence[tuple], right: Sequence) -> tuple[tuple, object]:
-    """Solution of three linear equations of any kind of numbers, and their determinant."""
+    """Solution of three linear equations in any number type, and their determinant."""
     (a, b, c), (d, e, f), (g, h, i) = rows
     m0, m1, m2 = e * i - f * h, f * g - d * i, d * h - e * g
     whole = a * m0 + b * m1 + c * m2
@@ -100,7 +100,7 @@ def _moved(pose: Pose, by: Sequence[Decimal]) -> Pose:
 
 
 def corrected(triad: ExactTriad, pose: Pose, pin: Pair) -> tuple[Pose, Decimal] | None:
-    """The root beside a pose and the determinant there; None where corrections don't fall as near a root."""
+    """The root near a pose and the determinant there; None if corrections don't decrease as they do near a root."""
     before = _LONGEST / _SHORTER
     while True:
         misses, rows, _ = _equations(triad, pose, pin)
@@ -114,7 +114,7 @@ def corrected(triad: ExactTriad, pose: Pose, pin: Pair) -> tuple[Pose, Decimal] 
 
 
 def followed_exactly(triad: ExactTriad, start: Pose, steps: int) -> ExactPath:
-    """A mode over a turn in so many steps, halved where corrections don't fall as they do near a root.
+    """A mode over a turn in equal steps, halved where corrections don't decrease as they do near a root.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def followed_exactly(triad: ExactTriad, start: Pose, steps: int) -> ExactPath:
         while len(poses) <= steps:
             if rate is None:
                 _, rows, bars = _equations(triad, pose, (triad.crank * c, triad.crank * s))
-                # The pin moves across the crank; the first bar alone feels it.
+                # The pin moves perpendicular to the crank; only the first bar depends on it.
                 miss = triad.crank * (bars[0][1] * c - bars[0][0] * s)
                 rate, _ = solved_triple(rows, (miss, Decimal(0), Decimal(0)))
             h, cosine, sine = spans[halved]
@@ -155,7 +155,7 @@ def followed_exactly(triad: ExactTriad, start: Pose, steps: int) -> ExactPath:
             if left == 0:
                 poses.append(pose)
                 left, done = 1 << _HALVINGS, done + 1
-            # A longer step again, if it ends where steps end.
+            # Return to a longer step if it ends on the grid of steps.
             if halved and left % (1 << (_HALVINGS - halved + 1)) == 0:
                 halved -= 1
         return ExactPath(poses, None)

@@ -1,12 +1,12 @@
-"""Random triads: tables of seeds against paths ten times finer, followed with 50 digits.
+"""Random triads: tables of seeds against paths ten times finer, tracked with 50 digits.
 
     python results/groups/mode_campaign.py 10000 modes.txt
 
-Each scene is a crank and a plate on three bars with random lengths; its modes at the first position are followed over a
-turn by the steps that machines take, and by 720 steps with 50 digits of other equations (`exact_triads`). Both must end
-alike: back where they began, on another mode, or where modes meet, unless a table has no room for all its seeds; and
-wherever both go on, the directions of the plate and of a bar must agree after each of these. The counts are written
-anew after every hundred modes.
+Each scene is a crank and a plate on three bars with random lengths; its modes at the first position are tracked over a
+turn by the steps that machines take, and by 720 steps with 50 digits and other equations (`exact_triads`). Both must
+have the same end: at the start, in another mode, or where modes meet, unless the table is full; and as long as both
+continue, the directions of the plate and of a bar must agree after each of the 720 steps. The counts are rewritten
+after every hundred modes.
 """
 
 import sys
@@ -27,26 +27,26 @@ from engine.mechanism.mechanics import Mechanics
 from engine.scene.scene import Numbers, scene_numbers
 from engine.scene.structure.free_groups import cutting_of
 
-# Positions at which paths are compared, and how many steps of 50 digits lie between two of them.
+# Positions at which paths are compared, and number of steps with 50 digits between two of them.
 PLACES, FINER = 720, 1
-# Starts from which the modes of a scene are looked for, and corrections of each.
+# Random starts to find the modes of a scene, and corrections of each.
 _STARTS, _CORRECTIONS = 24, 40
 _BARS = {"rod": ("A", "B"), "lower": ("P", "C"), "upper": ("Q", "D")}
-# Directions that differ by more belong to different modes.
+# Directions that differ by more than this belong to different modes.
 _APART = 1e-6
 
 
 class Followed(NamedTuple):
-    """A mode followed over a turn.
+    """A mode tracked over a turn.
 
     Attributes
     ----------
     ends, exact_ends : str
-        How the table's path and the exact one end.
+        Ends of the table's path and of the exact one.
     apart : float
-        How far cosines and sines are apart at most, where both go on.
+        Maximum difference of cosines and sines, as long as both continue.
     place_apart : float
-        How far the places are apart where modes meet [rad]; NaN where they don't.
+        Difference of the positions where modes meet [rad]; NaN if they don't.
     """
 
     ends: str
@@ -56,7 +56,7 @@ class Followed(NamedTuple):
 
 
 def random_numbers(count: int, seed: int) -> dict[str, np.ndarray]:
-    """Lengths and places of random plates on three bars, by the paths of `triad_scene`."""
+    """Lengths and points of random plates on three bars, by the paths of `triad_scene`."""
     random = np.random.default_rng(seed)
     angles = np.sort(random.uniform(0.0, 2.0 * np.pi, (count, 3)), axis=1)
     found = {}
@@ -122,7 +122,7 @@ def exact_triad(numbers: dict[str, np.ndarray], i: int) -> ExactTriad:
 
 
 def pose_of(triad: ExactTriad, directions: dict[str, tuple[float, float]]) -> Pose:
-    """The plate where its direction and that of one bar put it at the first position."""
+    """The plate's pose at the first position, from its direction and that of one bar."""
     (bar,) = set(directions) - {"plate"}
     i = list(_BARS).index(bar)
     (c, s), (bar_c, bar_s) = (tuple(map(Decimal, map(float, directions[name]))) for name in ("plate", bar))
@@ -145,7 +145,7 @@ def directions_of(triad: ExactTriad, path: ExactPath, bar: str) -> np.ndarray:
 
 
 def campaign(scenes: int, seed: int = 1) -> Iterator[Followed]:
-    """Every mode of so many random scenes."""
+    """Every mode of a number of random scenes."""
     scene = triad_scene()
     (tables,) = Mechanics(scene).kinematics.seed_tables.values()
     numbers = random_numbers(scenes, seed)
@@ -177,7 +177,7 @@ def campaign(scenes: int, seed: int = 1) -> Iterator[Followed]:
 
 
 def rows_at(tables: SeedTables, numbers: Numbers, seeds: np.ndarray) -> np.ndarray:
-    """Directions at the places compared, (places, cosines and sines, variants): corrected as in machines."""
+    """Directions at the compared positions, (positions, cosines and sines, variants), corrected as in machines."""
     found = np.full((PLACES + 1, 4, seeds.shape[2]), np.nan)
     for k in range(PLACES + 1):
         x = min(k / PLACES, 1.0 - 2.0**-53)
@@ -193,7 +193,7 @@ def rows_at(tables: SeedTables, numbers: Numbers, seeds: np.ndarray) -> np.ndarr
                 moved = curves_at(tables, numbers, unknowns, q)
                 unknowns = unknowns + moved[:2]
                 if correction == 0:
-                    # Places where nothing is known have no certificate either.
+                    # Positions without a solution have no certificate either.
                     assert not (moved[6] > 10.0 * CLOSE).any()
         found[k] = directions(unknowns)
     return found
@@ -208,20 +208,20 @@ def table_of(scenes: int, found: list[Followed]) -> str:
     return "\n".join(
         [
             f"| random triads | {scenes} |",
-            f"| modes followed | {len(found)} |",
-            "| back where they began · meet another mode and end · come back on another mode | "
+            f"| modes tracked | {len(found)} |",
+            "| return to their start · end where modes meet · return in another mode | "
             f"{ends['closed']} · {ends['lost']} · {ends['other mode']} |",
-            f"| not followed to the end for want of room | {ends['no room']} |",
-            f"| other ends that differ from those of 50 digits | {len(found) - len(same) - ends['no room']} |",
-            f"| modes changed on the way | {changed} |",
-            f"| greatest difference of a cosine or sine | {max(f.apart for f in found):.1e} |",
-            f"| greatest difference of the place where modes meet | {max(lost, default=0.0):.1e} rad |",
+            f"| not tracked to the end, as the table is full | {ends['no room']} |",
+            f"| other ends that differ from those with 50 digits | {len(found) - len(same) - ends['no room']} |",
+            f"| mode changes between the ends | {changed} |",
+            f"| maximum difference of a cosine or sine | {max(f.apart for f in found):.1e} |",
+            f"| maximum difference of the position where modes meet | {max(lost, default=0.0):.1e} rad |",
         ]
     )
 
 
 def main() -> None:
-    """Write how the modes end."""
+    """Write the counts of the modes' ends."""
     scenes, to = int(sys.argv[1]), Path(sys.argv[2])
     found: list[Followed] = []
     for one in campaign(scenes):

@@ -1,9 +1,9 @@
-"""Error estimates of triads near their dead centres against another solution with more digits, by `compared`.
+"""Error estimates of triads near their dead centres against an independent solution with more digits, by `compared`.
 
 Of many random triads those that come nearest to a dead centre: positions, speeds, accelerations and reactions at their
-peaks, against another solution in 64-bit mantissas. That one solves three distances for the plate's place and
-direction, and its equilibrium for the forces along the three bars; nothing is shared with the engine but the geometry.
-Peaks are looked for beside the best of 720 positions, and beside the place that the engine gives.
+peaks, against a solution with 64-bit mantissas. That one solves the three bar lengths for the plate's position and
+direction, and its equilibrium for the forces along the bars; only the geometry is shared with the engine. Peaks are
+searched near the best of 720 positions, and near the position that the engine gives.
 """
 
 from typing import NamedTuple
@@ -65,7 +65,7 @@ def scene() -> Scene:
 
 
 def random_numbers(count: int, seed: int) -> dict[str, np.ndarray]:
-    """Numbers of so many triads about that scene."""
+    """Numbers of random triads around that scene."""
     random, found = np.random.default_rng(seed), {}
     given = {path: number.value for path, number in scene_numbers(scene()).items()}
     for path in ("input.length", *(f"links.{bar}.length" for bar in BARS), *(f"points.{p}" for p in PLACES)):
@@ -76,7 +76,7 @@ def random_numbers(count: int, seed: int) -> dict[str, np.ndarray]:
 
 
 class Pose(NamedTuple):
-    """Place and direction of the plate, a row for each triad."""
+    """Position and direction of the plate, a row for each triad."""
 
     x: np.ndarray
     y: np.ndarray
@@ -107,7 +107,7 @@ class Reference:
         return arms, [at + arm - f for arm, f in zip(arms, far, strict=True)]
 
     def solved(self, pose: Pose, q: np.ndarray) -> Pose:
-        """The root beside a pose."""
+        """The root near a pose."""
         for _ in range(7):
             arms, bars = self._bars(pose, q)
             rows = [(b.real, b.imag, _cross(a, b)) for a, b in zip(arms, bars, strict=True)]
@@ -116,7 +116,7 @@ class Reference:
         return pose
 
     def curves(self, pose: Pose, q: np.ndarray) -> dict[str, np.ndarray]:
-        """Everything compared, at a position."""
+        """All compared quantities at a position."""
         w0 = LONG(SPEED)
         arms, bars = self._bars(pose, q)
         rows = [(b.real, b.imag, _cross(a, b)) for a, b in zip(arms, bars, strict=True)]
@@ -140,7 +140,7 @@ class Reference:
             turning, speeding = _cross(u, v - fv) / length, _cross(u, a - fa) / length
             m, bx, by, j = map(LONG, MASSES[name])
             c = u * (bx + 1j * by)
-            # The upper and the lower bar begin at their pivots, the rod at the crank's pin.
+            # The upper and the lower bar start at their pivots, the rod at the crank's pin.
             load = m * (fa + (1j * speeding - turning**2) * c + 1j * LONG(GRAVITY))
             across = -(j * speeding + _cross(c, load)) / length
             known.append((u, across, arm))
@@ -157,7 +157,7 @@ class Reference:
         return found
 
     def peak(self, name: str, sense: int, starts: Pose, grid: np.ndarray, place: np.ndarray) -> np.ndarray:
-        """Greatest value, times its sense, of a curve over the turn: from the best of a grid, and from a place told."""
+        """Peak of a curve, times its sense, over the turn: near the best of a grid, and near a given position."""
         every = np.arange(place.size)
         told = np.rint(place / float(grid[1, 0])).astype(int) % GRID
         k = self._of_grid(name, sense, starts, grid).argmax(axis=0)
@@ -169,7 +169,7 @@ class Reference:
         )
 
     def _zoomed(self, name: str, sense: int, pose: Pose, centre: np.ndarray, step: np.ndarray) -> np.ndarray:
-        """Top of a curve beside a position: in ever smaller steps about the best."""
+        """Peak of a curve near a position, by ever smaller steps about the best."""
         best = np.full(centre.size, -np.inf, LONG)
         for _ in range(ZOOMS):
             poses, q = self._around(pose, centre, step)
@@ -206,7 +206,7 @@ def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def compared(count: int, tried: int, seed: int, accuracy: float | None) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """Errors and estimates of so many triads, those nearest to a dead centre among all that are tried."""
+    """Errors and estimates of `count` triads, those nearest to a dead centre among all that are tried."""
     numbers = random_numbers(tried, seed)
     outcome = Machine(scene(), ["group_of_plate.transmission.min"], varied=list(numbers)).evaluate(numbers)
     sine = np.abs(outcome.summaries["group_of_plate.transmission.min"])

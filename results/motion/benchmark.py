@@ -1,9 +1,9 @@
 """Work and precision of machine motion: error of ω and t against time per variant; writes motion.md and motion.png.
 
 Three machines run from a given speed over some revolutions, thousands of random variants each. All methods get the
-same variants in this process, on one core, by turns: in every round each of them runs once, so that what else the
-computer does meanwhile falls on all. The results are ratios of times of the same round, the median of all rounds; the
-error is the greatest of all checked variants against a reference in extended precision.
+same variants in this process, on one core, in turn: in every round each of them runs once, so that other load on the
+computer affects all. The results are ratios of times of the same round, the median of all rounds; the error is the
+maximum over all checked variants against a reference in extended precision.
 
     python results/motion/benchmark.py
 
@@ -35,12 +35,12 @@ HERE = Path(__file__).parent
 VARIANTS, CHECKED, ROUNDS = 2048, 128, 5
 TARGETS = tuple(10.0**-k for k in range(4, 10))
 QUANTITIES = ("ω", "t")
-# Below this, rounding of float64 is what differs.
+# Differences below this are rounding of float64.
 FLOOR = 1e-16
 BOUNDS = (
-    "What bounds this project: jumps, edges and motors are found for every variant, where the others have them written",
-    "by hand. Of a run of the press at 1e-4 the steps take a quarter to a third, its cycle and jumps a fifth,",
-    "Python and NumPy around them half.",
+    "This project finds jumps, edges and motors for every variant; the other methods have them written by hand.",
+    "In a run of the press at 1e-4 the steps take a quarter to a third of the time, its cycle and jumps a fifth,",
+    "Python and NumPy half.",
 )
 ELSEWHERE = (
     "Ratios depend on the processor: on an Intel Xeon with AVX-512, at commit 0940de1e, those of heyoka.py were",
@@ -50,7 +50,7 @@ HEYOKA, BY_HAND = "heyoka.py batch", "RK8 over φ, lanes"
 
 
 class Entry(NamedTuple):
-    """A method at one setting: what computes ω and t of all variants, (2, variants)."""
+    """A method at one setting: function that computes ω and t of all variants, (2, variants)."""
 
     method: str
     setting: float
@@ -58,7 +58,7 @@ class Entry(NamedTuple):
 
 
 class Run(NamedTuple):
-    """A method at one setting: time per variant in each round [s], greatest relative errors of ω and t."""
+    """A method at one setting: time per variant in each round [s], maximum relative errors of ω and t."""
 
     setting: float
     seconds: tuple[float, ...]
@@ -127,7 +127,7 @@ def time_to_reach(runs: list[Run], quantity: int, target: float, which: int) -> 
 
 
 def ratio(curves: Curves, method: str, quantity: int, target: float) -> float:
-    """How many times as long as this project a method takes to an error, the median of the rounds."""
+    """Time of a method to reach an error, relative to this project, the median of the rounds."""
     pairs = [[time_to_reach(curves[name], quantity, target, r) for r in range(ROUNDS)] for name in (method, OURS)]
     return float(np.median(np.divide(*pairs)))
 
@@ -169,24 +169,24 @@ def report(results: dict[str, Curves]) -> str:
     lines = [
         "# Motion: error against time",
         "",
-        f"{VARIANTS} random variants of each machine, on one core. All methods run by turns, {ROUNDS} rounds. The",
+        f"{VARIANTS} random variants of each machine, on one core. All methods run in turn, {ROUNDS} rounds. The",
         "tables give ratios of processor times of the same round, the median of the rounds: above 1 this project",
         "is faster.",
-        f"Errors are relative, the greatest of {CHECKED} variants, against heyoka.py in extended precision, which",
+        f"Errors are relative, the maximum of {CHECKED} variants, against heyoka.py in extended precision, which",
         "agrees with SciPy's DOP853 and, for one variant each of press and shaper, with mpmath at 30 digits to 1e-15.",
-        "Every other method starts anew at the angles where a force jumps, which are given to it; this project finds",
+        "Every other method restarts at the angles where a force jumps, which are given to it; this project finds",
         "them, within its time.",
         "",
         "This project: `accuracy` of a study from 10 % to 1e-8; each number has an error estimate: the errors",
-        'of steps are propagated to the end. This project, rk4: a run with `method = "rk4"`, by its steps a turn, with',
-        f"error estimates, too. heyoka.py: batch integrator, {HEYOKA_LANES} lanes. SciPy: all variants as one system",
-        "with compiled rates. In lanes: compiled, vectorised over",
+        'of steps are propagated to the end. This project, rk4: a run with `method = "rk4"`, by its steps per turn,',
+        f"also with error estimates. heyoka.py: batch integrator, {HEYOKA_LANES} lanes. SciPy: all variants as one",
+        "system with compiled rates. In lanes: compiled, vectorised over",
         f"{LANES} variants side by side; in the energy form, as heyoka.py and SciPy. All their right-hand sides are",
         "written by hand for the machine.",
         "",
         f"{processor()}; {platform.system()}; Python {platform.python_version()}, {packages}.",
-        "Remade by `python results/motion/benchmark.py`. What regimes cost: [regimes.md](regimes.md); how honest",
-        "their error estimates are: [honesty.md](honesty.md).",
+        "Remade by `python results/motion/benchmark.py`. Cost of regimes: [regimes.md](regimes.md); honesty of",
+        "their error estimates: [honesty.md](honesty.md).",
         "",
         "![Error against time](motion.png)",
         "",
@@ -207,8 +207,8 @@ def report(results: dict[str, Curves]) -> str:
 
 
 def summary(results: dict[str, Curves]) -> list[str]:
-    """What the tables come to: least and greatest ratio of each machine against some methods."""
-    lines = ["| least … greatest ratio, ω and t | " + " | ".join(CASES[name].title for name in results) + " |"]
+    """Summary of the tables: minimum and maximum ratio of each machine against some methods."""
+    lines = ["| minimum … maximum ratio, ω and t | " + " | ".join(CASES[name].title for name in results) + " |"]
     lines.append("|---" * (1 + len(results)) + "|")
     for method in (HEYOKA, BY_HAND, OUR_RK4):
         cells = []
@@ -236,7 +236,7 @@ def draw(results: dict[str, Curves]) -> Figure:
             ax.grid(alpha=0.3)
         column[-1].set_xlabel(f"time, over ours at {ACCURACIES[len(ACCURACIES) // 2]:g}")
     for quantity, ax in enumerate(axes[:, 0]):
-        ax.set_ylabel(f"greatest relative error of {QUANTITIES[quantity]}")
+        ax.set_ylabel(f"maximum relative error of {QUANTITIES[quantity]}")
     axes[0, 0].legend(fontsize=7)
     return figure
 

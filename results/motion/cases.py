@@ -1,6 +1,6 @@
-"""The machines of the benchmark of motion: scenes, random variants, right-hand sides that owe nothing to the engine.
+"""Machines of the motion benchmark: scenes, random variants, right-hand sides that are independent of the engine.
 
-A case starts at φ = 0 with a given speed and ends after a number of revolutions; what is compared is ω and t there.
+A case starts at φ = 0 with a given speed and ends after a number of revolutions, where ω and t are compared.
 """
 
 from collections.abc import Callable
@@ -56,12 +56,12 @@ class Batch(NamedTuple):
     Attributes
     ----------
     varied : dict of str to ndarray (variants,)
-        What the engine is given.
+        Input of the engine.
     p : ndarray (constants, variants)
         Constants of the right-hand side.
     edges : ndarray (segments + 1, variants)
-        Angles [rad] from the start over all jumps to the end, from the x axis of the right-hand side: the guide's of
-        a slider-crank, else the frame's.
+        Angles [rad] of the start, all jumps and the end, from the x axis of the right-hand side: that of the guide of
+        a slider-crank, else of the frame.
     ram : ndarray (segments, variants)
         Force on the ram between them [N].
     """
@@ -78,7 +78,7 @@ class Batch(NamedTuple):
 
 
 def sample(case: Case, variants: int, seed: int = 1) -> dict[str, np.ndarray]:
-    """Random values of what varies."""
+    """Random values of the varied numbers."""
     rng, numbers = np.random.default_rng(seed), scene_numbers(case.scene)
     return {
         path: numbers[path].value * rng.uniform(1 - spread, 1 + spread, variants)
@@ -107,14 +107,14 @@ def prepare(case: Case, varied: dict[str, np.ndarray], real: type = np.float64) 
     turns = 2 * functions.pi * np.arange(case.revolutions, dtype=real)[:, None, None]
     cuts = (edges[None, :-1] + turns).reshape(-1, variants)
     ram = np.tile(ram, (case.revolutions, 1))
-    # A revolution that begins as the last one ended is no reason to restart.
+    # Don't restart where a revolution continues the last one without a jump.
     jumps = [0, *(1 + np.flatnonzero((ram[1:] != ram[:-1]).any(axis=1)))]
     end = edges[:1] + 2 * functions.pi * case.revolutions
     return Batch(varied, p, np.concatenate((cuts[jumps], end)), ram[jumps])
 
 
 class _Functions:
-    """NumPy's functions, with π in the wanted precision."""
+    """NumPy's functions, with π in the required precision."""
 
     def __init__(self, real: type) -> None:
         self.pi = 4 * np.arctan(real(1))
@@ -124,7 +124,7 @@ class _Functions:
 
 
 def require_engine_agrees(case: Case, variants: int = 5, positions: int = 24) -> None:
-    """Stop where the engine's reduced inertia and moments aren't those of the right-hand sides."""
+    """Stop if the engine's reduced inertia and moments differ from those of the right-hand sides."""
     varied = sample(case, variants, seed=2)
     fields = ["reduced_inertia", "reduced_inertia_phi", "reduced_moment"]
     outcome = Machine(case.scene, fields=fields, varied=varied, positions=positions).evaluate(varied)

@@ -1,8 +1,8 @@
 """Fixed-step methods compiled by Numba: Runge-Kutta of orders 4 and 8 in the energy form over φ.
 
-Variants go side by side so that the compiler vectorises them, the position's quantities are shared by stages
-at the same angle, and the crank is turned on by rotations, without trigonometry in a step. The steps of a segment
-are equal and end on its end.
+Variants are computed side by side so that the compiler vectorises them, stages at the same angle share the quantities
+of the position, and the crank advances by rotations, without trigonometry in a step. The steps of a segment are equal
+and end exactly at its end.
 """
 
 import math
@@ -15,7 +15,7 @@ from cases import CASES
 from numba import njit
 from scipy.integrate import DOP853
 
-# So many that LLVM doesn't unroll the loops over them, which it would do before vectorising: three times as fast as 16.
+# Enough that LLVM doesn't unroll the loops over them before vectorising: three times as fast as 16.
 LANES = 64
 COMPILE = {"error_model": "numpy", "fastmath": {"contract", "arcp", "nsz", "reassoc"}, "nogil": True}
 inline = njit(**COMPILE, forceinline=True)
@@ -45,7 +45,7 @@ def constants_of(constants: int, array: str, index: str) -> str:
 
 @inline
 def steps_of(angle, steps):
-    """Count of steps over an angle, at `steps` per revolution.
+    """Number of steps over an angle, at `steps` per revolution.
 
     A single step over a short blow would spoil a method of high order; rounding of a whole number must not add one.
     """
@@ -76,7 +76,7 @@ def rates(p, energy, inertia, moment, power, slowness):
 def segment_loop(name: str, constants: int) -> Callable:
     """Compiled steps from one jump to the next.
 
-    Inlined: where the compiler sees that the arrays are apart from each other, it vectorises the loops over lanes.
+    Inlined: if the compiler sees that the arrays don't overlap, it vectorises the loops over lanes.
     """
     position, rates = lane_loops(name, constants)
 
@@ -91,7 +91,7 @@ def segment_loop(name: str, constants: int) -> Callable:
                         reached[i] += share * power[k, i]
             for i in range(LANES):
                 reached[i] = energy[i] + h[i] * reached[i]
-            # The first stage stands where the last one of the step before stood.
+            # The first stage is at the position of the previous step's last one.
             if j > 0 and c[j] != c[j - 1]:
                 position(p, x, y, turn_c[j], turn_s[j], ram, inertia, moment)
             rates(p, reached, inertia, moment, power[j], slowness[j])

@@ -1,9 +1,9 @@
-"""How honest the error estimates of motion are: random machines with induction motors against 80 bits.
+"""Honesty of the error estimates of motion: random machines with induction motors against 80 bits.
 
     python results/motion/honesty.py --machines 1000 --seed 1
 
-writes honesty.md beside this file. What was measured is kept in a file; the same command goes on where it stopped.
-Figures that were improved with some machines in view are to be judged by others, of another seed.
+writes honesty.md next to this file. Measurements are kept in a file; the same command resumes where it stopped.
+Estimates that were improved with some machines in view must be judged by others, of another seed.
 """
 
 import argparse
@@ -24,19 +24,19 @@ from engine.scene.scene import scene_numbers
 
 HERE = Path(__file__).parent
 KINDS = ("slider-crank", "crank-rocker", "compressor", "turning moment", "press", "Scotch yoke")
-# So many of each are drawn; the first of them are measured.
+# Number of machines drawn of each kind; the first of them are measured.
 DRAWN = 167
-# Loads that depend on speed are the motor's alone: the closed formulas of the others are at uniform speed.
+# Only the motor depends on the speed: the closed formulas of other loads hold at constant speed.
 AT_SPEED = ("springs.s.damping", "forces.drag.coefficient", "moments.drag.coefficient")
 CYCLES, FROM = 2, 0.9
 GO = ("final_speed", "time")
 EVEN = ("speed_fluctuation", "speed_min", "speed_max", "mean_speed", "multiplier", "motor_moment_rms")
 ASKED = tuple([f"go.{name}" for name in GO] + [f"even.{name}" for name in EVEN])
-# What the reference itself may be off by.
+# Uncertainty of the reference.
 REFERENCE = 1e-16
-# Figures so many times as great as their errors in the median would be close; what they then cover is told.
+# Median ratio of close estimates to their errors; the table gives the share that they would cover.
 CLOSE = 10.0
-# A figure of so much says nothing.
+# A relative estimate above this is useless.
 LOST = 0.5
 
 
@@ -51,7 +51,7 @@ def with_motor(kind: Kind) -> Scene:
 
 
 def driven(kind: Kind, seed: int) -> Varied:
-    """Machines with breakdown slips of 0.5 to 20 %, on wheels for a δ from 0.003 to 3 by their loads, or on none."""
+    """Machines with breakdown slips of 0.5 to 20 %, and flywheels for a δ from 0.003 to 3, or none."""
     random, varied = np.random.default_rng([seed, *kind.name.encode()]), machines(kind, DRAWN, seed)
     varied = {path: values for path, values in varied.items() if not path.startswith("flywheel")}
     varied |= {path: np.zeros(DRAWN) for path in AT_SPEED if path in scene_numbers(kind.scene)}
@@ -68,7 +68,7 @@ def driven(kind: Kind, seed: int) -> Varied:
 
 
 def measure(count: int, seed: int, kept: Path) -> list[dict]:
-    """Values, figures and truths of so many machines; each is added to a file, and those in it aren't made again."""
+    """Values, estimates and truths of `count` machines; each is added to a file, and those in it are reused."""
     known = [json.loads(line) for line in kept.read_text("utf8").splitlines()] if kept.exists() else []
     done = {(row["kind"], row["machine"]) for row in known}
     every = {kind.name: kind for kind in kinds()}
@@ -90,10 +90,10 @@ def measure(count: int, seed: int, kept: Path) -> list[dict]:
 
 
 def against(scene: Scene, varied: Varied, outcome: object, begins: np.ndarray, k: int) -> dict:
-    """One machine: its status, and by name true value, error and figure.
+    """One machine: its status, and by name true value, error and estimate.
 
-    The latter are shares of the value, of the multiplier as they are. A machine may repeat itself in two motions: the
-    reference is the one that begins at the speed of `begins`.
+    Error and estimate are relative to the value, those of the multiplier absolute. A machine may have two steady
+    motions: the reference is the one that starts at the speed of `begins`.
     """
     status = Verdict(outcome.status[k])
     if status != Verdict.OK:
@@ -107,23 +107,23 @@ def against(scene: Scene, varied: Varied, outcome: object, begins: np.ndarray, k
     except ArithmeticError:
         return {"status": "no reference"}
     if true["even.multiplier"] > 1:
-        # Newton's method came to a motion that no machine keeps to.
+        # Newton's method found an unstable motion.
         return {"status": "no reference"}
     rows = {}
     for name in ASKED:
         value, figure = outcome.summaries[name][k], outcome.errors[name][k]
-        # What is left of a disturbance after a cycle may be nothing.
+        # The multiplier may vanish: a disturbance may decay completely within a cycle.
         size = 1.0 if name == "even.multiplier" else float(abs(true[name]))
         rows[name] = [float(true[name]), float(abs(value - true[name])) / size, float(figure) / size]
     return {"status": "OK", "values": rows, "slip": own["moments.motor.breakdown_slip"]}
 
 
 def table(rows: list[dict]) -> list[str]:
-    """Lines of the table: how many figures cover, how much too great, how great, of each answer."""
+    """Lines of the table, for each answer: share of estimates that cover, their ratio to errors, their size."""
     sound = [row["values"] for row in rows if row["status"] == "OK"]
     lines = [
         "| answer | estimates that cover, % | estimate / error, median | would cover at a median of 10, % "
-        "| estimate, median | greatest | farthest beyond |",
+        "| estimate, median | maximum | error / estimate, maximum |",
         "|---|---|---|---|---|---|---|",
     ]
     for name in ASKED:
@@ -138,8 +138,8 @@ def table(rows: list[dict]) -> list[str]:
 
 
 def by_kind(rows: list[dict]) -> list[str]:
-    """Lines of the table: how many figures of all answers cover, by kind of machine."""
-    lines = ["| kind | machines | estimates that cover, % | estimates as great as their values |", "|---|---|---|---|"]
+    """Lines of the table: share of estimates of all answers that cover, by kind of machine."""
+    lines = ["| kind | machines | estimates that cover, % | estimates above half the value |", "|---|---|---|---|"]
     for kind in KINDS:
         sound = [row["values"] for row in rows if row["kind"] == kind and row["status"] == "OK"]
         _, error, figure = np.array([[values[name] for name in ASKED] for values in sound]).reshape(-1, 3).T
@@ -148,13 +148,13 @@ def by_kind(rows: list[dict]) -> list[str]:
     return lines
 
 
-TEXT = """# How honest the error estimates of motion are
+TEXT = """# Honesty of the error estimates of motion
 
-{count} random machines of {kinds} kinds with induction motors of breakdown slips from 0.5 to 20 %, on wheels from none
-to heavy, with loads that set in and jump anywhere: {cycles} cycles from {share} of the synchronous speed (`go`), and
+{count} random machines of {kinds} kinds with induction motors of breakdown slips from 0.5 to 20 %, flywheels from none
+to heavy, and loads that start and jump anywhere: {cycles} cycles from {share} of the synchronous speed (`go`), and
 steady running (`even`), against collocation in 80 bits (`settled_path.py`). {statuses}.
-The last column says how far the worst error is beyond its estimate; below 1 it is within. Smaller estimates, of ten
-times the error in the median, would cover what the third of these columns says. Made by
+The last column is the largest ratio of error to estimate; below 1 all errors are within. The third column gives the
+share that smaller estimates, with a median of ten times the error, would cover. Made by
 `python results/motion/honesty.py --machines {count} --seed {seed}`.
 
 {table}

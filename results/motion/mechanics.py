@@ -1,9 +1,9 @@
-"""Reduced inertia and moment of the benchmark's machines in closed form, written by hand; nothing of the engine's.
+"""Reduced inertia and moment of the benchmark's machines in closed form, written by hand, independent of the engine.
 
 Every function works for floats, NumPy arrays, mpmath's numbers and heyoka's expressions alike: the factories
 `slider_crank` and `shaper` take the square root to use, `pack_...` and `..._segments` a namespace of functions.
 
-The moments that act on the crank besides its motor's depend on the angle alone. Between two jumps the force on the
+Moments on the crank, other than the motor's, depend only on the angle. Between two jumps the force on the
 ram along its coordinate (`ram`) is constant; `..._segments` gives the angles of the jumps in closed form.
 """
 
@@ -64,7 +64,7 @@ def slider_crank(sqrt: Callable) -> Callable:
 
 
 def pack_slider_crank(n: Numbers, offset: Any, along: Any, across: Any, crank: str, i0: Any, force: Any) -> list:
-    """Constants of `slider_crank`; gravity's components along the guide and across it; `i0` of what turns."""
+    """Constants of `slider_crank`; components of gravity along and across the guide; `i0`: inertia on the crank."""
     r, rod = n["input.length"], n["groups.drive.first.length"]
     mass, ram = n["bodies.rod_body.mass"], n["bodies.ram_body.mass"]
     k = n["bodies.rod_body.x"] / rod
@@ -96,7 +96,7 @@ def pack_press(n: Numbers, scene: Any, m: Any) -> list:
 
 
 def press_segments(n: Numbers, scene: Any, m: Any) -> Segments:
-    """The punch works while it goes down between two heights above the bottom: cosine rule in O, A, B."""
+    """The punch works on its downward stroke between two heights above the bottom: cosine rule in O, A, B."""
     r, rod, punching = n["input.length"], n["groups.drive.first.length"], scene.forces["punching"]
     low, high = (height + 0 * r for height in punching.over_stroke)
     angles = []
@@ -181,7 +181,7 @@ def dc_motor(omega: Any, p: Sequence) -> Any:
 
 
 def induction_motor(omega: Any, p: Sequence) -> Any:
-    """Kloss' formula, multiplied out by the slip."""
+    """Kloss' formula, expanded in the slip."""
     slip = 1 - p[-1] * omega
     return p[-3] * slip / (slip * slip + p[-2])
 

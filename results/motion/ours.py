@@ -1,6 +1,6 @@
-"""The project's own way through the machines of the benchmark: a run of so many revolutions, by `Machine`.
+"""The benchmark's machines by this project: a run over a number of revolutions, by `Machine`.
 
-Speed and time at the end come with error figures, of which nothing is returned.
+Speed and time at the end have error estimates, which are not returned.
 """
 
 from collections.abc import Callable
@@ -11,13 +11,13 @@ from peers import Peer
 
 from engine import Machine, Scene
 
-# As a study asks for them, from coarse to fine.
+# Accuracies as in a study, from coarse to fine.
 ACCURACIES = (0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 OURS, OUR_RK4 = "this project", "this project, rk4"
 
 
 def prepare(case: Case, batch: Batch, accuracy: float | None, **method: object) -> Callable[[slice], np.ndarray]:
-    """Function of all variants that returns ω and t, by steps as long as an accuracy allows, or by a given method."""
+    """Function of all variants that returns ω and t, for a requested accuracy."""
     go = {"type": "run", "from_speed": case.speed, "cycles": case.revolutions, **method}
     data = case.scene.model_dump(mode="json", exclude_none=True) | {"regimes": {"go": go}}
     asked = ["go.final_speed", "go.time"]
@@ -26,7 +26,7 @@ def prepare(case: Case, batch: Batch, accuracy: float | None, **method: object) 
 
 
 def prepare_rk4(case: Case, batch: Batch, steps: float) -> Callable[[slice], np.ndarray]:
-    """The same by the classical method of order four in so many steps a turn."""
+    """The same by the classical method of order four with given steps per turn."""
     return prepare(case, batch, None, method="rk4", steps_per_turn=int(steps))
 
 

@@ -1,6 +1,6 @@
-"""Other ways to compute the motion: heyoka.py, SciPy, and fixed steps compiled by Numba.
+"""Other methods to compute the motion: heyoka.py, SciPy, and fixed steps compiled by Numba.
 
-Every method starts anew at the jumps of each variant, whose angles are known; none has to find them. All use
+Every method restarts at the jumps of each variant, whose angles are known; none has to find them. All use
 the energy form over φ, dE = (M + M_motor) dφ, ω = √(2E/I), dt = dφ/ω: it needs no dI/dφ, no search for the end, and
 was the fastest for heyoka too (in time its steps cost four times as much for the same error). Commit 7392f700 also had
 SciPy's LSODA and RK4 variant by variant, over φ and in time, all slower than DOP853 at an error of 1e-7 or less.
@@ -62,7 +62,7 @@ def first_energy(case: Case, batch: Batch) -> np.ndarray:
 def taylor_system(case: Case, constants: int) -> list:
     """Energy form over φ as heyoka's expressions; the parameters are p, the force on the ram and the first energy.
 
-    The energy is in units of its first value: heyoka measures its error against the greatest of its variables.
+    The energy is in units of its first value: heyoka measures its error relative to its largest variable.
     """
     energy, time = heyoka.make_vars("energy", "time")
     p, phi = [heyoka.par[i] for i in range(constants)], heyoka.time
@@ -109,7 +109,7 @@ def prepare_heyoka(case: Case, batch: Batch, tolerance: float) -> Callable:
 
 @cache
 def stacked_rates(name: str, constants: int) -> Callable:
-    """Compiled rates of (energy, time) of all variants, by turns, for a position of each."""
+    """Compiled rates of (energy, time), alternating, of all variants, for a position of each."""
     case = CASES[name]
     reduced, motor = njit(**COMPILE)(case.reduced(math.sqrt)), njit(**COMPILE)(case.motor)
     names = {}
@@ -131,7 +131,7 @@ def stacked_rates(name: str, constants: int) -> Callable:
 
 
 def prepare_scipy(case: Case, batch: Batch, tolerance: float, **method: object) -> Callable:
-    """Solve every segment over its share 0 … 1, which all variants have in common."""
+    """Solve every segment over a fraction 0 … 1, which is common to all variants."""
     rates = stacked_rates(case.name, batch.p.shape[0])
     first, last = first_energy(case, batch), inertia(case, batch, -1)
 

@@ -13,7 +13,7 @@ from cases import CASES, Case, prepare, sample
 from peers import first_energy, inertia, prepare_scipy, taylor_system
 
 THIRTY_DIGITS = Path(__file__).parent / "thirty_digits.json"
-# float64's rounding over some thousand stages of DOP853, whose least tolerance this is
+# Rounding of float64 over some thousand stages of DOP853, at its minimum tolerance.
 SCIPY_TOLERANCE, SCIPY_AGREEMENT = 1e-13, 1e-11
 # The reference is rounded to float64 at the end; its own errors are three digits below that.
 AGREEMENT = 4 * float(np.finfo(float).eps)
@@ -53,7 +53,7 @@ def extended(case: Case, varied: dict[str, np.ndarray]) -> np.ndarray:
 
 
 def checked_variant(case: Case) -> dict[str, np.ndarray]:
-    """The variant that mpmath was given."""
+    """The variant computed by mpmath."""
     return sample(case, 1, seed=3)
 
 

@@ -1,4 +1,4 @@
-"""What regimes cost: a settled press, a machine under a moment over time, machines at two speeds; writes regimes.md.
+"""Cost of regimes: a steady press, a machine under a torque over time, machines at two speeds; writes regimes.md.
 
 python results/motion/regimes.py
 """
@@ -26,12 +26,12 @@ ASKED = ("work.speed_fluctuation", "work.mean_speed", "work.multiplier", "work.m
 
 
 def settled_press() -> list[str]:
-    """Lines of a table: accuracy, time a variant, median and greatest figures."""
+    """Lines of a table: accuracy, time per variant, median and maximum estimates."""
     case = CASES["crank_press"]
     scene = case.scene.model_copy(update={"regimes": {"work": SteadyRegime(type="steady")}})
     varied = sample(case, VARIANTS)
     lines = [
-        f"| accuracy | µs a variant | {' | '.join(f'{name} (estimate: median, maximum)' for name in ASKED)} |",
+        f"| accuracy | µs per variant | {' | '.join(f'{name} (estimate: median, maximum)' for name in ASKED)} |",
         "|---" * (2 + len(ASKED)) + "|",
     ]
     for accuracy in ACCURACIES:
@@ -45,7 +45,7 @@ def settled_press() -> list[str]:
 
 
 def machine_over_time() -> str:
-    """A sentence: time of one machine whose moment depends on time, and what it is sure to."""
+    """A sentence: time of one machine whose torque depends on time, and its estimated error."""
     case = CASES["slider_crank"]
     push = TableMoment(
         type="table", on="crank", over_time=[0.0, 1.0, 3.0], moment=[0.0, 2.0, 0.0], interpolation="linear"
@@ -93,7 +93,7 @@ def elastic_pump(backlash: bool) -> Scene:
 
 
 def two_speeds() -> list[str]:
-    """Lines of a table: machine, variants, time a variant."""
+    """Lines of a table: machine, variants, time per variant."""
     path, asked = "moments.motor.stall_moment", ("go.time", "go.coupling_heat", "go.final_speed")
     cases = (
         ("start through a clutch, 2 s", coupled_feeder(CLUTCH, START), asked, 512),
@@ -102,7 +102,7 @@ def two_speeds() -> list[str]:
         ("start on an elastic shaft, 0.3 s", elastic_pump(backlash=False), ("coupling.run_greatest_moment",), 128),
         ("the same through a backlash of 1°", elastic_pump(backlash=True), ("coupling.run_greatest_moment",), 128),
     )
-    lines = ["| machine | variants | µs a variant |", "|---|---|---|"]
+    lines = ["| machine | variants | µs per variant |", "|---|---|---|"]
     for title, scene, names, count in cases:
         varied = {path: scene_numbers(scene)[path].value * np.linspace(0.7, 1.4, count)}
         machine = Machine(scene, names, varied=(path,))
@@ -114,16 +114,16 @@ def two_speeds() -> list[str]:
 def main() -> None:
     set_threads(1)
     lines = [
-        "# What regimes cost",
+        "# Cost of regimes",
         "",
-        "CPU time on one thread, the least of some rounds, with cuts and error estimates. Remade by",
+        "CPU time on one thread, the minimum of some rounds, with cuts and error estimates. Remade by",
         "`python results/motion/regimes.py`.",
         "",
         f"## Steady state of the crank press with an induction motor, {VARIANTS} variants",
         "",
         *settled_press(),
         "",
-        "## One machine under a moment over time",
+        "## One machine under a torque over time",
         "",
         machine_over_time(),
         "",

@@ -1,6 +1,6 @@
-"""True motion under an induction motor in extended precision: runs and the motion that repeats itself.
+"""True motion under an induction motor in extended precision: runs and steady running.
 
-I(φ) and the moment of the loads M(φ) are Legendre series on panels between the places where loads switch
+I(φ) and the moment of the loads M(φ) are Legendre series on panels between the positions where loads switch
 (`closed_cycle`). In the energy form dE/dψ = M + M_motor(ω), ω = √(2E/I), ψ the angle turned, the energy at the 16 nodes
 of a panel is the integral of its right-hand side's own series: collocation, solved by Newton's method with slopes in
 double precision. Panels are halved until the series of the energy has decayed.
@@ -19,15 +19,15 @@ from closed_cycle import NODES, TO_SERIES, TURN, Curve, Cycle, Panels, W, X, leg
 from engine import Scene
 
 REAL = np.longdouble
-# From the begin of a panel to its nodes, of values at the nodes, for half a unit of length.
+# Integral from the start of a panel to its nodes, from values at the nodes, per half unit of length.
 TO_NODES = legendre_sum(X[:, None], legendre.legint(TO_SERIES, lbnd=-1)[:, None, :])
 MOST_ROUNDS, SAME, DECAYED, SHORTEST = 40, 1e-18, 1e-17, 1e-9
-# Pieces of a cycle, beyond which there is no hope of resolving it.
+# Maximum number of pieces of a cycle.
 MOST_PIECES = 500
 
 
 class Path80(Cycle):
-    """Reduced inertia and moment of the loads over a cycle that begins at φ = 0; motors and regimes are left out."""
+    """Reduced inertia and moment of the loads over a cycle from φ = 0, without motors and regimes."""
 
     def __init__(self, scene: Scene, varied: dict[str, float]) -> None:
         bare = {k: m for k, m in scene.moments.items() if m.type != "induction_motor"}
@@ -43,7 +43,7 @@ class Path80(Cycle):
 
 
 class Piece(NamedTuple):
-    """A panel gone through: its length, speed and moment of the motor at its nodes, ∂M/∂E there, energy at its end."""
+    """A solved panel: its length, speed and motor torque at its nodes, ∂M/∂E there, energy at its end."""
 
     length: np.longdouble
     omega: np.ndarray
@@ -61,14 +61,14 @@ class UnderMotor:
     wheel : float
         Inertia of the flywheel [kg·m²].
     breakdown, slip, synchronous : float
-        Of the motor: breakdown moment [N·m], breakdown slip, synchronous speed [rad/s].
+        Of the motor: breakdown torque [N·m], breakdown slip, synchronous speed [rad/s].
     """
 
     def __init__(self, path: Path80, wheel: float, breakdown: float, slip: float, synchronous: float) -> None:
         self.breakdown, self.slip, self.synchronous = REAL(breakdown), REAL(slip), REAL(synchronous)
         backwards = path.numbers["input.speed"] < 0
         order = slice(None, None, -1 if backwards else 1)
-        # Legendre polynomials of odd degree are odd; a moment that drives is positive.
+        # Legendre polynomials of odd degree are odd; a driving moment is positive.
         mirror = REAL(-1 if backwards else 1) ** np.arange(NODES)[:, None]
         self.lengths = path.panels.length[order]
         self.inertia = (path.inertia.series * mirror)[:, order].copy()
@@ -76,14 +76,14 @@ class UnderMotor:
         self.inertia[0] += REAL(wheel)
 
     def _motor(self, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Moment of the motor and its derivative by the speed."""
+        """Motor torque and its derivative by the speed."""
         s, b = 1 - omega / self.synchronous, self.slip
         below = s * s + b * b
         rise = 2 * self.breakdown * b * (b * b - s * s) / below**2
         return 2 * self.breakdown * b * s / below, -rise / self.synchronous
 
     def _piece(self, k: int, begin: np.longdouble, end: np.longdouble, energy: np.longdouble) -> Piece | None:
-        """The part of a panel between two of its places, −1 … 1; None where it has to be halved."""
+        """The part of a panel between two local positions, −1 … 1; None if it must be halved."""
         x, length = begin + (end - begin) * (X + 1) / 2, self.lengths[k] * (end - begin) / 2
         inertia, moment = (legendre_sum(x, rows[:, k, None]) for rows in (self.inertia, self.moment))
         here, half = np.full(NODES, energy), length / 2
@@ -129,7 +129,7 @@ class UnderMotor:
         return legendre_sum(REAL(-1), self.inertia[:, 0]) * REAL(omega) ** 2 / 2
 
     def run(self, omega: float, cycles: int) -> dict[str, np.longdouble]:
-        """Speed and time after so many cycles from a speed, by the engine's names."""
+        """Speed and time after a number of cycles from a speed, by the engine's names."""
         energy, time = self.energy_at(omega), REAL(0)
         for _ in range(cycles):
             pieces = self.cycle(energy)
@@ -137,7 +137,7 @@ class UnderMotor:
         return {"final_speed": np.sqrt(2 * energy / legendre_sum(REAL(-1), self.inertia[:, 0])), "time": time}
 
     def steady(self, omega: float) -> dict[str, np.longdouble]:
-        """The motion that repeats itself, by the engine's names; `omega` is where Newton's method begins."""
+        """Steady running, by the engine's names; `omega` is the start of Newton's method."""
         energy = self.energy_at(omega)
         for _ in range(MOST_ROUNDS):
             pieces = self.cycle(energy)

@@ -1,7 +1,7 @@
 // The benchmark's baseline: the same rows and summaries, written by hand for each machine.
 //
 // Straight-line dyad formulas with square root and division only, one table of cosines and sines, everything that
-// depends on the variant alone moved out of the loop over positions, that loop vectorised, variants shared among
+// depends only on the variant moved out of the loop over positions, that loop vectorised, variants divided among
 // the threads. Built by benchmark.py with -O3 -march=native -ffast-math -fopenmp.
 
 #include <omp.h>
@@ -11,7 +11,7 @@
 #include <limits>
 #include <vector>
 
-// Left to itself the compiler leaves calls inside the loop over positions of the larger machines.
+// Otherwise the compiler leaves calls inside the loop over positions of the larger machines.
 #define INLINE inline __attribute__((always_inline))
 
 namespace {
@@ -26,7 +26,7 @@ INLINE Vec operator*(double s, Vec a) { return {s * a.x, s * a.y}; }
 INLINE double dot(Vec a, Vec b) { return a.x * b.x + a.y * b.y; }
 INLINE Vec left(Vec a) { return {-a.y, a.x}; }
 
-// A place on a link, in units of the vector between the link's joints: along it and to its left.
+// A point of a link, in units of the vector between the link's joints: along it and to its left.
 struct Place {
     double along, across;
     Place(double x, double y, double length) : along(x / length), across(y / length) {}
@@ -62,7 +62,7 @@ struct Heavy {
     }
 };
 
-// `way` is where the output stands: the slide, or the direction of the rocker.
+// `way` is the position of the output: the slide, or the direction of the rocker.
 struct Reduced {
     double inertia, slope, moment;
     Vec way{0.0, 0.0};
@@ -157,7 +157,7 @@ struct SliderCrank {
     }
 };
 
-// A slider-crank whose ram works over the last part of its stroke, on its way to the high end.
+// A slider-crank whose ram works over the last part of its stroke, towards the high end.
 struct Press : SliderCrank {
     static constexpr double DEPTH = 0.02, FORCE = -4000.0;
     double begin, work;
@@ -353,7 +353,7 @@ INLINE double sixth_difference(const double* row, int a, int b, int c, int d, in
     return row[a] + row[g] - 6.0 * (row[b] + row[f]) + 15.0 * (row[c] + row[e]) - 20.0 * row[d];
 }
 
-// What jumps of the moment hidden between two positions may do to the work.
+// Possible error of the work from jumps of the moment between two positions.
 double jump_work(const double* __restrict moment, int n, double h) {
     double total = 0.0;
 #pragma omp simd reduction(+ : total)
@@ -369,7 +369,7 @@ double jump_work(const double* __restrict moment, int n, double h) {
     return 0.5 * h * std::sqrt(total / 252.0);
 }
 
-// How far an extreme of the energy may lie beyond those at the positions.
+// Possible excess of an extreme of the energy over those at the positions.
 double missed_extreme(const double* __restrict inertia, const double* __restrict work, int n, double slope) {
     double worst = 0.0;
 #pragma omp simd reduction(max : worst)
@@ -384,7 +384,7 @@ double missed_extreme(const double* __restrict inertia, const double* __restrict
     return 0.125 * worst;
 }
 
-// Extent of a row, and how far it may be off: of half the positions, and between two positions.
+// Range of a row, and its possible error: against half the positions, and between two positions.
 struct Extent {
     double low, high, missed, halved;
 };

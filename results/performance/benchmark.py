@@ -4,7 +4,7 @@
 
 needs g++ on the path; `results/accuracy/coarse.py` times the bundled studies. Both sides of a contest run in this
 process, on one thread and on the same inputs, in turns: engine, C++, engine, C++ … What is measured is processor time,
-which other users of the machine disturb less than the time of the clock.
+which other users of the machine disturb less than wall time.
 """
 
 import ctypes
@@ -21,7 +21,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import NamedTuple
 
-# An idle OpenMP thread would otherwise spin on the core that the other side needs in its turn.
+# Otherwise an idle OpenMP thread would spin on the core while the other side runs.
 os.environ["OMP_WAIT_POLICY"] = "passive"
 
 import numpy as np
@@ -34,7 +34,7 @@ from engine import Machine, scene_numbers
 from engine.scene.scene import Numbers
 
 HERE = Path(__file__).parent
-# As many variants as `sweeps run` evaluates at once.
+# The number of variants that `sweeps run` evaluates at once.
 VARIANTS, POSITIONS, ROUNDS = 16_384, 720, 9
 COMPILER = ["g++", "-std=c++17", "-O3", "-march=native", "-ffast-math", "-fopenmp", "-shared", "-fPIC"]
 FIELDS = ["reduced_inertia", "reduced_inertia_phi", "reduced_moment"]
@@ -43,7 +43,7 @@ SUMMARIES = ["required_drive_moment", "required_power", "excess_work"]
 SUMMARIES += ["flywheel_excess_work", "flywheel_merzalov", "flywheel_wittenbauer", "speed_fluctuation"]
 PAIRS = ["input", *(f"{group}.{pair}" for group in "gh" for pair in ("first", "inner", "second"))]
 REACTIONS = [*(f"{pair}.reaction_{axis}" for pair in PAIRS for axis in "xy"), "input_moment_by_equilibrium"]
-# Truth, and how far the mean moments of both sides may differ where no load sets in: rounding.
+# Accuracy of the truth, and permitted difference of both sides, which is rounding.
 TRUE_ACCURACY, AGREEMENT = 1e-12, 1e-10
 
 phi = np.arange(POSITIONS) * (2 * math.pi / POSITIONS)
@@ -78,7 +78,7 @@ def contest(case: str, engine: Callable, rival: Callable) -> Contest:
 
 
 def require_agreement(case: str, found: np.ndarray, expected: np.ndarray, scale: np.ndarray) -> None:
-    """Stop the benchmark where two sides computed different things."""
+    """Stop the benchmark if the two sides computed different results."""
     worst = float(np.max(np.abs(found - expected) / scale))
     if not worst < AGREEMENT:
         raise SystemExit(f"{case}: the two sides differ by {worst:.1e} of their scale, more than {AGREEMENT:.0e}")
@@ -97,7 +97,7 @@ def build_baseline(folder: str) -> ctypes.CDLL:
 
 
 def call(function: Callable, *arguments: object) -> Callable[[], None]:
-    """The call of a C++ function with its arguments converted beforehand."""
+    """Call of a C++ function with its arguments converted in advance."""
     converted = []
     for a in arguments:
         if isinstance(a, np.ndarray):
@@ -125,19 +125,19 @@ def geometry_and_loads(name: str) -> dict[str, np.ndarray]:
 
 
 class Errors(NamedTuple):
-    """True errors of one side, relative, of all summaries (variants, summaries), and which its figures cover."""
+    """Relative true errors of one side (variants, summaries), and which of them its estimates cover."""
 
     errors: np.ndarray
     covered: np.ndarray
 
     def cells(self) -> str:
-        """Cells of the table: of the worst summary, the median and the greatest error; the share that is covered."""
+        """Cells of the table: median and maximum error of the worst summary, and the share covered."""
         medians = np.median(self.errors, axis=0)
         return f"{medians.max():.1e} | {self.errors.max():.1e} | {100 * self.covered.mean():.2f} %"
 
 
 def race_summaries(name: str, baseline: ctypes.CDLL) -> tuple[Contest, Errors, Errors]:
-    """Summaries of a flywheel study, and how true both sides are."""
+    """Summaries of a flywheel study, and the errors of both sides."""
     varied, scene, names = geometry_and_loads(name), CASES[name].scene, asked(name)
     machine = Machine(scene, names, varied=varied)
     values, figures = np.zeros((2, VARIANTS, len(names)))
@@ -150,7 +150,7 @@ def race_summaries(name: str, baseline: ctypes.CDLL) -> tuple[Contest, Errors, E
         np.stack([side[s] for s in names], axis=1)
         for side in (outcome.summaries, outcome.errors, truth.summaries, truth.errors)
     )
-    # The mean moment may vanish: it is measured by the excess work.
+    # The mean moment may vanish: its error is relative to the excess work.
     scale = np.maximum(np.abs(true), true[:, 2:3] * np.array([s in SUMMARIES[:2] for s in names]))
     if name != "press":
         require_agreement(f"{name}, mean moment", own[:, 0], values[:, 0], scale[:, 0])
@@ -176,7 +176,7 @@ def race_fields(name: str, baseline: ctypes.CDLL) -> Contest:
 
 
 def cycle_time(name: str) -> float:
-    """Time of the cycle's evaluation in the contest of fields, from which verdicts follow, in µs per variant."""
+    """Time of the cycle's evaluation in the contest of fields, which determines verdicts, in µs per variant."""
     varied = geometry_and_loads(name)
     measuring = Machine(CASES[name].scene, fields=FIELDS, varied=varied, positions=POSITIONS)._measuring
     table = measuring.numbers(Numbers(scene_numbers(CASES[name].scene), varied), VARIANTS)
@@ -194,7 +194,7 @@ def race_reactions(baseline: ctypes.CDLL) -> Contest:
     rival = call(baseline.six_bar_reactions, *baseline_inputs(name, varied), scene.input.speed, rows)
     machine.evaluate(varied, buffer=buffer)
     rival()
-    # Reactions of one pair may be small beside those of another.
+    # Reactions of one pair may be small compared with those of another.
     require_agreement("reactions", buffer, rows, np.abs(rows).max(axis=(0, 2), keepdims=True))
     return contest(f"reactions of all pairs: {title(name)}", partial(machine.evaluate, varied, buffer=buffer), rival)
 
@@ -216,8 +216,8 @@ def versions() -> str:
 TEXT = """# Performance
 
 Processor time on one thread, medians of {rounds} alternating runs in one process; ratios are medians of the runs'
-pairs, with the least and the greatest. {variants} variants, lengths, masses and loads varied: each has a motion
-of its own. The machine is shared with others (load {load:.1f} on {cores} cores when this was begun).
+pairs, with minimum and maximum. {variants} variants with varied lengths, masses and loads, so
+each has a different motion. The machine is shared with others (load {load:.1f} on {cores} cores at the start).
 
 {processor}; {system}; {versions}.
 C++: `{compiler}`. Made by `python results/performance/benchmark.py`.
@@ -227,11 +227,11 @@ of the C++ time for the summaries, and 1.55, 1.27 and 1.21 of it for I, dI/dφ a
 
 ## Summaries of a flywheel study
 
-{names}: each with its error estimate. The engine measures them on panels of each variant's own, the C++ at {positions}
-equally spaced positions. Errors are against the engine at accuracy {accuracy:g}, the same method driven further
-(`results/accuracy/calibration.md` has an independent truth), relative to the summary, of mean moment and power to the
-excess work: of the summary that is worst the median over the variants and the greatest, and the share of all errors
-that the error estimates cover.
+{names}: each with its error estimate. The engine measures them on separate panels for each variant, the C++ at
+{positions} equally spaced positions. Errors are against the engine at accuracy {accuracy:g}, the same method with a
+smaller tolerance (`results/accuracy/calibration.md` has an independent truth), relative to the summary, or to the
+excess work for mean moment and power. The table gives median and maximum over the variants for the worst summary, and
+the share of all errors that the error estimates cover.
 """
 
 
@@ -256,15 +256,15 @@ def report() -> str:
         positions=POSITIONS,
         accuracy=TRUE_ACCURACY,
     )
-    head = "engine [µs] | C++ [µs] | ratio | least – greatest |"
+    head = "engine [µs] | C++ [µs] | ratio | minimum – maximum |"
     lines = [words, f"| machine | {head}", "|---|---|---|---|---|", *(race.row() for race, _, _ in summaries), ""]
-    lines += ["| machine | side | median error | greatest error | covered |", "|---|---|---|---|---|"]
+    lines += ["| machine | side | median error | maximum error | covered |", "|---|---|---|---|---|"]
     for race, ours, theirs in summaries:
         lines += [f"| {race.case} | engine | {ours.cells()} |", f"| | C++ | {theirs.cells()} |"]
     lines += ["", "## Kept fields", "", f"At {POSITIONS} positions; both sides agree to {AGREEMENT:g} of their scale."]
     lines += ["", f"| fields | {head}", "|---|---|---|---|---|", *(race.row() for race in fields), ""]
-    lines += ["The engine's times hold the evaluation of each variant's cycle, from which its verdict follows:", cycles]
-    lines += ["for I, dI/dφ and M. The C++ judges nothing and checks nothing.", ""]
+    lines += ["The engine's times include the evaluation of each variant's cycle, which gives its verdict:", cycles]
+    lines += ["for I, dI/dφ and M. The C++ computes no verdicts and makes no checks.", ""]
     return "\n".join(lines)
 
 

@@ -1,7 +1,7 @@
 """The machines of the benchmark, and the sample of variants each is evaluated for.
 
 Every body has its centre of mass away from the link's axis; one constant force and one constant moment act. The press
-works over a part of its stroke besides, which begins at a crank angle of each variant's own.
+also has a load over a part of its stroke, which starts at a different crank angle in each variant.
 """
 
 from typing import NamedTuple
@@ -34,7 +34,7 @@ FLYWHEEL = {"speed_fluctuation": 0.02}
 
 
 def dyad(inner: str, link: str, joint: str, length: float, /, **second: object) -> dict:
-    """A group RRR or RRP, by what its second link has."""
+    """A group RRR or RRP, depending on the keys of its second link."""
     first = {"link": link, "joint": joint, "length": length}
     return {"type": "RRR" if "joint" in second else "RRP", "inner": inner, "first": first, "second": second}
 

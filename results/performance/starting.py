@@ -1,8 +1,8 @@
-"""What starting costs: first runs, repeats, single commands, new kinds of groups; writes starting.md.
+"""Cost of starting: first runs, repeats, single commands, new kinds of groups; writes starting.md.
 
     python results/performance/starting.py
 
-Commands run one after another, each in a process of its own, in an empty folder and with a cache of machine code that
+Commands run one after another, each in a separate process, in an empty folder and with a cache of machine code that
 is empty at first. A machine's first answer is timed within its process, after the imports.
 """
 
@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 HERE, ROOT = Path(__file__).parent, Path(__file__).parents[2]
-# Load for each core, apart from the commands' own, below which the machine counts as quiet.
+# Load per core, without that of the commands, below which the machine counts as quiet.
 QUIET = 0.25
 SIX_BAR, FOUR_BAR, WHITWORTH = (
     f"{ROOT}/sweeps/templates/linkages/{name}.toml" for name in ("watt_six_bar", "four_bar", "whitworth")
@@ -58,7 +58,7 @@ print(time.process_time() - begin[0], time.perf_counter() - begin[1])
 
 
 class Start(NamedTuple):
-    """Processor time and wall time [s], and what the machine did before."""
+    """Processor time and wall time [s], and the load of the machine before."""
 
     processor: float
     wall: float
@@ -108,7 +108,7 @@ def rows() -> list[str]:
 def main() -> None:
     load, cores = os.getloadavg()[0], os.cpu_count()
     state = "quiet" if load < QUIET * cores else "busy: wall times are those of a shared machine"
-    head = f"# Starting\n\n{cores} cores, load {load:.1f} at the beginning ({state}). In brackets: the target.\n"
+    head = f"# Starting\n\n{cores} cores, load {load:.1f} at the start ({state}). In brackets: the target.\n"
     table = ["| start | processor time [s] | wall time [s] | load before |", "|---|---|---|---|", *rows()]
     made = "\nMade by `python results/performance/starting.py`.\n"
     (HERE / "starting.md").write_text("\n".join([head, *table, made]), encoding="utf8")

@@ -1,6 +1,6 @@
-"""What all faults are done to: commands in forks of one process that has everything loaded, and what they should give.
+"""Commands to disturb, in forks of one process that has everything loaded, and their undisturbed results.
 
-A fork begins where the program's own first line stands; Python's start and the imports, 3 s, are left out by it.
+A fork starts at the program's first line, without Python's start and the imports, which take 3 s.
 """
 
 import importlib
@@ -27,7 +27,7 @@ from sweeps.store import MappedResult, Store, StoreError
 from sweeps.store.layout import CHANGING
 from sweeps.text.templates import template_text
 
-# Studies here take about a second: cut into so many blocks, where the program would make one or two.
+# Studies here take about a second: number of blocks of each, instead of one or two.
 BLOCKS = 12
 _SWEEP = """scene = "scene.toml"
 positions = 24
@@ -94,9 +94,9 @@ class Ended(NamedTuple):
     code : int
         Exit code, −n for signal n.
     out, err : str
-        What it said.
+        Its output.
     cpu : float
-        Processor time that it took in all [s].
+        Total processor time [s].
     """
 
     code: int
@@ -106,16 +106,16 @@ class Ended(NamedTuple):
 
     @property
     def fault(self) -> str:
-        """A traceback, a crash, or a failure without a word; "" where it is none of these."""
+        """A traceback, a crash, or a failure without a message; "" for none of these."""
         if "Traceback" in self.err + self.out or "Exception ignored" in self.err:
             return f"traceback: {self.err[-300:]}"
         if self.code not in (0, 1, 2):
             return f"exit code {self.code}: {self.err[-200:]}"
-        return "" if self.code == 0 or self.err else "failed without a word"
+        return "" if self.code == 0 or self.err else "failed without a message"
 
 
 class Child:
-    """A command that is running, as a fork or as a process of its own."""
+    """A running command, as a fork or a separate process."""
 
     def __init__(self, pid: int, paths: list[Path]) -> None:
         self.pid, self._paths = pid, paths
@@ -127,7 +127,7 @@ class Child:
 
     @property
     def listens(self) -> bool:
-        """Whether it has come to the first line of the program, and hears SIGTERM or ignores it again."""
+        """Whether it has reached the first line of the program, and handles SIGTERM or ignores it at its end."""
         text = Path(f"/proc/{self.pid}/status").read_text()
         masks = [int(line.split()[1], 16) for line in text.splitlines() if line.startswith(("SigCgt", "SigIgn"))]
         return any(mask >> (signal.SIGTERM - 1) & 1 for mask in masks)
@@ -141,7 +141,7 @@ class Child:
     def end(self) -> Ended:
         """Wait for its end."""
         _, status, usage = os.wait4(self.pid, 0)
-        # Killed at once, it may not have come to open its files.
+        # If killed at once, it may not have opened its files.
         said = [path.read_text(errors="replace") if path.exists() else "" for path in self._paths]
         for path in self._paths:
             path.unlink(missing_ok=True)
@@ -149,14 +149,14 @@ class Child:
 
 
 class Job(NamedTuple):
-    """A command that makes a file, and goes on with it.
+    """A command that makes a file, and can resume it.
 
     Attributes
     ----------
     name : str
     arguments : tuple of str
     result, part : str
-        The file made; what it is called until then.
+        The file made, and its name until it is finished.
     """
 
     name: str
@@ -166,7 +166,7 @@ class Job(NamedTuple):
 
 
 class Bench:
-    """A folder with studies, what undisturbed runs make of them, and a tally of what came of disturbed ones.
+    """A folder with studies, results of undisturbed runs, and a tally of the outcomes of disturbed ones.
 
     Parameters
     ----------
@@ -174,7 +174,7 @@ class Bench:
         Scratch folder.
     seed : int
     note : callable
-        Called with what was done, what came of it and what is wrong, "" if nothing.
+        Called with the fault, its outcome and the failure, "" for none.
     """
 
     def __init__(self, folder: Path, seed: int, note: Callable[[str, str, str], None]) -> None:
@@ -230,7 +230,7 @@ class Bench:
         if child:
             return Child(child, paths)
         try:
-            # What is started in the background ignores Ctrl-C, and its children with it.
+            # Background processes and their children ignore Ctrl-C.
             signal.signal(signal.SIGINT, signal.default_int_handler)
             os.chdir(self.work)
             os.environ.clear()
@@ -252,7 +252,7 @@ class Bench:
             os._exit(99)
 
     def process(self, *arguments: str) -> Child:
-        """A command as a process of its own, from Python's start on."""
+        """A command as a separate process, from Python's start on."""
         self._count += 1
         paths = [self.folder / "said" / f"{self._count}.{kind}" for kind in ("out", "err")]
         with open(paths[0], "w") as out, open(paths[1], "w") as err:
@@ -260,7 +260,7 @@ class Bench:
             heeding = {"preexec_fn": lambda: signal.signal(signal.SIGINT, signal.default_int_handler)}
             options = {"cwd": self.work, "env": self.environment, "stdout": out, "stderr": err, **heeding}
             started = subprocess.Popen(line, **options)
-        # Waited for by its number.
+        # `Child` waits for it by its process id.
         started.returncode = 0
         return Child(started.pid, paths)
 
@@ -269,7 +269,7 @@ class Bench:
         return self.begin(*arguments, **options).end()
 
     def ready(self, job: Job) -> None:
-        """Run a job undisturbed, once for the machine code and once for its time, and keep what it makes."""
+        """Run a job undisturbed, once to compile and once for its time, and keep its result."""
         if job.name in self.whole:
             return
         for _ in range(2):
@@ -304,7 +304,7 @@ class Bench:
     # Files
 
     def contents(self, name: str) -> dict[str, bytes]:
-        """Bytes of all columns and texts of a result file, but for when it was finished; of another file all."""
+        """Bytes of all columns and texts of a result file, except its time of completion; all of another file."""
         path = self.work / name
         if not name.endswith(".h5"):
             return {"": path.read_bytes()}
@@ -313,19 +313,19 @@ class Bench:
         return texts | {key: np.array(values).tobytes() for key, values in file.columns.items()}
 
     def is_whole(self, job: Job) -> bool:
-        """Whether a finished file holds what the undisturbed job's does."""
+        """Whether a finished file equals that of the undisturbed job."""
         try:
             return self.contents(job.result) == self.held[job.name]
         except (StoreError, OSError, KeyError):
             return False
 
     def is_left_right(self, job: Job) -> bool:
-        """Whether all that an unfinished file calls done is what was written there, and what the whole file has."""
+        """Whether all blocks flagged as done in an unfinished file are intact and equal those of the whole file."""
         part = MappedResult(self.work / job.part)
         if part.damaged():
             return False
         if job.name == "search":
-            # The candidates' file has other blocks than the finished one.
+            # The blocks of the candidates' file differ from those of the finished one.
             return True
         blocks = [part.rows(int(i)) for i in np.flatnonzero(part.done)]
         for name in (*part.flat, *part.fields):
@@ -336,7 +336,7 @@ class Bench:
         return True
 
     def done(self, job: Job) -> set[int]:
-        """Numbers of the blocks that an unfinished file calls done."""
+        """Numbers of the blocks flagged as done in an unfinished file."""
         path = self.work / job.part
         return set(np.flatnonzero(MappedResult(path).done).tolist()) if path.exists() else set()
 
@@ -348,7 +348,7 @@ class Bench:
         return {int(number) for name, _, number in pairs if name == Path(job.part).name}
 
     def clear(self, job: Job) -> None:
-        """Remove what there is of a job's files, drafts and pictures too."""
+        """Remove a job's files, including drafts and pictures."""
         stem = Path(job.result).stem
         for path in [*self.work.glob(f"{stem}[._]*"), *self.work.glob(".*")]:
             if path.is_file():
@@ -356,7 +356,7 @@ class Bench:
 
 
 def jobs(bench: Bench) -> dict[str, Callable[[], Job]]:
-    """The commands that faults are done to, by what they stand for; those of a cluster start one."""
+    """The commands to disturb, by name; those on a cluster start one."""
     usual = ("--no-plots", "--quiet")
 
     def run(name: str, study: str, *more: str, verb: str = "run", part: str = "part") -> Callable[[], Job]:

@@ -1,14 +1,14 @@
-"""Faults done on purpose to runs, result files and the cache of machine code; writes `reliability.md` beside this file.
+"""Deliberate faults in runs, result files and the cache of machine code; writes `reliability.md` next to this file.
 
     python results/reliability/campaign.py --minutes 60 --seed 2
     python results/reliability/campaign.py --minutes 0 --variants 100000000
 
-Each fault falls at a random moment or place, of a seed. A command counts as well when what it leaves behind, and what
-the same command makes of it afterwards, is bit for bit what an undisturbed run gives; whatever a command says, it has
-to be words and no traceback. Disks are small tmpfs mounts where these are allowed; else file sizes are limited.
+Each fault has a random moment or position, by a seed. The files that a command leaves, and the result of the same
+command afterwards, must equal those of an undisturbed run bit for bit, and no output may be a traceback. Disks are
+small tmpfs mounts if these are allowed; else file sizes are limited.
 
-The kinds of faults take turns until the time is over. Counts are added to those in `counts.json`, from which the table
-is made: slices with other seeds add up. Counts of an earlier state of the program are thrown away with `--anew`.
+The kinds of faults alternate until the time is over. Counts are added to those in `counts.json`, from which the table
+is made: slices with other seeds add up. `--anew` discards the counts of an earlier state of the program.
 """
 
 import argparse
@@ -28,7 +28,7 @@ from surroundings import cache_refused, clock_set_back, empty_cache, full_disk, 
 from tally import Tally
 
 HERE = Path(__file__).parent
-# How often each kind of fault is done in a turn.
+# Frequency of each kind of fault per turn.
 TURN = {
     kill: 6,
     interrupt: 5,
@@ -46,7 +46,7 @@ TURN = {
 
 
 def note(tally: Tally, fault: str, way: str, wrong: str) -> None:
-    """Count a fault done; of a traceback its last line: others name places of files on this machine."""
+    """Count a fault; of a traceback only its last line, as others contain paths of this machine."""
     if wrong:
         said, marker, trace = wrong.partition("traceback:")
         wrong = f"{fault}: {said}{marker} {' '.join(trace.strip().splitlines()[-1:])}"
@@ -70,30 +70,30 @@ def table(tally: Tally) -> str:
     for fault, row in sorted(tally.data["kinds"].items()):
         rows.append(f"| {fault} | {sum(row['ways'].values())} | {tally.ways(fault)} | {row['wrong']} |")
     if many := tally.data.get("many"):
-        rows += ["", "Memory of one summary, from the start of Python to the answer:", ""]
-        rows += ["| variants | s | most memory, MB |", "|---|---|---|"]
+        rows += ["", "Peak memory of a study with one summary, from the start of Python to the answer:", ""]
+        rows += ["| variants | s | peak memory, MB |", "|---|---|---|"]
         rows += [f"| {m['variants']:.3g} | {m['seconds']} | {m['megabytes']} |" for m in many]
     if most := tally.data.get("most"):
         rows += ["", "Signals:", "", *(f"- {name}: {value:.2f}" for name, value in most.items())]
-    words = f"""A command counts as wrong when something flagged as done differs from an undisturbed run or is computed
-again, the same command doesn't mend it or refuse in words, numbers that changed are shown, a draft stays
-after a signal, a signal isn't obeyed within {AT_ONCE:g} s (times the processes for each core where
-these are more), a text is carried out or shown as code, or anything but words is said.
-Commands are forks of a process that has everything loaded, but for those from Python's start on; blocks
+    words = f"""A command counts as wrong if a block flagged as done differs from an undisturbed run or is computed
+again, the same command neither repairs the damage nor refuses with a message, changed numbers are shown, a
+draft stays after a signal, a signal isn't obeyed within {AT_ONCE:g} s (times the number of processes per core, if more
+than 1), a text is executed or shown as code, or the output has a traceback.
+Commands are forks of a process that has everything loaded, except those from Python's start on; blocks
 are a twelfth of a study.
 
-| fault | times | what came of it | wrong |
+| fault | cases | outcome | wrong |
 |---|---|---|---|"""
-    return tally.text("Faults done on purpose", "campaign.py", words, rows)
+    return tally.text("Deliberate faults", "campaign.py", words, rows)
 
 
 def main() -> None:
-    """Do faults in turns until the time is over, and write counts and table."""
+    """Alternate faults until the time is over, and write counts and table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--minutes", type=float, default=60.0)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--variants", type=int, help="Measure the memory of a study of so many first.")
-    parser.add_argument("--only", help="One kind of fault alone, by the name of its function.")
+    parser.add_argument("--variants", type=int, help="First measure the memory of a study of this many variants.")
+    parser.add_argument("--only", help="Only one kind of fault, by the name of its function.")
     parser.add_argument("--anew", action="store_true", help="Forget the counts of earlier slices.")
     parser.add_argument("--counts", type=Path, default=HERE / "counts.json")
     asked = parser.parse_args()

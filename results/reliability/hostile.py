@@ -1,4 +1,4 @@
-"""Code, paths and control characters that are put where names, numbers and expressions are expected."""
+"""Code, paths and control characters to insert in place of names, numbers and expressions."""
 
 CODE = "open('carried_out', 'w').close()"
 TEXTS = (

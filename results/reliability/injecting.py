@@ -1,4 +1,4 @@
-"""Code, paths and control characters put where an expression, a name, a path or a title is expected."""
+"""Code, paths and control characters in place of an expression, a name, a path or a title."""
 
 import re
 from pathlib import Path
@@ -9,7 +9,7 @@ from hostile import TEXTS
 from sweeps.text.templates import template_text
 
 _SCENE = template_text("slider_crank")
-# Where a text goes: into the scene, or into the study. What it stands for is written as TOML's basic text.
+# Where a text is inserted, as a TOML basic string: into the scene or the study.
 _PLACES = {
     "derived parameter": 'scene = "s.toml"\n[derive]\n"input.length" = {0}\n',
     "name of a parameter": 'scene = "s.toml"\n[vary]\n{0} = {{ values = [1.0, 2.0] }}\n',
@@ -43,7 +43,7 @@ ATTEMPTS = [(place, text) for place in (*_PLACES, *_IN_SCENE, "option") for text
 
 
 def inject(bench: Bench) -> None:
-    """One attempt: the text is checked, its functions printed, run, drawn and reported as far as it is accepted."""
+    """One attempt: the text is checked, its functions printed, run, drawn and reported, as long as it is accepted."""
     place, text = bench.dice.choice(ATTEMPTS)
     scene, study = _SCENE, _PLACES["title"].format('"t"')
     options: tuple[str, ...] = ()
@@ -79,7 +79,7 @@ def inject(bench: Bench) -> None:
     for path in bench.work.glob("i[._]*"):
         path.unlink()
     (bench.work / "carried_out").unlink(missing_ok=True)
-    way = "refused" if ends[0].code else f"a text like others, {'run' if len(ends) > 2 else 'not run'}"
+    way = "refused" if ends[0].code else f"harmless text, {'run' if len(ends) > 2 else 'not run'}"
     bench.note("injections", way, wrong and f"{place} = {text!r}: {'; '.join(wrong)}")
 
 

@@ -1,4 +1,4 @@
-"""Commands ended at random moments: by kill −9, and by the signals that a program is asked with to end."""
+"""Commands ended at random moments: by kill −9, and by the signals that ask a program to end."""
 
 import os
 import signal
@@ -6,21 +6,21 @@ import time
 
 from bench import Bench, Job, jobs
 
-# What follows a signal is to be over within this [s], times the processes that wait for a core of the machine.
+# Maximum time from a signal to the end [s], times the number of processes per core.
 AT_ONCE = 1.0
-# Kills after which the same command is left to run to its end; else the next one goes on and is killed likewise.
+# Share of kills after which the command runs to its end; else the next kill hits the resumed command.
 LEFT_ALONE = 0.5
 
 
 def load() -> float:
-    """How many processes want to run for each core, at least 1."""
+    """Number of processes ready to run per core, at least 1."""
     with open("/proc/loadavg") as file:
         running = int(file.read().split()[3].partition("/")[0])
     return max(running / (os.cpu_count() or 1), 1.0)
 
 
 def kill(bench: Bench) -> None:
-    """One kill −9; what is flagged as done must be right, is not computed again, and the end is as if nothing was."""
+    """One kill −9: flagged blocks must be right and aren't recomputed; the final file equals that without a kill."""
     name = bench.dice.choice(list(jobs(bench)))
     job, wrong = jobs(bench)[name](), []
     bench.ready(job)
@@ -31,7 +31,7 @@ def kill(bench: Bench) -> None:
     ended = child.end()
     wrong += _twice(bench, job, before)
     if (bench.work / job.result).exists():
-        way = "after the end" if ended.code == 0 else "at the end, file whole"
+        way = "after the end" if ended.code == 0 else "at the end, file complete"
         wrong += [] if bench.is_whole(job) else ["finished file differs"]
         bench.clear(job)
     else:
@@ -40,7 +40,7 @@ def kill(bench: Bench) -> None:
             wrong.append("a block flagged as done differs")
         if bench.dice.random() < LEFT_ALONE:
             wrong += _gone_on(bench, job)
-            way += " and gone on to the end"
+            way += ", then resumed to the end"
     bench.note(f"kill −9: {name}", way, "; ".join(wrong))
 
 
@@ -49,9 +49,9 @@ def _gone_on(bench: Bench, job: Job) -> list[str]:
     ended = bench.command(*job.arguments)
     wrong = _twice(bench, job, before)
     if ended.fault or ended.code:
-        wrong.append(f"going on: {ended.fault or ended.err[-200:]}")
+        wrong.append(f"resumed: {ended.fault or ended.err[-200:]}")
     elif not bench.is_whole(job):
-        wrong.append("the file gone on with differs")
+        wrong.append("the resumed file differs")
     bench.clear(job)
     return wrong
 
@@ -62,7 +62,7 @@ def _twice(bench: Bench, job: Job, before: set[int]) -> list[str]:
 
 
 def interrupt(bench: Bench) -> None:
-    """SIGINT or SIGTERM, from Python's own start to the last picture: one sentence, the exit code, at once."""
+    """SIGINT or SIGTERM, from Python's start to the last picture: one sentence and the exit code, at once."""
     names = ["run", "kept fields", "motion", "accuracy", "search", "report"]
     job, wrong = jobs(bench)[name := bench.dice.choice(names)](), []
     bench.ready(job)

@@ -1,4 +1,4 @@
-"""A study of very many variants: the most memory that it ever takes, from the start of Python to the answer."""
+"""A study of very many variants: its peak memory, from the start of Python to the answer."""
 
 import subprocess
 import sys
@@ -20,12 +20,12 @@ summaries = ["piston.stroke"]
 [best]
 maximise = "piston.stroke"
 """
-# Seconds between one look at the memory and the next; the system itself keeps the most there was.
+# Interval between readings of the memory [s]; the system records the peak.
 _LOOK = 0.05
 
 
 def most_memory(variants: int) -> dict[str, float]:
-    """Run a study of about so many variants; how many they are, how long it takes [s], and its memory [MB].
+    """Run a study of about `variants` variants; returns their number, the time [s] and peak memory [MB].
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def most_memory(variants: int) -> dict[str, float]:
 
 
 def _most_so_far(process: int) -> int:
-    """The most memory that a process has had so far [kB]."""
+    """Peak memory of a process so far [kB]."""
     try:
         lines = Path(f"/proc/{process}/status").read_text().splitlines()
     except OSError:

@@ -1,19 +1,19 @@
-"""Scenes, studies, tables and command lines garbled at random; writes `mutations.md` beside this file.
+"""Scenes, studies, tables and command lines garbled at random; writes `mutations.md` next to this file.
 
     python results/reliability/mutations.py --texts 20000 --numbers 4000 --evaluated 100 --lines 2000 --seed 2
 
-Counts are added to those in `mutations.json`, from which the table is made: slices with other seeds add up. Counts of
-an earlier state of the program are thrown away with `--anew`.
+Counts are added to those in `mutations.json`, from which the table is made: slices with other seeds add up. `--anew`
+discards the counts of an earlier state of the program.
 
-Bundled studies, their scenes, the templates and all their tables are the stock. What is changed in a text is drawn by a
-seed: numbers become extreme, wrong or none, names become others, keys are renamed, left out or taken from another text
-with all that stands below them, lines and bytes are lost or doubled. Each text is read, and its machine's functions
-are printed; some are run to their end. A command may refuse in words or give results; what counts as wrong is a
-traceback, a crash, more processor time or memory than stated in the table, and code in a text that is carried out.
+The stock is all bundled studies, their scenes, the templates and their tables. A seed decides the changes of a text:
+numbers become extreme, wrong or missing, names are exchanged, keys are renamed, omitted or taken from another text with
+their contents, lines and bytes are lost or doubled. Each text is read, and its machine's functions are printed; some
+are run to their end. A command may refuse with a message or give results; wrong are a traceback, a crash, more
+processor time or memory than stated with the table, and executed code from a text.
 
-A machine of another structure is compiled for seconds before it is run for milliseconds. So few are run of those of
-which anything may have changed; most runs are of studies in which numbers, units, formulas, goals and names have, and
-what compiling depends on has not. They have a few variants each, all else is as it is bundled.
+A machine of another structure takes seconds to compile and milliseconds to run. So only few texts with arbitrary
+changes are run; in most runs only numbers, units, formulas, goals and names of a study are changed, which need no
+compilation. These have a few variants each, and are otherwise as bundled.
 """
 
 import argparse
@@ -46,16 +46,16 @@ import sweeps
 
 HERE = Path(__file__).parent
 STOCK = Path(sweeps.__file__).parent
-# Processor time [s] in which a text must be read and its functions printed, and a small study run to its end.
+# Maximum processor time [s] to read a text and print its functions, and to run a small study to its end.
 READ_WITHIN, RUN_WITHIN = 10.0, 120.0
 MOST_MEMORY = 1_000_000_000
-# Of more variants than these, a garbled study is only read.
+# A garbled study with more variants than this is only read.
 FEW = 5000
-# Cases for each process: what was compiled is given back with it; of numbers in one study so many more.
+# Cases per process, which frees its compiled code at its end; more if only numbers of one study change.
 BATCH, NUMBERS_BATCH = 60, 300
-# Processor time [s] after which a process changes no other number: some studies take seconds whatever their numbers.
+# Processor time [s] after which a process changes no further number: some studies always take seconds.
 BATCH_SECONDS = 15.0
-# Values that a number takes at most in a study of which only numbers change, and variants where they are sampled.
+# Maximum values of a number in a study of which only numbers change, and its variants if they are sampled.
 VALUES, SAMPLED = 2, 8
 # Parts of a slice, after each of which its counts are written.
 TURNS = 20
@@ -76,7 +76,7 @@ SAME = (
 
 
 class Slow(BaseException):
-    """More processor time went by than a text may take."""
+    """A text takes more processor time than allowed."""
 
 
 @cache
@@ -104,7 +104,7 @@ Place = tuple[Any, Any]
 
 
 def places(value: Any) -> Iterator[Place]:
-    """Every entry of a document: the table or list it stands in, and its key there."""
+    """Every entry of a document: the table or list that contains it, and its key there."""
     pairs = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for key, inner in list(pairs):
         yield value, key
@@ -112,7 +112,7 @@ def places(value: Any) -> Iterator[Place]:
 
 
 def other_value(dice: random.Random, old: Any, words: list[str]) -> Any:
-    """Something else in the place of a value."""
+    """A replacement for a value."""
     if isinstance(old, str) and old[:1].isdigit() and dice.random() < 0.7:
         number, _, unit = old.partition(" ")
         return dice.choice((f"{dice.choice(NUMBERS)} {unit}", f"-{old}", f"{number} {dice.choice(UNITS)}", number))
@@ -128,7 +128,7 @@ def other_value(dice: random.Random, old: Any, words: list[str]) -> Any:
 
 
 def garbled_document(dice: random.Random, text: str, others: list[dict]) -> str:
-    """A TOML text with one to four entries changed, renamed, left out, or taken from another text."""
+    """A TOML text with one to four entries changed, renamed, omitted, or taken from another text."""
     document = tomllib.loads(text)
     words = [value for table, key in places(document) if isinstance(value := table[key], str)] or ["a"]
     for _ in range(dice.choice((1, 1, 1, 2, 4))):
@@ -162,7 +162,7 @@ def garbled_document(dice: random.Random, text: str, others: list[dict]) -> str:
 
 
 def garbled_text(dice: random.Random, text: str) -> str:
-    """A text with lines or characters lost, doubled, exchanged or put in."""
+    """A text with lines or characters lost, doubled, exchanged or inserted."""
     lines = text.splitlines(keepends=True)
     for _ in range(dice.choice((1, 2, 5))):
         i = dice.randrange(len(lines))
@@ -186,7 +186,7 @@ def garbled_text(dice: random.Random, text: str) -> str:
 
 
 def changed_number(dice: random.Random, text: str) -> str:
-    """A number, perhaps with its unit, that is another, or in another unit of its dimension."""
+    """A changed number, perhaps with its unit, or the number in another unit of its dimension."""
     number, _, unit = text.partition(" ")
     try:
         value = float(number)
@@ -203,7 +203,7 @@ def changed_number(dice: random.Random, text: str) -> str:
 
 
 def few_variants(study: dict) -> dict:
-    """A study with a few values of everything that varies."""
+    """A study with only a few values of each variable."""
     for varied in study.get("vary", {}).values():
         if isinstance(varied, dict) and isinstance(varied.get("count"), int):
             varied["count"] = min(varied["count"], VALUES)
@@ -216,7 +216,7 @@ def few_variants(study: dict) -> dict:
 
 
 def with_other_numbers(dice: random.Random, document: dict) -> str:
-    """A scene or study with one to three numbers, units or goals changed; what compiling depends on stays as it is."""
+    """A scene or study with one to three numbers, units or goals changed, which need no compilation."""
     for _ in range(dice.choice((1, 1, 2, 3))):
         leaves = [(t, k) for t, k in places(document) if isinstance(t[k], (str, int, float)) and k != "scene"]
         numeric = [(t, k) for t, k in leaves if str(t[k])[:1] in "-.0123456789"]
@@ -236,7 +236,7 @@ def with_other_numbers(dice: random.Random, document: dict) -> str:
 
 
 def numbers(dice: random.Random, name: str, folder: Path, report: Callable[[str, str, float], None]) -> None:
-    """A study or template of which numbers change, in it or in its scene, run to its end."""
+    """A study or template with changed numbers, its own or its scene's, run to its end."""
     bundled = stock()
     study = few_variants(tomllib.loads(bundled[name]))
     scene = str(Path(name).parent / study["scene"]) if "scene" in study else ""
@@ -315,7 +315,7 @@ def command(line: list[str], within: float) -> tuple[int | str, str, float]:
 
 
 def texts(dice: random.Random, folder: Path, evaluated: bool, report: Callable[[str, str, float], None]) -> None:
-    """One garbled text, among the others as they are: read, printed, and perhaps run."""
+    """One garbled text among unchanged ones: read, printed, and perhaps run."""
     bundled = stock()
     name = dice.choice(list(bundled))
     garbled = bundled[name]
@@ -340,7 +340,7 @@ def texts(dice: random.Random, folder: Path, evaluated: bool, report: Callable[[
 
 
 def judged(code: int | str, said: str, folder: Path) -> str:
-    """How a command ended, in a word; what isn't "results" or "refused" is wrong."""
+    """Outcome of a command in a word; anything but "results" and "refused" is wrong."""
     if (folder / "carried_out").exists():
         (folder / "carried_out").unlink()
         return "code carried out"
@@ -358,9 +358,9 @@ def judged(code: int | str, said: str, folder: Path) -> str:
 
 
 def batch(kind: str, seed: int, count: int, folder: Path, pipe: Connection) -> None:
-    """So many cases in a process of their own, each told as it ends."""
+    """A number of cases in a separate process, each reported at its end."""
     os.chdir(folder)
-    # Machine code is shared by all of one study.
+    # All cases of one study share its machine code.
     study = random.Random(f"{kind} {seed}").choice(runnable())
     begun = time.process_time()
     for i in range(count):
@@ -391,7 +391,7 @@ def _slow(*_: object) -> None:
 
 
 def campaign(kind: str, count: int, seed: int, folder: Path, keep: Path | None, tally: Tally) -> None:
-    """Garbled texts or lines of one kind, counted: how many ended how, longest time, memory, what was wrong."""
+    """Count garbled texts or lines of one kind: outcomes, longest time, memory, failures."""
     context = multiprocessing.get_context("fork")
     size = NUMBERS_BATCH if kind == "numbers" else BATCH
     for first in range(0, count, size):
@@ -433,7 +433,7 @@ def main() -> None:
     for name, usual in (("texts", 20_000), ("numbers", 4000), ("evaluated", 100), ("lines", 2000), ("seed", 1)):
         parser.add_argument(f"--{name}", type=int, default=usual)
     parser.add_argument("--anew", action="store_true", help="Forget the counts of earlier slices.")
-    parser.add_argument("--keep", type=Path, help="Folder for the texts that went wrong.")
+    parser.add_argument("--keep", type=Path, help="Folder for the texts that failed.")
     asked = parser.parse_args()
     if asked.keep:
         asked.keep.mkdir(parents=True, exist_ok=True)
@@ -445,7 +445,7 @@ def main() -> None:
         for part in ("studies", "templates"):
             shutil.copytree(STOCK / part, folder / part, ignore=shutil.ignore_patterns("*.py", "__pycache__"))
         os.environ["XDG_CACHE_HOME"] = str(Path(scratch) / "cache")
-        # In turns, so that a slice that is stopped holds something of each; what is done then is kept.
+        # Alternating, so that a stopped slice has cases of each kind; finished ones are kept.
         for turn in range(TURNS):
             for kind in ("texts", "lines", "numbers", "evaluated"):
                 share = getattr(asked, kind) * (turn + 1) // TURNS - getattr(asked, kind) * turn // TURNS
@@ -455,7 +455,7 @@ def main() -> None:
 
 
 def load() -> None:
-    """Load the whole program, which every process would have to do for itself."""
+    """Load the whole program once, instead of in every process."""
     for found in pkgutil.walk_packages(sweeps.__path__, "sweeps."):
         if not found.name.endswith("__main__"):
             importlib.import_module(found.name)
@@ -477,11 +477,11 @@ def table(tally: Tally) -> str:
         times = sum(count for way, count in row["ways"].items() if kind == "numbers" or not way.startswith("run: "))
         figures = f"{row['longest']:.1f} | {row['memory'] / 1e6:.0f} | {row['wrong']}"
         rows.append(f"| {NAMES[kind]} | {times} | {tally.ways(kind)} | {figures} |")
-    words = f"""Wrong is a traceback, a crash, more than {READ_WITHIN:g} s of processor time or {MOST_MEMORY / 1e9:g} GB
-to read a text, more than {RUN_WITHIN:g} s to run one of at most {FEW} variants, a failure without a
-word, a message of more than 3000 characters, and code in a text that is carried out.
+    words = f"""Wrong are: a traceback, a crash, more than {READ_WITHIN:g} s of processor time or
+{MOST_MEMORY / 1e9:g} GB to read a text, more than {RUN_WITHIN:g} s to run one of at most {FEW} variants, a failure
+without a message, a message of more than 3000 characters, and executed code from a text.
 
-| what | times | what came of it | longest, s of processor | memory, MB | wrong |
+| kind | cases | outcome | longest, s of processor | memory, MB | wrong |
 |---|---|---|---|---|---|"""
     return tally.text("Texts and command lines garbled at random", "mutations.py", words, rows)
 

@@ -1,9 +1,9 @@
-"""Variants written as scenes of their own, and run again: every bundled study, and every template with numbers varied.
+"""Variants written as scenes and run again: every bundled study, and every template with varied numbers.
 
     python results/reliability/round_trip.py
 
-Of each some variants are computed together, some of these written as TOML, and each text is read and run as a user
-would. Compared are all summaries, with their error estimates: as printed, and to the last bit.
+Some variants of each are computed together, some of these are written as TOML, and each text is read and run as by a
+user. All summaries and their error estimates are compared, as printed and to the last bit.
 """
 
 import sys
@@ -23,12 +23,12 @@ from sweeps.study.study_reader import read_study
 from sweeps.text.edited_text import edited_scene
 from sweeps.text.templates import bundled_templates
 
-# Variants that are computed together, those of them that are written, and by how much a template's numbers vary.
+# Variants computed together, number of them that are written, and relative variation of a template's numbers.
 DRAWN, WRITTEN, VARIED_BY = 12, 2, 0.005
 
 
 class Again(NamedTuple):
-    """A summary of a variant, and of the scene that was written of it.
+    """A summary of a variant, and of the scene written from it.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class Again(NamedTuple):
     name : str
     own, again : float
     texts : tuple of str
-        Both as they are printed with their error estimates.
+        Both as printed with their error estimates.
     """
 
     variant: int
@@ -61,10 +61,10 @@ def drawn_values(study: Study, seed: int = 4) -> dict[str, np.ndarray]:
 
 
 def varied_values(study: Study, seed: int = 4) -> dict[str, np.ndarray]:
-    """Values beside those of a scene, of every second number of it that may vary."""
+    """Values near those of a scene, for every second number that may vary."""
     random, found = np.random.default_rng(seed), {}
     for path, number in list(scene_numbers(study.scene).items())[::2]:
-        # A wheel's width_ratio means nothing but for a mean rim.
+        # A wheel's width_ratio has an effect only for a mean rim.
         if number.choices or number.value == 0.0 or path.endswith("width_ratio"):
             continue
         try:
@@ -77,7 +77,7 @@ def varied_values(study: Study, seed: int = 4) -> dict[str, np.ndarray]:
 
 
 def written_again(study: Study, values: Mapping[str, np.ndarray], folder: Path) -> Iterator[Again]:
-    """Some variants of a study as scenes of their own."""
+    """Some variants of a study, written as scenes."""
     kinds = (study.positions, np.dtype(study.field_precision).type, study.accuracy)
     machine = made_ready(study.scene, study.summaries, study.fields, tuple(values), *kinds)
     together, quantities = machine.evaluate(values), machine.available_summaries
@@ -108,7 +108,7 @@ def all_studies() -> Iterator[tuple[Study, dict[str, np.ndarray]]]:
 
 def main() -> None:
     """Print a row for each study and template."""
-    print("| | summaries | printed otherwise | other bits | greatest difference, relative |")
+    print("| | summaries | printed differently | other bits | maximum relative difference |")
     print("|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:
         for study, values in all_studies():

@@ -1,4 +1,4 @@
-"""Part files, results and machine code changed, cut off, emptied or garbled: told and mended, or harmless."""
+"""Part files, results and machine code changed, cut off, emptied or garbled: reported and repaired, or harmless."""
 
 import os
 import shutil
@@ -14,7 +14,7 @@ from sweeps.store import MappedResult, StoreError
 
 
 def spoil(path: Path, dice: Random) -> str:
-    """Damage a file; return in which way."""
+    """Damage a file; return the kind of damage."""
     content = bytearray(path.read_bytes())
     way = dice.choice(("bytes changed", "bytes changed", "bytes changed", "cut off", "emptied", "garbled"))
     if way == "cut off":
@@ -22,7 +22,7 @@ def spoil(path: Path, dice: Random) -> str:
     elif way == "emptied":
         content.clear()
     elif content:
-        # Tables of HDF5 lie at the beginning: half of the places are there.
+        # HDF5's tables are at the start of a file: half of the damage is there.
         reach = len(content) if dice.random() < 0.5 else min(len(content), 60_000)
         if way == "garbled":
             start = dice.randrange(reach)
@@ -48,7 +48,7 @@ def _small(bench: Bench) -> Job:
 
 
 def damage(bench: Bench) -> None:
-    """A finished or unfinished result damaged, looked at in some way, and its study run again."""
+    """A finished or unfinished result is damaged and read by some command, and its study run again."""
     job, wrong = _small(bench), []
     name = bench.dice.choice((job.result, job.part))
     path = bench.work / name
@@ -71,8 +71,8 @@ def damage(bench: Bench) -> None:
         wrong.append(f"run: {again.fault}")
     elif again.code == 0 and not _has_numbers(bench, job):
         wrong.append(f"{how}: run leaves other numbers")
-    told = "told" if verified.code else "where nothing depends on it"
-    mended = "mended" if again.code == 0 else "refused in words"
+    told = "reported" if verified.code else "without effect"
+    mended = "repaired" if again.code == 0 else "refused with a message"
     kind = "finished" if name == job.result else "unfinished"
     bench.clear(job)
     for left in bench.work.glob("of_[epl]*"):
@@ -81,25 +81,25 @@ def damage(bench: Bench) -> None:
 
 
 def _is_good(bench: Bench, job: Job, name: str, what: str) -> bool:
-    """Whether what was shown of a file is what the good one holds."""
+    """Whether the numbers shown of a file are those of the undamaged one."""
     if what == "export":
         return (bench.work / "of_export.csv").read_bytes() == (bench.work / "good.csv").read_bytes()
     try:
         columns, good = MappedResult(bench.work / name).columns, bench.held[job.name]
-        # What is shown otherwise is of columns over variants; fields aren't looked at.
+        # Other commands show columns over variants; fields aren't compared.
         return all(np.array(c).tobytes() == good[key] for key, c in columns.items() if np.ndim(c) == 1 and key in good)
     except (StoreError, OSError, KeyError):
         return False
 
 
 def _has_numbers(bench: Bench, job: Job) -> bool:
-    """Whether a file's columns are the good one's; texts damaged and told may stay."""
+    """Whether a file's columns equal the undamaged ones; damaged texts that were reported may stay."""
     columns, good = MappedResult(bench.work / job.result).columns, bench.held[job.name]
     return all(np.array(values).tobytes() == good[key] for key, values in columns.items())
 
 
 def spoil_cache(bench: Bench) -> None:
-    """One to three files of machine code damaged: made again, silently, with the same numbers."""
+    """One to three files of machine code are damaged: recompiled silently, with the same numbers."""
     job, wrong = _small(bench), ""
     files = sorted(path for path in (bench.folder / "cache").rglob("*") if path.is_file())
     chosen = bench.dice.sample(files, bench.dice.choice((1, 1, 3)))
@@ -110,11 +110,11 @@ def spoil_cache(bench: Bench) -> None:
     elif not bench.is_whole(job):
         wrong = "numbers differ"
     bench.clear(job)
-    bench.note("damaged machine code", "made again or not needed", wrong and f"{sorted(ways)}: {wrong}")
+    bench.note("damaged machine code", "recompiled or not needed", wrong and f"{sorted(ways)}: {wrong}")
 
 
 def damage_search(bench: Bench) -> None:
-    """The candidates of an unfinished search damaged: it ends as it would have, or refuses to go on."""
+    """The candidates of an unfinished search are damaged: it ends with the same result, or refuses to resume."""
     job, kept = jobs(bench)["search"](), bench.folder / "candidates.h5"
     bench.ready(job)
     if not kept.exists():
@@ -129,5 +129,5 @@ def damage_search(bench: Bench) -> None:
     ended = bench.command(*job.arguments)
     wrong = ended.fault or ("" if ended.code or bench.is_whole(job) else "the search ends elsewhere")
     bench.clear(job)
-    way = "refused in words" if ended.code else "mended"
+    way = "refused with a message" if ended.code else "repaired"
     bench.note("damaged candidates of a search", way, wrong and f"{how}: {wrong}")

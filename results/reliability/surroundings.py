@@ -18,7 +18,7 @@ _YEAR = 3.15e7
 
 @contextmanager
 def small_disk(folder: Path, size: int, read_only: bool = False) -> Iterator[bool]:
-    """A disk of so many bytes mounted on a folder; yields whether that is allowed here."""
+    """A disk of `size` bytes mounted on a folder; yields whether mounting is allowed here."""
     folder.mkdir(exist_ok=True)
     line = ["mount", "-t", "tmpfs", "-o", f"size={size},mode=700{',ro' if read_only else ''}", "none", str(folder)]
     allowed = subprocess.run(line, capture_output=True).returncode == 0
@@ -36,7 +36,7 @@ def _limit(size: int) -> None:
 
 
 def full_disk(bench: Bench) -> None:
-    """A command that writes to a disk that is full sooner or later, or read-only."""
+    """A command that writes to a disk that fills up or is read-only."""
     if not (bench.work / "full.h5").exists():
         bench.command("run", "small.toml", "--no-plots", "--quiet", "--out", "full.h5")
     commands = (
@@ -60,11 +60,11 @@ def full_disk(bench: Bench) -> None:
         wrong += [f"{command[0]} {size}: {ended.fault}"] if ended.fault else []
         left = [path.name for path in (bench.work / "disk").glob(".*")]
         wrong += [f"{command[0]}: drafts are left: {left}"] if left else []
-    bench.note("full and read-only disks", f"{kind}, {'told' if ended.code else 'enough room'}", "; ".join(wrong))
+    bench.note("full and read-only disks", f"{kind}, {'reported' if ended.code else 'enough space'}", "; ".join(wrong))
 
 
 def room_again(bench: Bench) -> None:
-    """A sweep on a disk that fills up while it is written, gone on with when there is room: nothing is lost."""
+    """A sweep on a disk that fills up, resumed when there is space again: nothing is lost."""
     job = jobs(bench)["kept fields"]()
     bench.ready(job)
     size = bench.dice.randrange(200_000, 30_000_000)
@@ -82,21 +82,23 @@ def room_again(bench: Bench) -> None:
             subprocess.run(["mount", "-o", "remount,size=200M", str(bench.work / "disk")], check=True)
         ended = bench.command(*line)
         if ended.code or not bench.is_whole(moved):
-            wrong.append(f"with room again: {ended.err[-200:] or 'differs'}")
+            wrong.append(f"with space again: {ended.err[-200:] or 'differs'}")
     bench.note(
-        "a disk that fills up, then has room again", "told twice" if told == 2 else "enough room", "; ".join(wrong)
+        "a disk that fills up, then has space again",
+        "reported twice" if told == 2 else "enough space",
+        "; ".join(wrong),
     )
 
 
 def cache_refused(bench: Bench) -> None:
-    """No room or no right to write for machine code, or no home at all: the run goes on, and says so once at most."""
+    """No space or permission for machine code, or no home: the run continues, with at most one message."""
     job = Job("small", ("run", "small.toml", "--no-plots", "--quiet", "--out", "refused.h5"), "refused.h5", "")
     environment, way = dict(bench.environment), bench.dice.choice(("full", "read-only", "no home", "home read-only"))
     with small_disk(bench.folder / "elsewhere", 40_960, read_only="read-only" in way) as allowed:
         if way == "no home":
             for name in ("HOME", "XDG_CACHE_HOME"):
                 environment.pop(name)
-            # The system's list of users names another home, which belongs to whoever runs this.
+            # Without HOME the system's user list would give the real home of the user who runs this.
             environment["HOME"] = str(bench.folder / "nowhere")
         elif way == "home read-only":
             environment.pop("XDG_CACHE_HOME")
@@ -107,10 +109,10 @@ def cache_refused(bench: Bench) -> None:
         said = ended.err.count("Machine code is compiled in every run")
     wrong = ended.fault or ("" if ended.code == 0 else ended.err[-200:])
     if not wrong and allowed and way != "no home" and said != 1:
-        wrong = f"told {said} times: {ended.err[-200:]}"
+        wrong = f"reported {said} times: {ended.err[-200:]}"
     shutil.rmtree(bench.folder / "nowhere", ignore_errors=True)
     bench.clear(job)
-    bench.note("no place for machine code", way, wrong and f"{way}: {wrong}")
+    bench.note("no folder for machine code", way, wrong and f"{way}: {wrong}")
 
 
 def _set_back() -> None:
@@ -125,7 +127,7 @@ def _set_back() -> None:
 
 
 def clock_set_back(bench: Bench) -> None:
-    """A run killed and gone on with under a clock set back by a year, all files being of the future."""
+    """A run killed and resumed with the clock set back by a year, so that all files are from the future."""
     name = bench.dice.choice(("run", "kept fields", "search"))
     job = jobs(bench)[name]()
     bench.ready(job)
@@ -139,15 +141,15 @@ def clock_set_back(bench: Bench) -> None:
     ended = bench.command(*job.arguments, prepare=_set_back)
     wrong = ended.fault or ("" if ended.code == 0 else ended.err[-200:])
     if not wrong and not bench.is_whole(job):
-        wrong = "the file gone on with differs"
+        wrong = "the resumed file differs"
     if not wrong and bench.written(job) & before:
         wrong = "blocks computed twice"
     bench.clear(job)
-    bench.note("clock set back, files of the future", "gone on", wrong)
+    bench.note("clock set back, files of the future", "resumed", wrong)
 
 
 def together(bench: Bench) -> None:
-    """Two or four processes at once on one result: one writes it, the others say so or find it finished."""
+    """Two or four processes at once on one result: one writes it, the others report that or find it finished."""
     name, count = bench.dice.choice(("run", "kept fields", "search")), bench.dice.choice((2, 4))
     job = jobs(bench)[name]()
     bench.ready(job)
@@ -162,11 +164,11 @@ def together(bench: Bench) -> None:
     elif not bench.is_whole(job):
         wrong.append("the file differs")
     bench.clear(job)
-    bench.note(f"{count} processes on one result", f"{sum(end.code == 0 for end in ends)} whole", "; ".join(wrong))
+    bench.note(f"{count} processes on one result", f"{sum(end.code == 0 for end in ends)} complete", "; ".join(wrong))
 
 
 def empty_cache(bench: Bench) -> None:
-    """Two or four processes at once that compile the same into an empty cache."""
+    """Two or four processes at once that compile the same code into an empty cache."""
     count = bench.dice.choice((2, 4))
     other = bench.folder / "empty"
     other.mkdir(mode=0o700)
@@ -183,7 +185,7 @@ def empty_cache(bench: Bench) -> None:
     for job in made:
         bench.clear(job)
     shutil.rmtree(other)
-    bench.note(f"{count} processes on an empty cache", "all whole", "; ".join(wrong))
+    bench.note(f"{count} processes on an empty cache", "all complete", "; ".join(wrong))
 
 
 def _ends(ends: list[Ended]) -> list[str]:

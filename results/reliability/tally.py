@@ -1,11 +1,11 @@
-"""Counts of what came of faults and garbled texts: slices with other seeds add up in a file of JSON."""
+"""Counts of outcomes of faults and garbled texts: slices with other seeds add up in a JSON file."""
 
 import json
 import os
 import platform
 from pathlib import Path
 
-# So many texts of what went wrong are kept.
+# Maximum number of recorded failures.
 TOLD = 60
 
 
@@ -26,7 +26,7 @@ class Tally:
             self.data.setdefault(key, empty)
 
     def note(self, kind: str, way: str, wrong: str) -> dict:
-        """Count a case, with what went wrong in it, "" if nothing; returns the row of its kind."""
+        """Count a case with its failure, "" for none; returns the row of its kind."""
         row = self.data["kinds"].setdefault(kind, {"ways": {}, "wrong": 0})
         row["ways"][way] = row["ways"].get(way, 0) + 1
         if wrong:
@@ -36,7 +36,7 @@ class Tally:
         return row
 
     def ways(self, kind: str) -> str:
-        """How often what came of a kind, the most frequent first."""
+        """Outcomes of a kind with their counts, the most frequent first."""
         ways = sorted(self.data["kinds"][kind]["ways"].items(), key=lambda pair: -pair[1])
         return ", ".join(f"{count} {way}" for way, count in ways)
 
@@ -51,5 +51,5 @@ class Tally:
         slices = [f"- `{script} {s['line']}`, {s['minutes']:.0f} minutes, {s['done']}" for s in self.data["slices"]]
         wrong = [f"- {text}" for text in self.data["wrong"]]
         system = f"{platform.system()} {platform.machine()},\nPython {platform.python_version()}"
-        head = [f"# {title}", "", f"On {os.cpu_count()} cores that others used too, {system}:", "", *slices, ""]
-        return "\n".join([*head, words, *rows, *(["", "What went wrong:", "", *wrong] if wrong else []), ""])
+        head = [f"# {title}", "", f"On {os.cpu_count()} cores shared with others, {system}:", "", *slices, ""]
+        return "\n".join([*head, words, *rows, *(["", "Failures:", "", *wrong] if wrong else []), ""])

@@ -1,4 +1,4 @@
-"""Commands that answer questions on files: quantities, help, compare, verify."""
+"""Commands that answer questions about files: quantities, help, compare, verify."""
 
 import sys
 from pathlib import Path
@@ -21,7 +21,7 @@ def quantities(file: str, words: tuple[str, ...]) -> None:
 @main.command("help")
 @click.argument("words", nargs=-1)
 def help_command(words: tuple[str, ...]) -> None:
-    """Explain a key of scenes and studies, input.length, a table, or a type such as compressor; or search for words."""
+    """Explain a key such as input.length, a table, or a type such as compressor; or search for words."""
     tell(needed.key_text(" ".join(words)) if words else needed.tables_text())
 
 

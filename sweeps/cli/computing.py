@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 @main.command()
 @click.argument("study")
-@click.option("--out", type=click.Path(path_type=Path), default=Path("results"), help="Result file to plan for.")
-@click.option("--source", is_flag=True, help="Print the generated functions, as LLVM's instructions, instead.")
+@click.option("--out", type=click.Path(path_type=Path), default=Path("results"), help="Planned result file.")
+@click.option("--source", is_flag=True, help="Print the generated functions as LLVM instructions instead.")
 @shared.CLUSTER
 @shared.study_options
 @shared.ALL

@@ -141,7 +141,7 @@ def machine_of(file: str, variant: int | None, settings: Sequence[str] = ()) -> 
 
 
 def in_full(file: str, asked: str | tuple[str, ...]) -> str | tuple[str, ...]:
-    """Names or conditions asked of a file's machine, forces in joints by their full names.
+    """Names or conditions for a file's machine, with the full names of joint forces.
 
     Raises
     ------

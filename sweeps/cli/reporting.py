@@ -13,7 +13,7 @@ from sweeps.cli.waiting import doing
 from sweeps.text.input_files import InputError
 from sweeps.text.interruption import keeping
 
-# How often files are looked at [s].
+# Interval between checks of the files [s].
 LOOK = 0.05
 
 
@@ -47,8 +47,8 @@ def report(file: str, out: Path | None) -> None:
 def watch(file: str) -> None:
     """Show the machine of a scene or study in a browser, and again whenever the file is saved.
 
-    The page is at an address of this computer that no other can reach: the machine in motion with its curves, or what
-    is wrong, with line numbers. Ctrl-C ends it. Requires pip install 'machine-sweeps[report]'.
+    Only this computer can reach the page: the machine in motion with its curves, or what is wrong, with line numbers.
+    Ctrl-C ends it. Requires pip install 'machine-sweeps[report]'.
     """
     if needed.is_result(file):
         raise InputError.of(file, "is a result, which doesn't change; sweeps report makes its page")

@@ -71,7 +71,7 @@ class Commands(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command that a command line names; a name that is none is answered with those that are."""
+        """Find the command that a command line names; an unknown name fails with the list of commands."""
         if args and self.get_command(ctx, args[0]) is None:
             names = self.list_commands(ctx)
             ctx.fail(engine.unknown_name_message(args[0], names, f"{args[0]!r} is not a command"))
@@ -95,7 +95,7 @@ def main() -> None:
 
 
 def joints_by_letter(command: Command) -> Command:
-    """Let the names asked of a FILE name the force in a joint by its letter, `A.reaction.peak`."""
+    """Accept the letter of a joint as the name of its force in the command's options, `A.reaction.peak`."""
 
     @wraps(command)
     def asked(file: str | Path, **options: object) -> None:
@@ -112,7 +112,7 @@ class Options(SimpleNamespace):
 
 
 def in_options(command: Command) -> Command:
-    """Hand a command its argument and options as one record."""
+    """Pass a command its argument and options as one record."""
 
     @wraps(command)
     def gathered(**asked: object) -> None:
@@ -122,7 +122,7 @@ def in_options(command: Command) -> Command:
 
 
 def _in_its_file(error: Exception, files: Iterable[Path]) -> Exception:
-    """An error, with file and line where a scene read without complaint is found wrong when it is computed."""
+    """An error, with file and line if a scene turns out to be invalid only when it is computed."""
     if not isinstance(error, engine.SceneError):
         return error
     texts = {path: read_text(path) for path in [*files] if path.suffix == ".toml"}
@@ -130,7 +130,7 @@ def _in_its_file(error: Exception, files: Iterable[Path]) -> Exception:
         return error
     scenes = [path for path, text in texts.items() if needed.is_scene(needed.parse_toml(text, path.name))]
     if len(scenes) > 1:
-        # It may be any of them.
+        # Any of them may be at fault.
         return error
     path, prefix = (scenes[0], ()) if scenes else (next(iter(texts)), ("scene",))
     return InputError(path.name, needed.problems_in(texts[path], error.problems, prefix))
@@ -172,7 +172,7 @@ class WholeNumber(click.ParamType):
         self.least, self.most = least, most
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> int:
-        """The number, or click's way to refuse it."""
+        """The number; otherwise click's error."""
         text = str(value).strip()
         number = int(text) if re.fullmatch("-?[0-9]{1,18}", text) else None
         if number is None or number < self.least or (self.most is not None and number > self.most):
@@ -297,7 +297,7 @@ def tell_outdated(out: Path, made: list[Path]) -> None:
 
 def plots_of(result: "SweepResult", study: Path) -> list[Path]:
     """Plot a result, unless its plots are newer than it and its study; report on standard error what can't be drawn."""
-    # That of the sweep, or of the only machine, is drawn last.
+    # The plot of the sweep, or of the only machine, is drawn last.
     last, newest = result.path.with_suffix(".png"), max(file.stat().st_mtime for file in (result.path, study))
     if last.exists() and last.stat().st_mtime > newest:
         return [

@@ -45,7 +45,7 @@ def show(asked: shared.Options) -> None:
     names = shared.names_in(asked.columns or "")
     result.need(names, "columns")
     if asked.variant is not None:
-        # Refuses one that isn't there.
+        # Raises an error if there is no such variant.
         result.variant_values(asked.variant)
         shared.tell(needed.variant_text(result, asked.variant, asked.every))
         return
@@ -148,7 +148,7 @@ def plot(asked: shared.Options) -> None:
     plans and order sheets with a table. Governors: controlling force. Torsional trains: modes, Campbell diagram,
     torques over speed, Holzer tables. Gear trains: velocity diagrams with a table.
     """
-    # Loaded modules live to the end: spare the garbage collector.
+    # Loaded modules live until exit: exempt them from garbage collection.
     gc.freeze()
     if needed.is_result(asked.file):
         shared.tell_altered(asked.file)

@@ -110,7 +110,7 @@ def guide_command(chapter: str | None, web: bool, out: Path | None) -> None:
 
 
 def reference_pages() -> Mapping[str, Callable[[], str]]:
-    """What makes the Markdown text of each generated page, by name."""
+    """Functions that generate the Markdown of each reference page, by name."""
     return {"commands": commands_page, **needed.PAGES}
 
 

@@ -135,7 +135,7 @@ def _speed(text: str) -> str:
 
 
 def _write(out: Path, text: Callable[[], str], *quantities: str) -> None:
-    """Write a scene in the units of the command's options, and of further quantities."""
+    """Write a scene in the units used by the command's options and by further quantities."""
     given = [text for value in click.get_current_context().params.values() for text in _texts(value)]
     engine.show_units_of({"given": [part.strip() for text in (*given, *quantities) for part in text.split(",")]})
     write_text(out, text())

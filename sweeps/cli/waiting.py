@@ -73,7 +73,7 @@ class Waiting:
 
 
 def _is_compiling() -> bool:
-    # Not loaded for this: commands without compiled code start quickly.
+    # Don't import it here: commands without compiled code start quickly.
     return "engine.compiling.kept_code" in sys.modules and engine.is_compiling()
 
 

@@ -41,7 +41,7 @@ from sweeps.study.study_text import Best
 if TYPE_CHECKING:
     from distributed import Client
 
-# Arguments: generations done, those done before this run, and the best result so far as text.
+# Arguments: generations done, those done in earlier runs, and the best result so far as text.
 OnGeneration = Callable[[int, int, str], None]
 
 
@@ -145,14 +145,14 @@ def _is_finished(path: Path, trials: Trials, tell: Callable[[str], None]) -> boo
 
 
 def _downhill(trials: Trials) -> tuple[dict[str, np.ndarray], str]:
-    """The feasible candidates of a local search from the start, or the start if there are none, and how it went."""
+    """The feasible candidates of a local search, or its start if there are none, and words on the outcome."""
     task = trials.task
     passed = descend(task, trials, task.start, task.generations)
     words = "local search"
     if not passed:
         passed = [trials.columns(task.variables.values(task.start[None]), 1, drop=True)]
-        words += f", which met no conditions from there: it keeps {CLEARANCE:g} (relative) clear of each limit, so "
-        words += "write A == B as abs(A - B) <= TOLERANCE; or start elsewhere"
+        words += f", which found no feasible candidate: it keeps {CLEARANCE:g} (relative) clear of each limit, so "
+        words += "write A == B as abs(A - B) <= TOLERANCE, or choose another start"
     return _numbered(joined(passed), 0), words
 
 

@@ -68,7 +68,7 @@ def _evolve(task: SearchTask, evaluate: Evaluate) -> None:
         return np.where(batch.met, batch.costs[:, 0], BEYOND * (1.0 + batch.violation))
 
     def is_settled(intermediate_result: OptimizeResult) -> bool:
-        """Whether the candidates are feasible and alike; violations alone may be alike far from any feasible one."""
+        """Whether the candidates are feasible and similar; violations may be similar far from any feasible one."""
         energies = intermediate_result.population_energies
         return energies.max() < BEYOND and np.std(energies) <= ALIKE * abs(np.mean(energies))
 

@@ -1,7 +1,7 @@
-// What the page's figures share: their data, and its state, which its address keeps.
+// Shared by the page's figures: their data, and the page's state, which is kept in its address.
 const page = (() => {
   const state = new URLSearchParams(location.hash.slice(1));
-  // A link pasted into an open page, and the way back, show the state that they name.
+  // A link pasted into an open page, and the back button, show the state in the address.
   addEventListener("hashchange", () => location.reload());
   return {
     data: (id) => JSON.parse(document.getElementById(id)?.textContent ?? "null"),

@@ -112,7 +112,7 @@ def inline_svg(path: Path, prefix: str) -> "Markup":
 
 
 def _of_few_colours(found: re.Match) -> str:
-    """A raster picture with a palette, which takes a fraction of the room of one in all colours."""
+    """A raster picture with a palette, which is a fraction of the size of one in full colour."""
     made = BytesIO()
     with Image.open(BytesIO(base64.b64decode(found[0]))) as picture:
         picture.quantize(method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(made, "png", optimize=True)
@@ -179,7 +179,7 @@ def variants_data(digest: Digest) -> dict[str, Any] | None:
 def machines_data(digest: Digest) -> dict[str, Any] | None:
     """Machines in motion as data for the page's script: the drawn variant, then others; None if it can't be drawn.
 
-    Others are the best ones, the front, and a sample, as many as the page has room for.
+    Others are the best ones, the front, and a sample, as many as fit on the page.
 
     Parameters
     ----------
@@ -206,7 +206,7 @@ def machines_data(digest: Digest) -> dict[str, Any] | None:
 
 
 def _carried(digest: Digest) -> list[int]:
-    """Variants to draw if there is room, the most important first."""
+    """Variants to draw as far as they fit, the most important first."""
     shown = digest.shown[digest.meets]
     sample = shown[np.linspace(0, shown.size - 1, min(MOST_MACHINES, shown.size)).astype(int)]
     found = [*digest.leaders[:MOST_LEADERS], *digest.front[:MOST_LEADERS], *sample]

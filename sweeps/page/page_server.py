@@ -7,14 +7,14 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from sweeps.page.watched_page import WatchedPage
 
 LOOPBACK = "127.0.0.1"
-# How long a request for another version waits for it [s].
+# Maximum wait of a request for a newer version [s].
 PATIENCE = 20.0
 
 
 class PageServer(ThreadingHTTPServer):
-    """Serves a page at the loopback, and nothing else; it takes no commands.
+    """Serves a page at the loopback address, and nothing else; it takes no commands.
 
-    A request with the version that the browser has, as If-None-Match, is answered when there is another one.
+    A request whose If-None-Match names the current version waits for another one.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class _Handler(BaseHTTPRequestHandler):
     timeout = 2 * PATIENCE
 
     def do_GET(self) -> None:
-        # A foreign site whose name leads here would otherwise read the page.
+        # A foreign site whose name resolves to this address could otherwise read the page (DNS rebinding).
         if self.headers["Host"] not in [f"{host}:{self.server.server_port}" for host in (LOOPBACK, "localhost")]:
             self._send(HTTPStatus.MISDIRECTED_REQUEST)
             return

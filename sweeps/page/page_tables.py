@@ -148,7 +148,7 @@ def leaders_table(digest: Digest) -> PageTable:
     result, shown = digest.result, digest.leaders[:MOST_ROWS]
     decisive = [digest.aim.goal] if digest.aim else []
     asked = [name for part in digest.conditions for name in part.names if name in result.summaries]
-    # A printed page has room for the first ones only.
+    # A printed page only has space for the first ones.
     names = list(dict.fromkeys([*decisive, *result.varied, *asked, *result.parameters, *result.summaries]))
     head, columns = ["variant"], [map(str, shown)]
     for name in names:

@@ -22,7 +22,7 @@ def page_text(parts: Mapping[str, object]) -> str:
     Parameters
     ----------
     parts : mapping of str to object
-        By the names in the template; parts that are absent or empty are left out.
+        By the names in the template; absent or empty parts are omitted.
 
     Raises
     ------

@@ -8,7 +8,7 @@
   const { axis, closed } = data.machines[0], [axisWords, axisUnit] = axis.label.split(/, (?=[^,]*$)/);
   const colours = { velocity: "#009e73", acceleration: "#cc79a7", loads: "#0072b2", "joint forces": "#d55e00" };
 
-  // Values at a share of the motion, in a row from its start to its end, or one; `size` numbers belong together.
+  // Values at a share of the motion, from a row over the motion or a single constant entry of `size` numbers.
   const at = (row, share, size) => {
     if (row.length === size) return row;
     const along = share * (row.length / size - 1), k = Math.min(Math.floor(along), row.length / size - 2), part = along - k;
@@ -110,7 +110,7 @@
     const mark = page.drawn(svg, "circle", { r: 4.5, fill: "#d55e00" });
     return (share) => {
       const across = valueX(share), [value] = at(y.values, share, 1), there = across !== null && value !== null;
-      // Digits beyond the curve's are rounding.
+      // More digits than the curve has would be rounding.
       const digits = value === null ? null : Number(value.toFixed(decimals));
       words.textContent = `${y.label}: ${page.figure(digits)}${unit}`;
       [upright, mark].forEach((item) => item.setAttribute("visibility", there ? "visible" : "hidden"));
@@ -121,7 +121,7 @@
     };
   };
 
-  // One of several machines: what shows it at a share of its motion.
+  // One of several machines; returns the function that shows it at a share of its motion.
   const machine = (content) => {
     const holder = page.added(machines, "section", "", "machine");
     page.added(holder, "h3", content.name);

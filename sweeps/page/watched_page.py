@@ -14,7 +14,7 @@ from sweeps.text.input_files import Stamp, files_read
 
 
 class WatchedPage:
-    """The page of one machine, with its last motion that could be drawn and what is wrong with its text now.
+    """The page of one machine, with its last drawable motion and the present mistakes in its text.
 
     Nothing is compiled for it: one machine is evaluated by NumPy.
 
@@ -45,7 +45,7 @@ class WatchedPage:
         self._make()
 
     def look(self) -> bool:
-        """Make the page again if a file has changed since it was read; whether one has."""
+        """Make the page again if a file has changed since it was read; return whether one has."""
         # Editors that replace a file remove it for a moment.
         found = {path: Stamp.of(path) or stamp for path, stamp in self._files.items()}
         if found == self._files:

@@ -13,9 +13,9 @@ from sweeps.pictures.style import GREY, PALETTE, VERMILION, degree_ticks, scaled
 
 # Height with one, two, three stacked diagrams [mm]; maximum number of columns.
 HEIGHTS, MOST_COLUMNS = (80, 100, 150), 3
-# Words of a plan's legend that stand in one column.
+# Entries of a plan's legend that fit in one column.
 FEW = 4
-# Letters of tick names that have room along an axis; more are slanted.
+# Letters of tick names that fit along an axis; longer names are slanted.
 _LETTERS = 25
 
 
@@ -107,7 +107,7 @@ def draw_panel(
             ax.plot(along * place, factor * height, "o", color=VERMILION, markersize=4, label=words or "_")
     legend = {"loc": "best"}
     if panel.kind == "plan":
-        # Few words stand below each other, as long ones would reach beyond the plan.
+        # Few entries are stacked: long ones side by side would reach beyond the plan.
         few = len(ax.get_legend_handles_labels()[1]) <= FEW
         legend = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.16), "ncols": 1 if few else 2}
         ax.set(aspect="equal", adjustable="datalim")
@@ -117,7 +117,7 @@ def draw_panel(
         if along_unit == "°":
             degree_ticks(ax.xaxis, abs(along) * np.ptp(every))
     if panel.limits is not None:
-        # Curves beyond the limits are everywhere.
+        # Curves that exceed the limits leave no free corner for a legend.
         wide = with_x and MOST_COLUMNS * ax.figure.bbox.width > 1.1 * ax.get_figure(root=True).bbox.width
         legend = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.25), "ncols": 3} if wide else legend
         ax.set(ylim=[factor * x for x in panel.limits], yscale="log" if panel.limits[0] > 0.0 else "linear")
@@ -137,7 +137,7 @@ def draw_panel(
 
 
 def _crowded(panel: Panel) -> bool:
-    """Whether names of places next to each other would meet."""
+    """Whether neighbouring tick names would overlap."""
     order = np.argsort(panel.places)
     lengths = np.array([max(map(len, name.split("\n"))) for name in panel.names])[order]
     gaps = np.diff(panel.places[order]) / (np.ptp(panel.places) or 1.0)

@@ -52,7 +52,7 @@ def machine_pictures(
         return save_beside(path, _sheets(drawn, None, parts))
     motion = DrawnMotion.of(drawn)
     made = save_beside(path, _sheets(motion.scene, motion, parts))
-    # Last: where it is there, so are the others.
+    # Written last: if it exists, so do the others.
     save(picture(motion, at, paths, shown), path)
     return [path, *made]
 

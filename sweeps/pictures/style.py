@@ -107,7 +107,7 @@ def _legible(text: str) -> str:
     """A `visible` text without invalid formulas."""
     text = visible(text)
     try:
-        # Matplotlib sets each line by itself.
+        # Matplotlib typesets each line separately.
         for line in text.splitlines():
             if is_math_text(line):
                 MathTextParser("path").parse(line)
@@ -117,12 +117,12 @@ def _legible(text: str) -> str:
 
 
 def degree_ticks(axis: Axis, span: float) -> None:
-    """Tick an axis of angles at parts of a turn that a drawing board has, by its length [deg]."""
+    """Tick an axis of angles at common parts of a turn, depending on its length [deg]."""
     axis.set_major_locator(MultipleLocator(next(s for s in (10, 30, 60, 90, 180) if span <= 6 * s or s == 180)))
 
 
 def scaled_as_constant(ax: Axes, values: np.ndarray) -> bool:
-    """Whether some values are constant but for rounding, which a scale of their own would magnify: set theirs then."""
+    """Whether values are constant except for rounding; then set a scale that doesn't magnify it."""
     values = values[np.isfinite(values)]
     if not values.size or np.ptp(values) > _CONSTANT * np.abs(values).max():
         return False
@@ -177,7 +177,7 @@ def save_beside(path: Path, figures: Iterable[tuple[str, Figure]]) -> list[Path]
     made = []
     for words, figure in figures:
         rest = words.removeprefix(f"{path.stem}_")
-        # What begins with the name of the file, engine, may still be another element's, engine_b.
+        # Words that begin with the file's name, engine, may belong to another element, engine_b.
         made.append(path.with_name(f"{path.stem}_{words if '_' in rest else rest}{path.suffix}"))
         save(figure, made[-1])
     return made

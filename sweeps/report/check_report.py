@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 _OF_MOTION = ("duration", "settling_band")
 # Summary of a regime that `check` shows with its method.
 _STEEP = "implicit_steps"
-# Up to this many variants `check` counts dropped variants exactly; of more it samples SAMPLED in PLACES, whose share is
-# known to 0.4 %.
+# Up to this many variants `check` counts dropped variants exactly; of more it takes SAMPLED ones from PLACES
+# positions, which gives the share within 0.4 %.
 MOST_COUNTED, SAMPLED, PLACES = 4 * LARGEST_BLOCK, 1 << 16, 256
 # Warn if a field's peak exceeds its peak at the kept positions by this share.
 MISSED = 0.02
@@ -45,7 +45,7 @@ def structure_text(scene: engine.Scene) -> str:
     if scene.input is None:
         return "none (only machine elements)"
     free = engine.order_groups(scene).free_groups.values()
-    # A shaft that only passes on torque and inertia has no place in the mechanism.
+    # A shaft that only transmits torque and inertia isn't part of the mechanism.
     wheels = [name for name, shaft in scene.shafts.items() if shaft.carrier or shaft.pivot]
     lines = [f"input {scene.input.link} ({scene.input.type})"]
     lines += [_second_input_text(scene, name) for name in scene.inputs]
@@ -102,7 +102,7 @@ def assembly_text(machine: engine.Machine) -> str:
 
 
 def nominal_text(study: Study, machine: ReadyMachine) -> str:
-    """Answers of the unmodified scene, without those of its regimes; by the machine of the study if it has them all."""
+    """Answers of the unmodified scene without its regimes, from the study's machine if it has them all."""
     wanted = [name for name in answers(machine) if name.partition(".")[0] not in study.scene.regimes]
     if _is_followed(study.scene):
         machine = engine.made_ready(_unfollowed(study.scene))
@@ -143,7 +143,7 @@ def _undefined_loads(scene: engine.Scene) -> list[str]:
 
 
 def _is_followed(scene: engine.Scene) -> bool:
-    """Whether a scene of elements alone has a governor whose motion takes half a minute to compile."""
+    """Whether a scene without a mechanism has a governor whose motion takes half a minute to compile."""
     return scene.input is None and any(getattr(element, "is_followed", False) for element in scene.elements.values())
 
 
@@ -222,7 +222,7 @@ def check_text(
     tell : callable
         Receives progress messages.
     every : bool
-        Name all results asked, also further ones and checks.
+        Name all requested results, also further ones and checks.
     """
     machine = study.machine()
     uncompiled, followed = _uncompiled_text(machine), _is_followed(study.scene)
@@ -255,7 +255,7 @@ def check_text(
 
 
 def _asked_text(study: Study, machine: ReadyMachine, every: bool, above: str) -> str:
-    """Names of the results asked that have no line above, the answers first, and the number of the others."""
+    """Names of the requested results that have no line above, the answers first, and the number of the others."""
     used = names_in_conditions([condition.text for condition in study.require], study.best)
     first = study.summaries if every else answers_among(machine, study.summaries, used)
     known = {line.split()[0] for line in above.splitlines() if line.strip()}

@@ -21,16 +21,16 @@ class Readings(NamedTuple):
     ----------
     place : str
         Name of the coordinate: "phi", "q" or "time".
-    at : ndarray (places,)
+    at : ndarray (positions,)
         Positions or times [rad, m or s].
-    values : dict of str to ndarray (places,)
+    values : dict of str to ndarray (positions,)
         SI.
     units, long_names : dict of str to str
         Including the coordinate.
     remark : str
         What is wrong with the machine as a whole, or "".
     further : tuple of str
-        Fields that are shown only if all are.
+        Fields that are only shown if all are requested.
     regimes : sequence of str
         Regime at each time; empty for positions.
     """

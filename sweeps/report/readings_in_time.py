@@ -70,7 +70,7 @@ def readings_in_time(scene: Scene, at: Sequence[float]) -> Readings:
 
 
 def _after(time: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Indices of the first instants after some times; of the last one for the end."""
+    """Indices of the first instants after some times; for the end, of the last instant."""
     return np.clip(np.searchsorted(time, at, "right"), 1, time.size - 1)
 
 

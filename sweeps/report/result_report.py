@@ -16,7 +16,7 @@ from sweeps.text.tables import table
 
 
 def contents_text(result: SweepResult) -> str:
-    """What a result holds: variants done, axes with their sizes, kept fields by axis, and verdicts."""
+    """Content of a result: variants done, axes with their sizes, kept fields by axis, and verdicts."""
     count, done = result.file.variants, result.done
     words = f"{engine.counted(count, 'variant')}, all done {result.finished}".rstrip()
     if done < count:

@@ -229,7 +229,7 @@ class SweepResult(ResultFile):
     def range_ends(self, variant: int) -> dict[str, RangeEnd]:
         """Variables of a variant at an end of their range, without those that a condition fixes.
 
-        A wider range may give a better answer. Of two listed values one is always at an end, which means nothing.
+        A wider range may give a better answer. Lists of two are omitted, since one value is always at an end.
 
         Parameters
         ----------

@@ -13,7 +13,7 @@ from sweeps.study.study import Study
 SECONDS_PER_BLOCK = 1.0
 BYTES_PER_BLOCK = 96e6
 LARGEST_BLOCK = 65_536
-# As few variants are one block, without a trial.
+# Up to this many variants are one block, without a trial run.
 FEW = 8
 # Motion keeps all steps of the variants evaluated together.
 MOST_AT_ONCE_IN_MOTION = 4096

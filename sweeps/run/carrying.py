@@ -48,7 +48,7 @@ class Earlier:
             if not self._file.edited_decisively and self._file.has_checksums:
                 self.names = _shared(theirs, ours, {*self._file.described} & {*layout.columns})
         except (StoreError, KeyError, ValueError, TypeError, RecursionError):
-            # Not reliable.
+            # A damaged file isn't reused.
             return
 
     @cached_property

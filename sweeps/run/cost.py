@@ -17,7 +17,7 @@ LONG_ENOUGH = 0.3
 MOST_TRIED, TRIED = 4096, 2048
 # Repeat a trial if the study is this many times larger: at most a tenth of its time.
 WORTH_TWO = 10
-# Number of places that trial variants are taken from.
+# Number of positions in a study from which trial variants are taken.
 PLACES = 16
 
 

@@ -208,7 +208,7 @@ def _computed(
 def _in_advance(
     compute: Callable[[int, np.ndarray], dict[str, np.ndarray]], pending: Sequence[int], buffers: Sequence[np.ndarray]
 ) -> Iterator[tuple[int, dict[str, np.ndarray]]]:
-    """Blocks in order: while one is written, the next are computed, each with a buffer of its own."""
+    """Blocks in order: while one is written, the next are computed, each with a separate buffer."""
     pool = ThreadPoolExecutor(max(len(buffers) - 1, 1), thread_name_prefix="blocks")
     running: deque[tuple[int, Future]] = deque()
     try:
@@ -235,7 +235,7 @@ def _unfinished_text(store: Store, failures: Mapping[int, str]) -> str:
 
 
 def complete_text(path: Path) -> str:
-    """What is said of a result that needs no computing."""
+    """Message on a result that is complete already."""
     return f"{path} is complete: nothing was computed. --restart recomputes it."
 
 

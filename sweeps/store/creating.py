@@ -125,7 +125,7 @@ def create_part(part: Path, layout: FileLayout, sources: Sequence[str]) -> h5py.
 
 @contextmanager
 def _alone_in(folder: Path) -> Iterator[None]:
-    """Wait until no other process creates or removes a draft in a folder.
+    """Context in which no other process creates or removes a draft in a folder.
 
     A new file isn't locked until HDF5 has opened it: until then, another process would take it for the remains of a
     killed one. Without folder locks this risk remains.

@@ -73,7 +73,7 @@ def explained(
     except (OSError, RuntimeError, ValueError, KeyError, TypeError, AttributeError) as error:
         number = _number(error)
         if number in _REMEDIES:
-            # HDF5 has no words of the system's, what refuses links has words of its own.
+            # HDF5's errors lack the system's message; the refusal of a foreign link has a message of its own.
             words = (isinstance(error, PermissionError) and error.strerror) or os.strerror(number)
             raise StoreError(f"cannot {action} {path}: {words}. {_REMEDIES[number]}") from error
         raise otherwise(f"cannot {action} {path}: {remedy} ({error})") from error
@@ -88,6 +88,6 @@ def _number(error: Exception) -> int:
     number = getattr(error, "errno", None)
     if number:
         return number
-    # Some of HDF5's failures come as RuntimeError with the number in the text only.
+    # Some HDF5 failures are a RuntimeError with the number only in the text.
     found = re.search(r"errno = (\d+)", str(error))
     return int(found.group(1)) if found else 0

@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 
 
 _DECISIVE = ("progress/layout", "study_json")
-# Numbers of variants compared together.
+# Variants compared together.
 _NUMBERS_AT_ONCE = 1 << 18
-# Damaged places named in a message.
+# Damaged blocks named in a message.
 _SHOWN = 3
 _AGAIN = "Run its study again to recompute the damaged part."
 _DAMAGED = "It is damaged or from another program."
@@ -84,8 +84,8 @@ class MappedResult:
             )
             self.axes = {"position": record["position"]} | {axis["name"]: axis for axis in record.get("axes", ())}
             self.variants, self.block = int(record["variants"]), int(record["block"])
-            # What is flagged before its rows are read was there before.
-            # Looked at before the flags: of a finished file every block was done by then.
+            # Flags are read before the rows, so the rows of flagged blocks are complete.
+            # `finished` is read before the flags: in a finished file every block was done by then.
             finished = bool(file.attrs.get("finished"))
             flags = progress["block_done"][:]
             self.done = flags == DONE

@@ -5,7 +5,7 @@ from sweeps.study.study_content import ReadyMachine
 
 
 def answers(machine: ReadyMachine) -> tuple[str, ...]:
-    """Numbers that an engineer asks of a machine and its regimes, in the order in which they are read."""
+    """Numbers that an engineer wants of a machine and its regimes, in the order in which they are read."""
     scene, known = machine.scene, machine.available_summaries
     of_machine = machine.register.answers if isinstance(machine, engine.Machine) else ()
     of_elements = (

@@ -218,7 +218,7 @@ class Sensitivity:
         shares = {name: np.stack([s.values[name] for s in slopes]) * widths for name in self._summaries}
         each, (first, second) = np.eye(count), np.triu_indices(count, 1)
         up = np.vstack([each, each[first] + each[second]])
-        # Where all tolerances add up, the furthest of all machines.
+        # The extreme machine, with all tolerances added up.
         corners = np.concatenate([[sign * np.copysign(1.0, rows) for sign in (1, -1)] for rows in shares.values()])
         around = np.broadcast_to(np.stack([up, -up])[..., None], (2, *up.shape, corners.shape[-1]))
         changes = self._changes(known, np.concatenate([*around, corners]))
@@ -226,7 +226,7 @@ class Sensitivity:
         for k, (name, parts) in enumerate(shares.items()):
             near, far = changes[name][: 2 * len(up)].reshape(2, len(up), -1), changes[name][2 * len(up) :][2 * k :][:2]
             alone, paired = near[:, :count], near[:, count:]
-            # What is nonlinear in one number adds to the error of its slope; a product of two is linear in each.
+            # Nonlinearity in one number adds to the error of its slope; a product of two numbers is linear in each.
             of_slopes = np.stack([s.errors[name] for s in slopes]) * widths
             slips = of_slopes + np.abs(alone - np.stack([parts, -parts])).max(axis=0)
             both = MARGIN * np.abs(paired - alone[:, first] - alone[:, second]).max(axis=0)

@@ -142,7 +142,7 @@ class Study(StudyContent):
 
 
 class KnownNames:
-    """Names in goals and conditions of a study: numbers, and results, which are requested by being named.
+    """Names in goals and conditions of a study: numbers, and results, which are thereby requested.
 
     Attributes
     ----------

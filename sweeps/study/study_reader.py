@@ -102,7 +102,7 @@ class StudyReader:
         """
         design = self._design()
         names = design.names if design else ()
-        # The columns of a table that is refused are names that expressions may use.
+        # Expressions may use columns of a rejected table of variants: don't report these names, too.
         derived = {} if self.raw.variants and self.problems.found else self._derived(names)
         require, derivatives = self._required(), []
         for text in dict.fromkeys(self.raw.outputs.derivatives):
@@ -297,7 +297,7 @@ class StudyReader:
         found: dict[str, engine.TextExpression] = {}
         tried = set(self.raw.vary)
         for path, text in self.raw.derive.items():
-            # A name that is refused isn't unknown as well.
+            # Don't report a rejected name as unknown, too.
             refused = tried - found.keys()
             tried.add(path)
             with self.problems.noted((engine.ExpressionError, SamplingError), ["derive", path]):
@@ -323,7 +323,7 @@ class StudyReader:
         return found
 
     def _leads_elsewhere(self, name: str, path: str) -> bool:
-        """Whether a number is derived, and neither from `path` nor from what is derived from it."""
+        """Whether a number is derived, and not from `path`, directly or indirectly."""
         pending, seen = [name], set()
         while pending and path not in pending:
             here = pending.pop()
@@ -340,7 +340,7 @@ class StudyReader:
                 found.append(Condition.read(text, self.dimensions))
             except engine.ExpressionError as error:
                 if isinstance(error, UnknownNameError) and self.problems.found:
-                    # The name may be one that is refused.
+                    # The name may have been rejected already.
                     continue
                 message, place = str(error), f"entry {number}, " if len(self.raw.require) > 1 else ""
                 if isinstance(error, UnknownNameError) and (result := self._result_in(text)):

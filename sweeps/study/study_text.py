@@ -58,7 +58,7 @@ class SizeSeries(ScenePart):
 
 
 class SizeList(ScenePart):
-    """Sizes of parts on the market; sampled like a range where the study samples, else a grid axis."""
+    """Sizes of available parts; sampled like a range where the study samples, else a grid axis."""
 
     choose: Annotated[list[_Given], Field(min_length=1)]
 
@@ -194,10 +194,10 @@ class StudyText(ScenePart):
     free parameters, names without a dot) to axes, in short "40 mm to 80 mm, 5" or a list; `variants` names a CSV file
     whose columns vary together.
     `derive` computes further numbers from those. `require` drops variants before they are computed, by conditions on
-    parameters; conditions on results too are the `where` of `best`, `optimise`, `sweeps show`, `plot` and `export`.
+    parameters; conditions with results belong to `where` of `best`, `optimise`, `sweeps show`, `plot` and `export`.
     `optimise` is the task of `sweeps optimise`; `tolerances` are manufacturing tolerances of numbers. `accuracy` is the
     relative tolerance of every summary, which sets the positions per variant; `positions` is the number of field
-    positions. `units` replaces that of the scene.
+    positions. `units` replaces the scene's.
     `field_precision` is the storage precision of fields; everything is computed in float64.
     """
 

@@ -46,7 +46,7 @@ def read_variant_table(path: Path) -> dict[str, TableColumn]:
         if column.ndim != 1 or column.dtype.kind not in "fiu":
             raise InputError.of(path.name, f"column {shortened(name)!r} is not numeric: remove it")
     if len({column.size for _, column in columns.values()}) > 1:
-        raise InputError.of(path.name, "has columns of different lengths")
+        raise InputError.of(path.name, "has columns of different lengths; give each a value per variant")
     return {name: TableColumn(path.name, name, unit, column.astype(float)) for name, (unit, column) in columns.items()}
 
 
@@ -71,7 +71,7 @@ def _from_hdf5(path: Path) -> dict[str, tuple[str, np.ndarray]]:
         columns = {name: column for name, column in found.items() if column.ndim == 1}
         _check_rows(path, max((column.size for column in columns.values()), default=1), len(columns))
         if any(column.external or column.is_virtual for column in columns.values()):
-            raise InputError.of(path.name, "links to other files, which isn't allowed")
+            raise InputError.of(path.name, "links to other files, which isn't allowed; copy their data into it")
         if not is_result:
             return {name: (_unit_of(column), column[()]) for name, column in columns.items()}
     return _from_result(path)

@@ -388,7 +388,7 @@ def _folded(
     if tree.name == "not":
         return _folded(tree.operands[0], compared, not wanted, of, joins)
     if tree.name in ("and", "or"):
-        # Parts on fixed numbers alone are scalars.
+        # Parts with only fixed numbers are scalars.
         parts = np.broadcast_arrays(*(_folded(part, compared, wanted, of, joins) for part in tree.operands))
         return joins[(tree.name == "and") != wanted].reduce(parts)
     found = compared(tree)

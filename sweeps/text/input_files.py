@@ -36,7 +36,7 @@ class InputError(ValueError):
 
 
 def need_known(names: Iterable[str], known: Iterable[str], source: str, words: str, key: str = "") -> None:
-    """Raise an `InputError` if a name is unknown: that it `words`, such as "is not in this result", with near names."""
+    """Raise an `InputError` if a name is unknown; `words` say why, such as "is not in this result"."""
     known = list(known)
     for name in names:
         if name not in known:
@@ -44,7 +44,7 @@ def need_known(names: Iterable[str], known: Iterable[str], source: str, words: s
 
 
 class Stamp(NamedTuple):
-    """What changes when a file is saved: time of its change [ns] and size [bytes]."""
+    """Attributes that change when a file is saved: modification time [ns] and size [bytes]."""
 
     changed: int
     size: int

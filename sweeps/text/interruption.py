@@ -39,12 +39,12 @@ def finish() -> None:
 
 @contextmanager
 def keeping(words: Callable[[], str]) -> Iterator[None]:
-    """Context that reports what is kept on interruption.
+    """Context whose words an interruption reports.
 
     Parameters
     ----------
     words : callable
-        Returns it as a clause; called from another thread.
+        Returns a clause on the results that are kept; called from another thread.
     """
     _state.append(words)
     try:

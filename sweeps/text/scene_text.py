@@ -204,7 +204,7 @@ def with_numbers(scene: engine.Scene, values: Mapping[str, float]) -> engine.Sce
 
 
 def is_absent(scene: engine.Scene, path: str) -> bool:
-    """Whether a path is that of a key which a scene may have but doesn't give."""
+    """Whether a path names a key that a scene may have but doesn't give."""
     part: object = scene
     *tables, last = path.split(".")
     for table in tables:

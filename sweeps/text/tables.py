@@ -5,7 +5,7 @@ import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-# Columns of text at least, in a narrow terminal too.
+# Minimum number of text columns, even in a narrow terminal.
 NARROWEST = 20
 
 

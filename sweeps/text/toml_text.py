@@ -42,7 +42,7 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
         raise InputError.of(source, "not valid TOML: a number too long, or tables nested too deep") from None
 
 
-# What the TOML reader reports, and what is said instead.
+# Messages of the TOML reader, and the ones shown instead.
 _NOT_TOML = {
     "Cannot overwrite|Duplicate": "appears twice in its table: remove one",
     "Cannot mutate": "belongs to a table in braces above: write it there",
@@ -75,7 +75,7 @@ def _parts(piece: str) -> int:
     return 1 + len(_DOT_IN_KEY.findall(piece))
 
 
-# Slips in a line, and what is said of them.
+# Common mistakes in a line, and their messages.
 _SLIPS: dict[str, str | Callable[[str], str]] = {
     r"=\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?\s*[A-Za-zµ°%][^\"',}\]#]*)": '{0} has a unit, so it needs quotes: "{0}"',
     r"=\s*([-+]?[0-9]+,[0-9]+(?:\s*[A-Za-zµ°%][^\"',}\]#]*)?)\s*(?:$|[#}])": comma_advice,

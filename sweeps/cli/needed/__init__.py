@@ -1,6 +1,6 @@
-"""What commands need of other rooms, each module loaded with the first use of one of its names.
+"""Names that commands need from other packages; each module is loaded on the first use of one of its names.
 
-The names in `__init__.pyi` aren't kept: commands start quickly, and each use finds what its module has then.
+The names in `__init__.pyi` aren't cached: commands start quickly, and each use looks the name up in its module.
 """
 
 from engine import door

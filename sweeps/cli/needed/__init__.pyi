@@ -1,4 +1,4 @@
-"""Names that commands need of other rooms, with the modules they come from."""
+"""Names that commands need from other packages, with their modules."""
 
 from sweeps.cli.named_machine import element_named, in_full, is_result, machine_of, positions_of, read_at
 from sweeps.guide.chapters import GENERATED, chapter_text, chapters_text

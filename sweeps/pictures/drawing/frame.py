@@ -17,7 +17,7 @@ NEAR_STAND = math.radians(45)
 CLEARLY = 0.1
 
 
-# Fixed parts are asked for at every position of a motion.
+# Fixed parts are requested at every position of a motion.
 @lru_cache(1)
 def frame_parts(m: DrawnMotion) -> tuple[Primitive, ...]:
     """Guides of the frame and pitch circles, painted below moving links."""
@@ -39,7 +39,7 @@ def frame_parts(m: DrawnMotion) -> tuple[Primitive, ...]:
 
 @lru_cache(1)
 def stands(m: DrawnMotion) -> tuple[Primitive, ...]:
-    """Stands of the fixed pivots, each where its links are least often; painted above plates."""
+    """Stands of the fixed pivots, each on the side least often covered by its links; painted above plates."""
     anchors = m.hinges | {end for s in m.scene.springs.values() for end in s.between}
     fixed = [name for name in sorted(anchors) if name in m.scene.points and m.scene.points[name].link == FRAME]
     return tuple(p for name in fixed for p in fixed_pivot(m.points[name][0], m.radius, _free_side(m, name)))

@@ -10,16 +10,16 @@ import numpy as np
 from sweeps.pictures.drawing.motion import DrawnMotion, Slider
 from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HATCH_STEP, Primitive, half_length, hatched, line
 
-# In hinge radii: half the height of a block at most; between a rail and links; shortest hatching; beyond the stroke.
+# In hinge radii: maximum half height of a block, gap between rail and links, shortest hatching, margin beyond strokes.
 MOST_HALF, CLEAR, SHORTEST, MARGIN = 8.0, 0.6, 3.0, 2.0
-# Step between the nodes of the motion that are looked at; cells of a rail in a hinge radius.
+# Step between the nodes of the motion that are checked; cells of a rail per hinge radius.
 EVERY, CELLS = 4, 4
-# Of a cylinder in hinge radii: between piston and head, a valve's stem and half its width.
+# Of a cylinder, in hinge radii: gap between piston and head, length of a valve's stem, half its width.
 DEAD_SPACE, STEM, HALF_VALVE = 1.4, 2.6, 0.9
 
 
 class Rails(NamedTuple):
-    """Guide of a slider: half the height between its rails, and what is drawn of it."""
+    """Guide of a slider: half the height between its rails, and its figures."""
 
     half: float
     figures: tuple[Primitive, ...]
@@ -29,7 +29,7 @@ class Rails(NamedTuple):
 def rails_of(m: DrawnMotion, slider: Slider) -> Rails:
     """Rails of a slider on a guide of the frame.
 
-    They are as far apart as links that pass between them need. Where links still pass, a rail isn't hatched.
+    They are far enough apart for links that pass between them. Where links still cross a rail, it isn't hatched.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def _passing(m: DrawnMotion, slider: Slider) -> np.ndarray:
 
 
 def _within(lines: np.ndarray, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
-    """Lowest and highest imaginary part of lines between two real parts; of those that pass there."""
+    """Lowest and highest imaginary part, between two real parts, of each line that passes there."""
     x, y = lines.real, lines.imag
     there = (x.max(axis=1) > low) & (x.min(axis=1) < high)
     x, y = x[there], y[there]
@@ -92,7 +92,7 @@ def _reach(passing: np.ndarray, ends: list[float], side: int) -> float:
 def _free(passing: np.ndarray, ends: list[float], side: int, half: float, r: float) -> Iterator[tuple[float, float]]:
     """Stretches of a rail that no link passes, hatching included."""
     turned = -1j * side * passing
-    # Real and imaginary parts change places: where along the guide do links pass the rail?
+    # With real and imaginary parts exchanged: where along the guide do links cross the rail?
     low, high = _within(turned, half - 0.2 * r, half + HATCH_STEP * r)
     count = max(2, round(CELLS * (ends[1] - ends[0]) / r))
     edges = np.linspace(*ends, count + 1)

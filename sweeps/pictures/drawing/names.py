@@ -77,7 +77,7 @@ def outline_points(drawn: Iterable[Primitive], step: float) -> np.ndarray:
 def names_of_points(
     m: DrawnMotion, nodes: Sequence[int], drawn: Sequence[Iterable[Primitive]]
 ) -> list[list[Primitive]]:
-    """Names of points where they cover least near them; from node to node they move little.
+    """Names of points, placed where they cover least; they move little from node to node.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def names_of_points(
 def texts_beside(
     marked: Sequence[Sequence[Primitive]], height: float, drawn: Sequence[Iterable[Primitive]], layer: str = "names"
 ) -> list[list[Primitive]]:
-    """Texts near their marks where they cover least; from drawing to drawing they move little.
+    """Texts near their marks, placed where they cover least; they move little from drawing to drawing.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def texts_beside(
 
 
 def _cheapest(costs: np.ndarray, moving: np.ndarray, closed: bool) -> list[int]:
-    """Choice in each row with the least sum of costs, and of moving between the choices of neighbouring rows.
+    """Choice in each row that minimises the sum of all costs, including those of moves between neighbouring rows.
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ def _cheapest(costs: np.ndarray, moving: np.ndarray, closed: bool) -> list[int]:
 
 
 def _covered(marks: np.ndarray, places: np.ndarray, half: complex) -> np.ndarray:
-    """Number of obstacles that a name of this half size would cover at each place."""
+    """Number of obstacles that a name of this half size would cover at each position."""
     near = np.abs(marks - places.mean()) < np.abs(places - places.mean()).max() + 2 * abs(half)
     gap = marks[near] - places[:, None]
     # The imaginary part is half the height; a quarter of it stays clear on either side.

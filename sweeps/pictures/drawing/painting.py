@@ -130,7 +130,7 @@ def _lettering(p: Primitive, factor: float, zorder: float) -> PathPatch:
     moved = Outline(path.vertices + np.array([at.real, at.imag]), path.codes)
     letters = PathPatch(moved, facecolor="black", edgecolor="none", zorder=zorder)
     if p.layer == "notes":
-        # Notes are many: lines break where a note crosses them.
+        # A white outline interrupts the lines that a note crosses.
         letters.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
     return letters
 

@@ -12,7 +12,7 @@ LAYERS = ("frame", "hatching", "pitch", "paths", "links", "joints", "names", "ma
 
 # Symbol sizes in hinge radii.
 HALF_LENGTH, HALF_HEIGHT = 3.2, 2.0
-# Half the length of sliders that have a shape of their own, by a word of their name.
+# Half the length of sliders with a special shape, by the word in their name that selects it.
 HALF_LENGTHS = {"ram": 5.0, "table": 9.0, "trough": 9.0}
 PIVOT_WIDTH, PIVOT_HEIGHT = 2.3, 4.0
 HATCH_STEP = 1.5
@@ -81,7 +81,7 @@ def box(centre: complex, u: complex, half_length: float, half_height: float, fil
 
 
 def shape_of(slider: str) -> str:
-    """The word of a slider's name that gives it a shape of its own, "" for a block."""
+    """The word in a slider's name that selects a special shape, "" for a block."""
     return next((word for word in slider.lower().split("_") if word in HALF_LENGTHS), "")
 
 

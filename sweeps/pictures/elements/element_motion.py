@@ -143,7 +143,7 @@ class _TrainAt(NamedTuple):
         return [*found, *axes]
 
     def sets(self, shaft: str) -> int:
-        """How many shafts of a kind there are: planets are several."""
+        """Number of copies of a shaft: several for planets."""
         carrier = None if shaft == engine.FRAME else self.train.shafts[shaft].carrier
         if carrier is None:
             return 1

@@ -89,7 +89,7 @@ def _scheme(ax: Axes, train: GearTrain, picture: VelocityPicture, colours: dict[
             ax.plot([right, right + 0.35], [y, y], color=colour, linewidth=1.6)
         elif all(w.is_ring for n, w in picture.wheels.items() if train.wheels[n].shaft == shaft):
             if not train.shafts[shaft].held:
-                # Around the train on the nearer side; carriers on the right.
+                # The bell goes round the train on the nearer side; carriers are on the right.
                 out = -1.0 if min(own) == min(used) else 1.0
                 x = min(used) - 0.45 if out < 0 else max(used) + 0.8
                 _bell(ax, train, picture, shaft, (x, x + 0.35 * out), factor, colour)

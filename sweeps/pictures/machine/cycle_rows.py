@@ -45,7 +45,7 @@ def panel_over_cycle(
 
 
 def over_cycle(moving: engine.MovingMachine, names: Sequence[str]) -> dict[str, np.ndarray]:
-    """Closed rows of fields without rounding, at the end of which an angle may have turned."""
+    """Closed rows of fields without rounding; an angle may end whole turns further."""
     known = moving.register.fields
     return {
         name: closed(moving.scene, row, _turned(row) if known[name].units == "rad" else 0.0)

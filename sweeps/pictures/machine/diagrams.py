@@ -14,13 +14,13 @@ from sweeps.pictures.machine import cycle_rows
 from sweeps.pictures.panels import axis_label, draw_panel
 from sweeps.pictures.style import BLUE, GREEN, GREY, VERMILION, sheet, typeset, wrapped
 
-# Relative to the inertia, a range that is rounding.
+# A range of the inertia below this share of it is rounding.
 ROUNDED = 1e-12
 # Characters of a title above a panel.
 WORDS = 31
-# Size of the loop's axes, and of a letter in them [points]; positions around a point, and within a rectangle.
+# Size of the loop's axes, and of a letter in them [points].
 LOOP, LETTER = np.array([122.0, 84.0]), np.array([3.6, 6.5])
-# Distances of a label from its point [points].
+# Distances of a label from its point [points], its directions from there, and a grid within its box.
 GAPS = (2.5, 5.0)
 SIDES = np.array([(1, 1), (-1, -1), (1, -1), (-1, 1), (1, 0), (-1, 0), (0, 1), (0, -1)])
 WITHIN = np.stack(np.meshgrid(np.linspace(-1, 1, 9), np.linspace(-1, 1, 5)), axis=-1).reshape(-1, 2)

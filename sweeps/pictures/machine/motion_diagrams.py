@@ -39,7 +39,7 @@ MOST_INSTANTS = 20_000
 LEAST_SHARE = 0.5
 # Regimes whose ranges differ by more than this factor get separate scales.
 APART = 2.0
-# What is less than this share of the peak is rounding.
+# Values below this share of the peak are rounding.
 NOTHING = 1e-9
 # Height of the sheet, and of each reaction in it [mm]; share of its row.
 HEIGHT, OF_REACTION, LOW = 165, 22, 0.6

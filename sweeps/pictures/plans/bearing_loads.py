@@ -16,13 +16,13 @@ from sweeps.pictures.plans.pose import MachineCycle
 from sweeps.pictures.plans.reaction_curves import reaction_panel
 from sweeps.pictures.style import BLUE, GREY, SKY, VERMILION, sheet, titled
 
-# Directions of the load, every degree; arc about each whose load is summed [rad].
+# Directions of the load, every degree; arc about each over which the load is summed [rad].
 DIRECTIONS, WIDTH = np.radians(np.arange(360)), math.radians(10)
 # Distance of edges from whole degrees [rad].
 EDGE = 1e-6
 # Arc over which the load is lowest, for the oil hole [rad].
 SPAN = math.radians(120)
-# Size of letters at marks, as x + iy, and least distance of marks, as shares of the peak load.
+# Size of letters at marks, as x + iy, and minimum distance of marks, as shares of the peak load.
 LETTERS, DOT = 0.34 + 0.11j, 0.03
 
 
@@ -60,7 +60,7 @@ def revolute_pairs(cycle: MachineCycle) -> list[Pair]:
 
 
 def bearing_load(cycle: MachineCycle, pair: str, axes: str = FRAME) -> BearingLoad:
-    """Bearing load in the axes of a link: acting on the pair's other link if those are its axes, else on its own link.
+    """Bearing load in the axes of a link, as the force on that link; in frame axes, as the force on the moving link.
 
     Parameters
     ----------

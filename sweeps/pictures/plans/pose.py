@@ -93,7 +93,7 @@ class MachineCycle:
         return self.forces[f"{name}_x"] + 1j * self.forces[f"{name}_y"]
 
     def peak_force(self, pair: str) -> float:
-        """Peak reaction of a pair, as results have it; of a machine that doesn't assemble everywhere, as drawn [N]."""
+        """Peak reaction of a pair [N]: the summary, or the maximum drawn if the machine doesn't assemble everywhere."""
         force = np.abs(self.force(f"{pair}.reaction"))
         whole = np.isfinite(force).all()
         return self.motion.machine.summary(f"{pair}.reaction.peak") if whole else float(np.nanmax(force))

@@ -20,7 +20,7 @@ from sweeps.study.sensitivity import RSS, WORST_CASE
 VEIL = "#e9ebed"
 # Maximum total variation along a row or column, in ranges, for legible contour lines.
 MOST_TRAVEL = 4.0
-# Entries of a list that have room for a tick each.
+# Maximum number of entries of a list with a tick each.
 MOST_TICKS = 12
 # Cells with white edges.
 MOST_CELLS = 2500
@@ -312,7 +312,7 @@ def plot_result(
     """
     for name in (x, y, colour):
         if name is not None and data.shown(name)[0].ndim == 2 and name != y:
-            raise PictureError(f"{name!r} is a field, which can only be y")
+            raise PictureError(f"{name!r} is a field, which can only be y; give it by -y")
     with style.sheet(180, 110) as figure:
         _choose(figure, data, x, y, colour, best)
         if data.chosen_of:
@@ -327,7 +327,7 @@ def _choose(
     along, summaries = data.grid_parameters(), data.summaries
     if y is not None and np.ndim(data.arrays[y]) == 2:
         if x or colour:
-            raise PictureError(f"{y!r} is a field, drawn over its own positions: leave out -x and --colour")
+            raise PictureError(f"{y!r} is a field, drawn over its own positions: omit -x and --colour")
         return field_band(figure.add_subplot(), data, y, best)
     if not summaries:
         raise PictureError("this result has no summaries; choose a field, or add summaries to the study")

@@ -53,7 +53,7 @@ def result_pictures(
     best, made = result.best(), [out]
     if not is_named and not named and not is_front(result):
         made += _pictures_of_one(result, best)
-    # Last: where it is there, so are the others.
+    # Written last: if it exists, so do the others.
     save(sweep_figure(result, x, y, colour, best), made[0])
     return made
 

@@ -71,7 +71,7 @@ class SweepData(NamedTuple):
         return "\n".join(wrapped(text if len(text) <= LONGEST_LEGEND else f"{text[:LONGEST_LEGEND]} …", 70))
 
     def in_steps(self, name: str) -> bool:
-        """Whether a parameter has no values between its own: entries of a list, or whole numbers such as teeth."""
+        """Whether a parameter only takes discrete values: entries of a list, or whole numbers such as teeth."""
         values = np.asarray(self.arrays[name], float)
         whole = self.units.get(name, "1") in ("", "1") and bool((values == np.round(values)).all())
         return name in self.listed or whole

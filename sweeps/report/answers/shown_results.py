@@ -12,12 +12,12 @@ from sweeps.study.default_summaries import answers, default_summaries
 from sweeps.study.study_content import ReadyMachine
 from sweeps.study.study_text import Best
 
-# Undefined results that are named.
+# Maximum number of undefined results named in a line.
 MOST_LACKING = 4
 
 
 def shown_parameters(result: SweepResult, every: bool = False) -> tuple[str, ...]:
-    """Parameters to show: numbers of the machine, variables, and whatever a condition limits.
+    """Parameters to show: numbers of the machine, variables, and numbers in conditions.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def shown_parameters(result: SweepResult, every: bool = False) -> tuple[str, ...
 
 @lru_cache(4)
 def shown_summaries(result: SweepResult, every: bool = False) -> tuple[str, ...]:
-    """Summaries to show: those that the study asks for without checks, or of a study that asks for none the answers.
+    """Summaries to show: those that the study requests, without checks, or the answers if it requests none.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def shown_summaries(result: SweepResult, every: bool = False) -> tuple[str, ...]
 
 
 def answers_among(machine: ReadyMachine, summaries: Sequence[str], in_conditions: Iterable[str]) -> tuple[str, ...]:
-    """Summaries that answer an engineer, in the order in which they are read.
+    """Summaries that an engineer wants, in the order in which they are read.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ _FAR = 10.0
 
 
 class _Asked(NamedTuple):
-    """Conditions that no variant meets, and the verdict of the variants that they are judged for."""
+    """Conditions that no variant meets, and the verdict of the variants to examine."""
 
     conditions: tuple[Condition, ...]
     verdict: Verdict

@@ -1,7 +1,6 @@
 """JSON Schemas of scenes and studies, for editors that complete and check TOML while the user types.
 
-They accept what `sweeps check` accepts as far as one key is concerned; rules on several keys are left to it. Editors of
-TOML read draft 7.
+They check single keys like `sweeps check`, but no rules on several keys. TOML editors read draft 7.
 """
 
 import json
@@ -80,7 +79,7 @@ def _is_list(schema: Schema) -> bool:
 
 
 def _either(made: Schema, other: str, keys: list[str]) -> Schema:
-    """Rules of a table in which another key stands for some required keys."""
+    """Rules of a table in which another key can replace some required keys."""
     required = made.get("required", [])
     return {
         "required": [key for key in required if key not in keys],

@@ -17,9 +17,9 @@ from sweeps.study.study_text import StudyText
 from sweeps.text.input_files import InputError
 from sweeps.text.tables import table
 
-# Of an answer to words.
+# Maximum numbers of keys and chapters in the answer to a search.
 MOST_KEYS, MOST_CHAPTERS = 12, 3
-# Chapters of the guide that words aren't searched in.
+# Chapters of the guide that aren't searched.
 NO_SUBJECTS = (*SUBJECTS["tutorial"], "developers", "words")
 # Placeholder in a path for user-defined names.
 NAME, PATH = "NAME", "PATH"
@@ -54,12 +54,12 @@ class Key(NamedTuple):
 
     @property
     def is_type(self) -> bool:
-        """Whether it says of which type its table is."""
+        """Whether it gives the type of its table."""
         return self.path[-1] == "type"
 
     @property
     def tables(self) -> list[type[BaseModel]]:
-        """Models of the tables that it holds."""
+        """Models of the tables that it contains."""
         return list(dict.fromkeys(arm for arm, _ in tables_in(self.field.annotation, self.path)))
 
     @property
@@ -69,7 +69,7 @@ class Key(NamedTuple):
 
 
 def key_text(asked: str) -> str:
-    """Help on a key, table or type: meaning, values, default and limits; else what is about the words.
+    """Help on a key, table or type: meaning, values, default and limits; else keys and chapters about the words.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def _about(words: Sequence[str]) -> str:
 
 
 def _mentions(text: str, words: Sequence[str]) -> tuple[int, int]:
-    """How many lines have the words themselves, and how many have them or their synonyms."""
+    """Number of lines with the words themselves, and of lines with them or their synonyms."""
     lines = text.lower().splitlines()
     exact = sum(all(word.lower() in line for word in words) for line in lines)
     return exact, sum(engine.speaks_of(line, words) for line in lines)
@@ -200,7 +200,7 @@ def _ends_with(path: tuple[str, ...], parts: Sequence[str]) -> bool:
     return path[-1] not in (NAME, PATH) and _matches(path[-len(parts) :], parts) and path[-len(parts)] != NAME
 
 
-# Stands for the types that have a text in common.
+# Placeholder for the types that share a text.
 _TYPES = "\0"
 
 

@@ -13,16 +13,16 @@ from sweeps.text.scene_text import read_scene, scene_from
 from sweeps.text.templates import bundled_templates, template_text
 
 MACHINE = "Machine"
-# Tables of a scene, and what a name of theirs is called in a family.
+# Tables of a scene, and the placeholder for their names in a family.
 _TABLES = {
     **{"groups": "GROUP", "bodies": "BODY", "cams": "CAM", "forces": "FORCE", "moments": "MOMENT", "springs": "SPRING"},
     **{"cylinders": "CYLINDER", "pins": "PIN", "struts": "STRUT", "wanted": "WANTED", "couplings": "COUPLING"},
     **{"regimes": "REGIME", "elements": "NAME"},
 }
-# A name of a part is also a word of meanings: the angle of any crank.
+# The name of a part may also be a plain word in a meaning: the angle of any crank.
 _NOT_A_NAME = r"(?! angle| speed| torque| force|'s)"
 _BEFORE_NAMES = "link|slider|joint|guide|body|group|shaft|point|on|about|with|path of|torque of"
-# Kinds whose names begin words of a regime, as in start.motor_shaft_final_speed.
+# Kinds whose names start a regime's quantity, as in start.motor_shaft_final_speed.
 _AT_BEGIN = ("SHAFT", "COUPLING")
 
 
@@ -57,7 +57,7 @@ def _scenes() -> Iterator[Scene]:
         yield read_scene(path)
     for path in bundled_studies().values():
         yield read_study(path).scene
-    # What no bundled machine has, for the slider-crank; once with each coupling.
+    # Parts that no bundled machine has, added to the slider-crank; once with each coupling.
     rare = tomllib.loads(Path(__file__).with_name("rare_parts.toml").read_text("utf8"))
     for coupling in rare.pop("each_coupling"):
         data = tomllib.loads(template_text("slider_crank")) | rare
@@ -66,7 +66,7 @@ def _scenes() -> Iterator[Scene]:
 
 
 def _kinds_of_names(scene: Scene) -> dict[str, str]:
-    """What each name of a scene is called in a family."""
+    """Placeholder in a family for each name of a scene."""
     kinds = {name: kind for table, kind in _TABLES.items() for name in getattr(scene, table)}
     if scene.input is not None:
         points, guides, links = definitions_of_names(scene)

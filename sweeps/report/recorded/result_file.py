@@ -39,7 +39,7 @@ class ResultFile:
 
     @cached_property
     def file(self) -> MappedResult:
-        """The file: its texts, what it says of its columns, and its progress."""
+        """The file: its texts, column descriptions and progress."""
         check_file(self.path)
         return MappedResult(self.path)
 
@@ -204,7 +204,7 @@ class ResultFile:
         return with_values(self.scene, self.variant_values(variant))
 
     def need(self, names: Iterable[str], key: str, known: Iterable[str] = ()) -> None:
-        """Refuse names that the result doesn't have, and say where to ask for those that its machine has.
+        """Reject names that the result doesn't have; the message says how to request those that its machine has.
 
         Parameters
         ----------
@@ -232,7 +232,7 @@ class ResultFile:
         return engine.unknown_name_message(name, (other for other in known if not other.endswith("_error")))
 
     def field_rows(self, name: str, chosen: np.ndarray | slice) -> np.ndarray:
-        """Rows of a field (chosen, places) of some variants, in memory.
+        """Rows of a field (chosen, positions) of some variants, in memory.
 
         Raises
         ------
@@ -267,7 +267,7 @@ class ResultFile:
 
     @property
     def lists(self) -> dict[str, int]:
-        """Number of entries of each variable that takes those of a list."""
+        """Number of entries of each variable that takes its values from a list."""
         axes = self.record["vary"]
         found = {axis["names"][0]: axis["size"] for axis in axes if axis["kind"] == "Listed"}
         return found | {name: len(sizes) for axis in axes for name, sizes in axis.get("sizes", {}).items()}

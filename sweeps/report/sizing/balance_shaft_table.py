@@ -7,7 +7,7 @@ from sweeps.report.sizing.trial_runs import degrees_text
 from sweeps.text.numbers_in_row import numbers_in_row
 from sweeps.text.tables import table
 
-# Shafts that turn faster than twice the crank's speed are not built.
+# Balanced orders: shafts that turn faster than twice the crank speed are not built.
 ORDERS = (1, 2)
 WORDS = {1: "primary", 2: "secondary"}
 

@@ -20,7 +20,7 @@ from sweeps.pictures.plans.pose import Pose
 LONGEST, SHORTEST, APART, ARC = 15.0, 6.0, 1.8, 4.5
 # Margin for letters [mm].
 MARGIN = 7.0
-# Times that a drawing is fitted to its paper.
+# Number of iterations to fit a drawing to its paper.
 FITTED = 5
 # Minimum half-width of the drawing, in hinge radii.
 LEAST = 12.0
@@ -90,13 +90,13 @@ def _per_mm(cloud: np.ndarray, size: complex) -> float:
 
 
 def _spread(pose: Pose, figure: list[Primitive], loads: list[DrawnLoad], size: complex) -> tuple[complex, np.ndarray]:
-    """Middle of a link, and points that must fit, with arrows, on paper of a size [mm]."""
+    """Middle of a link, and the points, including arrows, that must fit on paper of a size [mm]."""
     corners = bounds(figure)
     middle = sum(corners) / 2
     # A single slider is drawn at symbol size.
     least = middle + LEAST * pose.motion.radius * np.array([-1, 1, -0.5j, 0.5j])
     body = cloud = np.array([*corners, *least, *(load.at for load in loads if not load.is_moment)])
-    # Arrows are to no scale: the fewer metres a millimetre has, the shorter they are in the link's.
+    # Arrows have a fixed length on paper, so their length in metres depends on the scale.
     for _ in range(FITTED):
         arrows = [(start, start + vector) for _, start, vector in _arrows(loads, middle, _per_mm(cloud, size))]
         cloud = np.concatenate([body, *np.reshape(arrows, (-1, 2))])
