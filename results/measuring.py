@@ -15,7 +15,7 @@ def seconds(run: Callable[[], object]) -> float:
     return time.process_time() - start
 
 
-def times_by_turns(runs: Sequence[Callable[[], object]], rounds: int, twice: bool = False) -> np.ndarray:
+def alternating_times(runs: Sequence[Callable[[], object]], rounds: int, twice: bool = False) -> np.ndarray:
     """Processor times [s] of some runs in turn, (runs, rounds), so that other load on the computer affects all.
 
     `twice`: each first runs unmeasured, so that caches and memory left by another don't count.
@@ -32,7 +32,7 @@ def times_by_turns(runs: Sequence[Callable[[], object]], rounds: int, twice: boo
 def least_time(run: Callable[[], object], rounds: int = 5) -> float:
     """Minimum processor time [s] of some rounds after a first one, which compiles."""
     run()
-    return float(times_by_turns([run], rounds).min())
+    return float(alternating_times([run], rounds).min())
 
 
 def processor() -> str:

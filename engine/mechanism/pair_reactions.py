@@ -55,7 +55,7 @@ class PairReactions:
         self.kinematics, self.motion = kinematics, motion
         self.scene, self.graph = kinematics.scene, kinematics.graph
         self.variables, self.forces = applied.fields, applied.forces
-        self.to_frame: dict[tuple[str, str], Vector] = {}
+        self.in_axes: dict[tuple[str, str], Vector] = {}
         self.settlings: dict[str, mechanism.friction.Settled] = {}
         self.pressing: dict[str, Node] = {}
         self.pairs = {pair.name: pair for pair in pairs(self.scene)}
@@ -77,8 +77,8 @@ class PairReactions:
         link, ends = self.kinematics.links[pair.link], (pair.name, pair.link, pair.other)
         if pair.kind == "revolute":
             at, force = self.kinematics.points[pair.joint], Vector(*reaction).called(f"{pair.name} reaction")
-            own = self.to_frame[pair.name, pair.link] = _components(force, link)
-            self.to_frame[pair.name, pair.other] = _components(-force, self.kinematics.links[pair.other])
+            own = self.in_axes[pair.name, pair.link] = _components(force, link)
+            self.in_axes[pair.name, pair.other] = _components(-force, self.kinematics.links[pair.other])
             parts = {"_x": force.x, "_y": force.y, "_along": own.x, "_across": own.y, "": force.length}
             moments = ()
         else:
@@ -174,7 +174,7 @@ class PairReactions:
             ends = [name for name in (pair.link, pair.other) if name in unloaded]
             found = [
                 force.y if name in self.kinematics.slides else force.x
-                for name, force in ((name, self.to_frame[pair.name, name]) for name in ends)
+                for name, force in ((name, self.in_axes[pair.name, name]) for name in ends)
             ]
         elif rub is not None:
             normal = self.variables[f"{pair.name}.reaction"]

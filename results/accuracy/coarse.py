@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.append(str(Path(__file__).parents[1]))
-from measuring import processor, times_by_turns
+from measuring import alternating_times, processor
 
 import sweeps
 from engine import Machine
@@ -41,7 +41,7 @@ def row_of(folder: str, name: str) -> tuple[str, list[float]]:
     made = [Machine(study.scene, study.summaries, (), study.paths, accuracy=a) for a in (*ACCURACIES, TRUTH)]
     *found, truth = (machine.evaluate(varied) for machine in made)
     runs = [partial(machine.evaluate, varied) for machine in made[:-1]]
-    cost = np.median(times_by_turns(runs, ROUNDS), axis=1) / truth.status.size * 1e6
+    cost = np.median(alternating_times(runs, ROUNDS), axis=1) / truth.status.size * 1e6
     cells = [name.replace("_", " "), f"{cost[0]:.1f}"]
     for outcome, microseconds in zip(found[1:], cost[1:], strict=True):
         good, errors, covered = (outcome.status == 0) & (truth.status == 0), [], []

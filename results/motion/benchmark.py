@@ -27,7 +27,7 @@ from peers import HEYOKA_LANES, PEERS
 from reference import reference
 
 sys.path.append(str(Path(__file__).parents[1]))
-from measuring import processor, times_by_turns
+from measuring import alternating_times, processor
 
 from engine.compiling.threads import set_threads
 
@@ -94,7 +94,7 @@ def race(case: Case) -> Curves:
         with np.errstate(invalid="ignore"):
             worst = np.abs(found[:, :CHECKED] / true - 1).max(axis=1)
         errors.append((float(worst[0]), float(worst[1])))
-    times = times_by_turns([entry.compute for entry in entries], ROUNDS, twice=True) / VARIANTS
+    times = alternating_times([entry.compute for entry in entries], ROUNDS, twice=True) / VARIANTS
     curves: Curves = {}
     for entry, own, worst in zip(entries, times, errors, strict=True):
         curves.setdefault(entry.method, []).append(Run(entry.setting, tuple(own), worst))

@@ -28,7 +28,7 @@ import numpy as np
 
 sys.path.append(str(Path(__file__).parents[1]))
 from machines import BASELINE_PATHS, CASES, all_numbers, sample
-from measuring import processor, times_by_turns
+from measuring import alternating_times, processor
 
 from engine import Machine, scene_numbers
 from engine.scene.scene import Numbers
@@ -71,7 +71,7 @@ class Contest(NamedTuple):
 
 def contest(case: str, engine: Callable, rival: Callable) -> Contest:
     """Processor times of two sides in turns."""
-    times = times_by_turns((engine, rival), ROUNDS)
+    times = alternating_times((engine, rival), ROUNDS)
     found = Contest(case, *(times * 1e6 / VARIANTS))
     print(found.row(), flush=True)
     return found
@@ -181,7 +181,7 @@ def cycle_time(name: str) -> float:
     measuring = Machine(CASES[name].scene, fields=FIELDS, varied=varied, positions=POSITIONS)._measuring
     table = measuring.numbers(Numbers(scene_numbers(CASES[name].scene), varied), VARIANTS)
     measuring(table)
-    return float(np.median(times_by_turns([partial(measuring, table)], ROUNDS))) * 1e6 / VARIANTS
+    return float(np.median(alternating_times([partial(measuring, table)], ROUNDS))) * 1e6 / VARIANTS
 
 
 def race_reactions(baseline: ctypes.CDLL) -> Contest:

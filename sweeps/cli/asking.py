@@ -7,7 +7,7 @@ import click
 
 from engine import counted
 from sweeps.cli import needed
-from sweeps.cli.shared import DAMAGED, DIFFERENT, ERRORS, main, tell, tell_aside
+from sweeps.cli.shared import DAMAGED, DIFFERENT, ERRORS, main, print_on_stderr, tell
 
 
 @main.command()
@@ -48,15 +48,15 @@ def verify(file: Path) -> None:
     """Check a result file against its checksums; exit code 1 if it was modified."""
     found = needed.MappedResult(file)
     if not found.has_checksums:
-        tell_aside(f"{file} has no checksums (written by an older version).")
+        print_on_stderr(f"{file} has no checksums (written by an older version).")
         sys.exit(DAMAGED)
     blocks = [int(i) for i in found.done.nonzero()[0]]
     variants = sum(found.rows(i).stop - found.rows(i).start for i in blocks)
     damaged = found.damaged()
     for name in found.edited:
-        tell_aside(f"{file}: {name.removeprefix('progress/')} was modified")
+        print_on_stderr(f"{file}: {name.removeprefix('progress/')} was modified")
     if damaged:
-        tell_aside(
+        print_on_stderr(
             f"{file}: variants {needed.damage_text(found, damaged)} are damaged; run the study again to repair them"
         )
     if damaged or found.edited:

@@ -36,7 +36,7 @@ def check(asked: shared.Options) -> None:
         shared.tell(found.machine().source())
     else:
         with shared.cluster_client(asked.cluster) as client:
-            shared.tell(needed.check_text(found, asked.out, client, shared.tell_aside, asked.every))
+            shared.tell(needed.check_text(found, asked.out, client, shared.print_on_stderr, asked.every))
 
 
 def _made(asked: shared.Options, result: "SweepResult", study: Path) -> list[Path]:
@@ -54,7 +54,7 @@ def _compute(asked: shared.Options, bar: "ProgressBar", compute: Callable[..., P
         def update(done: int, before: int, words: str = "") -> None:
             bar.update(done, before, ", ".join(filter(None, (words, shared.workers_text(client)))))
 
-        compute(asked.out, asked.restart, update, asked.replace, shared.tell_aside, client)
+        compute(asked.out, asked.restart, update, asked.replace, shared.print_on_stderr, client)
     bar.close()
 
 

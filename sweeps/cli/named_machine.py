@@ -140,7 +140,7 @@ def machine_of(file: str, variant: int | None, settings: Sequence[str] = ()) -> 
     return replace(_written(file, variant), settings=tuple(settings))
 
 
-def in_full(file: str, asked: str | tuple[str, ...]) -> str | tuple[str, ...]:
+def with_full_joint_names(file: str, asked: str | tuple[str, ...]) -> str | tuple[str, ...]:
     """Names or conditions for a file's machine, with the full names of joint forces.
 
     Raises

@@ -15,7 +15,7 @@ import click
 
 import engine
 from sweeps.cli import needed
-from sweeps.cli.waiting import clear_the_line, doing, waiting_told
+from sweeps.cli.waiting import clear_the_line, doing, status_line
 from sweeps.text.input_files import InputError, files_read, read_text
 from sweeps.text.versions import own_version
 from sweeps.text.visible import visible
@@ -60,12 +60,12 @@ class Commands(click.Group):
         """Run the command of a command line."""
         with files_read() as files:
             try:
-                with waiting_told():
+                with status_line():
                     return super().invoke(ctx)
             except Exception as error:
                 if not isinstance(error, foreseen_errors()):
                     raise
-                tell_aside(f"Error: {shown_message(str(_in_its_file(error, files)))}")
+                print_on_stderr(f"Error: {shown_message(str(_in_its_file(error, files)))}")
                 sys.exit(NOT_ALL_DONE if isinstance(error, needed.UnfinishedError) else WRONG_INPUT)
 
     def resolve_command(
@@ -101,7 +101,7 @@ def joints_by_letter(command: Command) -> Command:
     def asked(file: str | Path, **options: object) -> None:
         for name in ("where", "sort", "columns", "x", "y", "colour"):
             if ".reaction" in str(options.get(name)):
-                options[name] = needed.in_full(str(file), options[name])
+                options[name] = needed.with_full_joint_names(str(file), options[name])
         command(file=file, **options)
 
     return asked
@@ -247,7 +247,7 @@ def stop_without_answer(result: "SweepResult") -> None:
         sys.exit(NO_ANSWER)
 
 
-def tell_aside(sentence: str) -> None:
+def print_on_stderr(sentence: str) -> None:
     """Print a remark on standard error."""
     tell(sentence, err=True)
 
@@ -255,7 +255,7 @@ def tell_aside(sentence: str) -> None:
 def tell_altered(file: Path | str) -> None:
     """Warn of modified texts in a result file."""
     for sentence in needed.SweepResult(Path(file)).altered:
-        tell_aside(f"Warning: {sentence}")
+        print_on_stderr(f"Warning: {sentence}")
 
 
 def warnings_of(result: "SweepResult") -> list[str]:
@@ -292,7 +292,7 @@ def tell_outdated(out: Path, made: list[Path]) -> None:
     older = [f for f in pictures_beside(out) if f not in made and f.stat().st_mtime < out.stat().st_mtime]
     if older:
         names = ", ".join(file.name for file in older)
-        tell_aside(f"Older than {out}: {names}; `sweeps plot` and `sweeps report` remake them.")
+        print_on_stderr(f"Older than {out}: {names}; `sweeps plot` and `sweeps report` remake them.")
 
 
 def plots_of(result: "SweepResult", study: Path) -> list[Path]:

@@ -81,7 +81,7 @@ _now: list[Waiting] = []
 
 
 @contextmanager
-def waiting_told() -> Iterator[None]:
+def status_line() -> Iterator[None]:
     """Show compilation while a command runs on a terminal."""
     if not sys.stderr.isatty():
         yield

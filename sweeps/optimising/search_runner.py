@@ -15,7 +15,7 @@ import numpy as np
 
 from engine import Verdict, counted, quantity_text
 from sweeps.optimising.pareto import pareto_front
-from sweeps.optimising.searching import CLEARANCE, descend, refine, way_of
+from sweeps.optimising.searching import CLEARANCE, descend, refine, search_method_of
 from sweeps.optimising.spread import spread_columns, spreads
 from sweeps.optimising.trials import Batch, Trials
 from sweeps.run.blocks import LARGEST_BLOCK, joined
@@ -31,7 +31,7 @@ from sweeps.store import (
     make_folder_of,
     part_path,
     read_columns,
-    reword,
+    update_texts,
 )
 from sweeps.store.creating import remove_unlocked
 from sweeps.study.search_task import GENETIC, LOCAL, SearchTask, search_record, task_of
@@ -103,7 +103,7 @@ def optimise_study(
         if task.method == LOCAL:
             _finish(trials, path, *_downhill(trials), keep, tell)
             return path
-        search = way_of(task)
+        search = search_method_of(task)
         with Store.open(work, _layout(trials, task.population * task.generations, task.population), restart) as store:
             tell_all(store, tell)
             search(_History(trials, store, progress).evaluate)
@@ -139,7 +139,7 @@ def _is_finished(path: Path, trials: Trials, tell: Callable[[str], None]) -> boo
         tell(f"{path} is damaged: the search is run again.")
         return False
     layout = _final_layout(trials, mapped.variants)
-    reword(path, {name: layout.attributes[name] for name in WORDS})
+    update_texts(path, {name: layout.attributes[name] for name in WORDS})
     tell(complete_text(path))
     return True
 
@@ -225,7 +225,7 @@ def _best(batch: Batch) -> int | None:
     return int(np.argmin(costs)) if batch.met.any() else None
 
 
-def _places(batch: Batch) -> np.ndarray:
+def _front_positions(batch: Batch) -> np.ndarray:
     """Positions on the Pareto front by ascending first cost, 0 off it; ties go to the first candidate."""
     places = np.zeros(batch.met.size, np.int32)
     met = np.flatnonzero(batch.met)
@@ -243,7 +243,7 @@ def _finish(
     trials: Trials, path: Path, found: dict[str, np.ndarray], way: str, keep: bool, tell: Callable[[str], None]
 ) -> None:
     """Write the result: all candidates, their positions on the front, and the spread from tolerances on it."""
-    places = _places(trials.judged(found))
+    places = _front_positions(trials.judged(found))
     found = found | {"front": places} | spreads(trials.task, found, np.flatnonzero(places))
     count = places.size
     with Store.open(path, _final_layout(trials, count), restart=not keep) as store:

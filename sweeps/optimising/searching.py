@@ -35,7 +35,7 @@ def first_generation(task: SearchTask) -> np.ndarray:
     return points
 
 
-def way_of(task: SearchTask) -> Callable[[Evaluate], None]:
+def search_method_of(task: SearchTask) -> Callable[[Evaluate], None]:
     """The search method of a task.
 
     Returns

@@ -18,7 +18,7 @@ MOST_BEST, MOST_SAMPLED = 500, 2000
 ORDERED_AXES = ("Listed", "Linear", "Logarithmic")
 
 
-class Price(NamedTuple):
+class ConditionEffect(NamedTuple):
     """A part of the condition, and its price.
 
     Attributes
@@ -121,16 +121,16 @@ class Digest:
         return int(self.leaders[0]) if self.leaders.size else None
 
     @cached_property
-    def prices(self) -> tuple[Price, ...]:
+    def prices(self) -> tuple[ConditionEffect, ...]:
         """The price of each part of the condition."""
         return tuple(map(self._price, self.conditions))
 
-    def _price(self, part: Condition) -> Price:
+    def _price(self, part: Condition) -> ConditionEffect:
         others = " and ".join(f"({other.text})" for other in self.conditions if other.text != part.text)
         without, margin = self._first(others, 1), np.nan
         if self.best is not None:
             margin = _margin(part, *self.result.known(np.array([self.best]), part.names))
-        return Price(part.text, margin, int(without[0]) if without.size else None)
+        return ConditionEffect(part.text, margin, int(without[0]) if without.size else None)
 
     @cached_property
     def worst_errors(self) -> dict[str, float]:

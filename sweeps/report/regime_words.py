@@ -104,7 +104,7 @@ def failure_text(scene: Scene, verdict: Verdict, seen: "engine.History | None" =
     if seen.verdict == Verdict.NO_END:
         return f"regime {name}: {_no_end(scene, name, seen)}"
     if seen.verdict == Verdict.STALLS and isinstance(scene.regimes[name], RunRegime):
-        return f"regime {name}: {_stands(scene, seen)}"
+        return f"regime {name}: {_stall_text(scene, seen)}"
     if seen.verdict == Verdict.LOCKS:
         off = scene.regimes[name].off
         brakes = [n for n, m in scene.moments.items() if n not in off and m.type == "band_brake"]
@@ -112,7 +112,7 @@ def failure_text(scene: Scene, verdict: Verdict, seen: "engine.History | None" =
     return f"regime {name}: {seen.verdict.sentence}"
 
 
-def _stands(scene: Scene, seen: "engine.History") -> str:
+def _stall_text(scene: Scene, seen: "engine.History") -> str:
     """Where a machine stalls, and the torques there."""
     way = math.copysign(1.0, scene.input.speed)
     drive = way * float(seen.motor_moment[-1] + seen.load_moments["driving"][-1])

@@ -48,7 +48,7 @@ def counts_text(result: SweepResult) -> str:
         sentence = "" if verdict == engine.Verdict.OK else verdict.sentence
         rows.append((f"{count}", verdict.name.lower().replace("_", " "), sentence))
         dropped = verdict == engine.Verdict.DROPPED
-        lines = drop_lines(result.record["require"], result.missed()) if dropped else _blame(result, verdict)
+        lines = drop_lines(result.record["require"], result.missed()) if dropped else _failures_by_part(result, verdict)
         if verdict == engine.Verdict.OUTSIDE_LIMITS:
             lines += outside_lines(result.scene, result.columns, result.columns["status"] == verdict)
         if verdict == engine.Verdict.NOT_FINITE:
@@ -67,7 +67,7 @@ def _lacking(result: SweepResult, variant: int) -> list[str]:
     return lacks_lines(lacking) if len(lacking) < len(result.summaries) else []
 
 
-def _blame(result: SweepResult, verdict: engine.Verdict) -> list[str]:
+def _failures_by_part(result: SweepResult, verdict: engine.Verdict) -> list[str]:
     """For each failing group, element or regime: count, and range of its first failing positions if it has any."""
     groups = result.record["groups"]
     if verdict == engine.Verdict.OK or not groups:

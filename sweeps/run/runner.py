@@ -21,7 +21,7 @@ from sweeps.run.carrying import Blocks, Earlier, Excerpt, excerpts_of, filled_in
 from sweeps.run.cluster.cluster_errors import UnfinishedError
 from sweeps.run.columns import field_columns, number_columns, position_axis
 from sweeps.run.cost import on_shafts_text, seconds_of_variant
-from sweeps.store import Column, FileLayout, MappedResult, Store, StoreError, make_folder_of, part_path, reword
+from sweeps.store import Column, FileLayout, MappedResult, Store, StoreError, make_folder_of, part_path, update_texts
 from sweeps.study.study import Study
 from sweeps.study.study_record import numbers_record, study_record
 from sweeps.text.scene_text import write_scene
@@ -122,7 +122,7 @@ def run_study(
     path, tell = Path(path), tell or (lambda sentence: None)
     make_folder_of(path)
     layout = layout_of(study)
-    if not restart and _stands(path, layout, tell):
+    if not restart and _finished_file_is_valid(path, layout, tell):
         return path
     if on_shafts := on_shafts_text(study):
         tell(on_shafts)
@@ -245,7 +245,7 @@ def tell_all(store: Store, tell: Callable[[str], None]) -> None:
         tell(store.notes.pop(0))
 
 
-def _stands(path: Path, layout: FileLayout, tell: Callable[[str], None]) -> bool:
+def _finished_file_is_valid(path: Path, layout: FileLayout, tell: Callable[[str], None]) -> bool:
     """Whether a finished file of another version has the study's results; updates its texts."""
     for found in (path, part_path(path)):
         try:
@@ -257,11 +257,11 @@ def _stands(path: Path, layout: FileLayout, tell: Callable[[str], None]) -> bool
             continue
         words = {name: layout.attributes[name] for name in WORDS}
         if same and not mapped.edited and record.get("engine") == ours["engine"]:
-            reword(found, words)
+            update_texts(found, words)
         elif same and not mapped.edited:
             version = mapped.attributes.get("versions", "").split(",")[0] or "an earlier version"
             if found == path and mapped.done.all() and not mapped.damaged():
-                reword(found, words | {"study_json": json.dumps(ours | {"engine": record.get("engine")})})
+                update_texts(found, words | {"study_json": json.dumps(ours | {"engine": record.get("engine")})})
                 tell(f"{path} was made by {version}; its numbers are valid. --restart recomputes them.")
                 return True
             tell(f"{found} was made by {version}: everything is recomputed.")

@@ -329,7 +329,7 @@ def _file_size(path: Path) -> int:
     return path.stat().st_size if path.exists() else 0
 
 
-def reword(path: Path, attributes: Mapping[str, str]) -> None:
+def update_texts(path: Path, attributes: Mapping[str, str]) -> None:
     """Update a file's texts if they differ, by replacing it with a modified copy.
 
     Parameters

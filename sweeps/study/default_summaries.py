@@ -11,7 +11,7 @@ def answers(machine: ReadyMachine) -> tuple[str, ...]:
     of_elements = (
         n for n, q in known.items() if n.partition(".")[0] in scene.elements and q.rank == engine.Rank.ANSWER
     )
-    of_regimes = (name for name in telling_summaries(machine) if known[name].rank != engine.Rank.CHECK)
+    of_regimes = (name for name in informative_summaries(machine) if known[name].rank != engine.Rank.CHECK)
     return (*of_machine, *of_elements, *of_regimes)
 
 
@@ -22,10 +22,10 @@ def default_summaries(machine: ReadyMachine) -> tuple[str, ...]:
     scene, known = machine.scene, machine.available_summaries
     further = (n for n in known if n not in left_out and not engine.is_warning(n))
     further = (n for n in further if "." not in n or n.partition(".")[0] in scene.elements)
-    return tuple(dict.fromkeys((*answers(machine), *further, *telling_summaries(machine))))
+    return tuple(dict.fromkeys((*answers(machine), *further, *informative_summaries(machine))))
 
 
-def telling_summaries(machine: ReadyMachine) -> tuple[str, ...]:
+def informative_summaries(machine: ReadyMachine) -> tuple[str, ...]:
     """Informative summaries of all regimes: work of active loads only, no prescribed speed."""
     scene = machine.scene
     if not scene.regimes:

@@ -305,7 +305,11 @@ class StudyReader:
                     raise SamplingError("varies already; a number is either varied or derived")
                 self._check_variable(path)
                 expression, known = numeric_expression(text), {*self.numbers, *varied, *found}
-                below = [name for name in expression.names if name not in tried and self._leads_elsewhere(name, path)]
+                below = [
+                    name
+                    for name in expression.names
+                    if name not in tried and self._is_derived_independently(name, path)
+                ]
                 unknown = [name for name in expression.names if name not in known and name not in below]
                 for name in below:
                     self.problems.add(
@@ -322,7 +326,7 @@ class StudyReader:
                 found[path] = expression
         return found
 
-    def _leads_elsewhere(self, name: str, path: str) -> bool:
+    def _is_derived_independently(self, name: str, path: str) -> bool:
         """Whether a number is derived, and not from `path`, directly or indirectly."""
         pending, seen = [name], set()
         while pending and path not in pending:

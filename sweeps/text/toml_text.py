@@ -35,7 +35,7 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         found = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
         line = int(found[1]) if found else None
-        message = _slip(text, line, source) or _not_toml(text, line, str(error))
+        message = _common_mistake(text, line, source) or _not_toml(text, line, str(error))
         # A line is missing where the text ends too early.
         raise InputError.of(source, message, line or len(text.splitlines())) from None
     except (ValueError, RecursionError):
@@ -89,7 +89,7 @@ _SLIPS: dict[str, str | Callable[[str], str]] = {
 }
 
 
-def _slip(text: str, line: int | None, source: str) -> str:
+def _common_mistake(text: str, line: int | None, source: str) -> str:
     """Diagnosis of common TOML mistakes in a line, or ""."""
     lines = text.splitlines()
     if line is None or not 1 <= line <= len(lines) or not source.endswith(".toml"):

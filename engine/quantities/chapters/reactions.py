@@ -177,7 +177,7 @@ def _load_direction(m: Mechanics, pair: Pair, link: str) -> Declared:
     load = f"load on {link} in {pair.place} ({link} axes)"
 
     def means() -> tuple[Expression, Expression, Expression]:
-        along, across = m.reactions.to_frame[pair.name, link]
+        along, across = m.reactions.in_axes[pair.name, link]
         return mean(m, along), mean(m, across), mean(m, m.reactions.variables[f"{pair.name}.reaction"])
 
     def direction() -> Expression:
@@ -194,7 +194,7 @@ def _load_direction(m: Mechanics, pair: Pair, link: str) -> Declared:
     yield Summary(f"{pair.name}.load_spread_of_{link}", words, "1", spread, may_be_undefined=True)
 
     def unloaded(which: str) -> Expression:
-        force = m.reactions.to_frame[pair.name, link]
+        force = m.reactions.in_axes[pair.name, link]
         return UnloadedArc(force, force.dot(force), which)
 
     words = f"widest unloaded arc of {link} in {pair.place} ({link} axes)"

@@ -1,6 +1,6 @@
 """Names that commands need from other packages, with their modules."""
 
-from sweeps.cli.named_machine import element_named, in_full, is_result, machine_of, positions_of, read_at
+from sweeps.cli.named_machine import element_named, is_result, machine_of, positions_of, read_at, with_full_joint_names
 from sweeps.guide.chapters import GENERATED, chapter_text, chapters_text
 from sweeps.guide.website import build_site
 from sweeps.imports.foreign_scene import import_scene

@@ -14,7 +14,7 @@ def in_mode(scene: Scene, mode: AssemblyMode) -> Scene:
     return scene.model_copy(update={"near": {**scene.near, **told}})
 
 
-def _all_told(scene: Scene) -> Scene:
+def _with_first_modes(scene: Scene) -> Scene:
     """The scene with the first mode for every group whose mode it leaves open."""
     for _ in scene.links:
         untold = [found[0] for found in assembly_modes(scene).values() if found and not any(m.chosen for m in found)]
@@ -53,7 +53,7 @@ def mode_pictures(
             shown = in_mode(scene, mode)
             made[file] = None
             try:
-                save(picture(_all_told(shown) if len(modes) > 1 else shown, [first]), file)
+                save(picture(_with_first_modes(shown) if len(modes) > 1 else shown, [first]), file)
             except PictureError as refusal:
                 made[file] = refusal
     return made

@@ -25,7 +25,7 @@ from store_samples import (
     start_child,
 )
 
-from sweeps.store import Column, FileLayout, MappedResult, Store, StoreError, read_columns, reword
+from sweeps.store import Column, FileLayout, MappedResult, Store, StoreError, read_columns, update_texts
 from sweeps.store.errors import explained
 
 
@@ -90,12 +90,12 @@ def test_other_words__change_nothing_else(path: Path, part: Path, finished: bool
         begun(path, 0)
         arrays = read_columns(part)
     file = path if finished else part
-    reword(file, {"title": "Länge", "study": "x" * 100_000})
+    update_texts(file, {"title": "Länge", "study": "x" * 100_000})
     assert MappedResult(file).attributes["title"] == "Länge"
     found = read_columns(file, list(arrays))
     assert all(found[name].tobytes() == values.tobytes() for name, values in arrays.items())
     before = file.stat().st_mtime_ns
-    reword(file, {"title": "Länge"})
+    update_texts(file, {"title": "Länge"})
     assert file.stat().st_mtime_ns == before
     with Store.open(path, layout()) as store:
         assert store.pending == ([] if finished else [1, 2, 3, 4, 5])

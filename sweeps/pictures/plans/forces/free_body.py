@@ -45,7 +45,7 @@ def free_body(pose: Pose, link: str, ax: Axes) -> list[DrawnLoad]:
     list of DrawnLoad
         Loads on the link.
     """
-    loads, figure = _felt(loads_on_links(pose)[link], pose.motion.radius), _link_figure(pose, link)
+    loads, figure = _above_rounding(loads_on_links(pose)[link], pose.motion.radius), _link_figure(pose, link)
     middle, cloud = _spread(pose, figure, loads, size_of(ax))
     paper = Paper(ax, cloud, margin=MARGIN, to_scale=False)
     paper.figures(figure)
@@ -79,7 +79,7 @@ def height_of_body(pose: Pose, link: str, width: float, most: float) -> float:
     link : str
     width, most : float
     """
-    loads, room = _felt(loads_on_links(pose)[link], pose.motion.radius), complex(width, most)
+    loads, room = _above_rounding(loads_on_links(pose)[link], pose.motion.radius), complex(width, most)
     _, cloud = _spread(pose, _link_figure(pose, link), loads, room)
     return float(np.ptp(cloud.imag)) / _per_mm(cloud, room) + 2 * MARGIN
 
@@ -103,7 +103,7 @@ def _spread(pose: Pose, figure: list[Primitive], loads: list[DrawnLoad], size: c
     return middle, cloud
 
 
-def _felt(loads: list[DrawnLoad], length: float) -> list[DrawnLoad]:
+def _above_rounding(loads: list[DrawnLoad], length: float) -> list[DrawnLoad]:
     """Loads above rounding."""
     force = max((abs(load.force) for load in loads), default=0.0)
     moment = max([force * length, *(abs(load.moment) for load in loads)])

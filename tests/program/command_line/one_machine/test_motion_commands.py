@@ -16,7 +16,7 @@ from engine import Machine, Scene, Verdict
 from sweeps import SweepResult, read_scene, read_study
 from sweeps.report.regime_words import by_regime, regime_words
 from sweeps.run import blocks, cost
-from sweeps.study.default_summaries import telling_summaries
+from sweeps.study.default_summaries import informative_summaries
 
 # Tests of pictures look at what is drawn.
 pytestmark = pytest.mark.usefixtures("blank_pictures")
@@ -300,7 +300,7 @@ def test_regime_words__tell_begin_end_and_what_is_off(folder):
 def test_telling_summaries__exist_and_leave_out_what_does_not_act(folder):
     scene = read_scene("press.toml")
     machine = Machine(scene)
-    names = telling_summaries(machine)
+    names = informative_summaries(machine)
     assert set(names) <= set(machine.available_summaries)
     of = by_regime(scene, names)
     assert list(of) == ["start", "work", "stop"]
@@ -314,7 +314,7 @@ def test_telling_summaries__ask_for_the_flywheel_where_none_is_given(folder):
     asked = 'speed_fluctuation = "1/20"'
     for wheel, told in ((asked, True), (f'{asked}\ninertia = "30 kg m2"', False)):
         change('inertia = "30 kg m2"', wheel)
-        assert ("work.flywheel" in telling_summaries(Machine(read_scene("press.toml")))) == told
+        assert ("work.flywheel" in informative_summaries(Machine(read_scene("press.toml")))) == told
 
 
 # A push of 0.1 s when the machine starts: its cycle at constant speed has no reduced moment.

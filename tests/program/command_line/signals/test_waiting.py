@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from engine.compiling.kept_code import compiling
-from sweeps.cli.waiting import Waiting, doing, waiting_told
+from sweeps.cli.waiting import Waiting, doing, status_line
 
 
 class Terminal(io.StringIO):
@@ -84,7 +84,7 @@ def wait_for_words(terminal):
 
 
 def test_command__names_its_task_while_it_is_done(terminal, impatient):
-    with waiting_told():
+    with status_line():
         with doing("Writing"):
             wait_for_words(terminal)
         assert terminal.getvalue().endswith("\r\x1b[K")
@@ -92,7 +92,7 @@ def test_command__names_its_task_while_it_is_done(terminal, impatient):
 
 
 def test_compiling__is_seen_in_the_engine(terminal, impatient):
-    with compiling(), waiting_told():
+    with compiling(), status_line():
         wait_for_words(terminal)
     assert "Compiling this type of machine" in terminal.getvalue()
     assert terminal.getvalue().endswith("\r\x1b[K")
@@ -101,6 +101,6 @@ def test_compiling__is_seen_in_the_engine(terminal, impatient):
 def test_file_or_pipe__stays_clean(monkeypatch):
     screen = io.StringIO()
     monkeypatch.setattr("sweeps.cli.waiting.sys", SimpleNamespace(stderr=screen, modules=sys.modules))
-    with waiting_told():
+    with status_line():
         pass
     assert screen.getvalue() == ""
