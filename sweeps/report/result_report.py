@@ -36,9 +36,11 @@ def contents_text(result: SweepResult) -> str:
 
 
 def meeting_text(result: SweepResult, where: Where) -> str:
-    """Number of variants that meet a condition, and of undecided ones."""
+    """Number of variants that meet a condition, and of undecided ones; without one, of those that work."""
     count = result.count_meeting(where)
-    return f"{count} {'variant meets' if count == 1 else 'variants meet'} the condition{undecided_text(result, where)}"
+    verb = "meet" if where else "work"
+    words = f"variant {verb}s" if count == 1 else f"variants {verb}"
+    return f"{count} {words}{' the condition' if where else ''}{undecided_text(result, where)}"
 
 
 def counts_text(result: SweepResult) -> str:
@@ -129,7 +131,7 @@ def answer_text(result: SweepResult, every: bool = False) -> str:
     if result.file.variants == 1:
         return "\n".join([*lines, _summaries_text(result, 0, every)])
     if goal is None:
-        return "The study has no [best]; see `sweeps show`."
+        return no_goal_text(result)
     best = result.best()
     if best is None:
         return "\n".join([*lines, no_answer_text(result)])
@@ -141,6 +143,13 @@ def answer_text(result: SweepResult, every: bool = False) -> str:
         others = f"{rivals} other variants tie" if rivals > 1 else "Another variant ties"
         lines.append(f"{others} with it within the error estimates; choose between them on other grounds.")
     return "\n".join(lines)
+
+
+def no_goal_text(result: SweepResult) -> str:
+    """Why a study has no best variant, and what finds one."""
+    if result.record["optimise"]:
+        return "The study has no [best], but [optimise]: `sweeps optimise` searches for the best variant."
+    return "The study has no [best], so there is no best variant."
 
 
 def variant_text(result: SweepResult, variant: int, every: bool = False) -> str:
