@@ -48,9 +48,9 @@ def counts_text(result: SweepResult) -> str:
     rows = []
     for verdict, count in result.verdict_counts().items():
         sentence = "" if verdict == engine.Verdict.OK else verdict.sentence
-        rows.append((f"{count}", verdict.name.lower().replace("_", " "), sentence))
+        rows.append((f"{count}", verdict.short, sentence))
         dropped = verdict == engine.Verdict.DROPPED
-        lines = drop_lines(result.record["require"], result.missed()) if dropped else _blame(result, verdict)
+        lines = drop_lines(result.record["require"], result.missed()) if dropped else blame_lines(result, verdict)
         if verdict == engine.Verdict.OUTSIDE_LIMITS:
             lines += outside_lines(result.scene, result.columns, result.columns["status"] == verdict)
         if verdict == engine.Verdict.NOT_FINITE:
@@ -69,8 +69,14 @@ def _lacking(result: SweepResult, variant: int) -> list[str]:
     return lacks_lines(lacking) if len(lacking) < len(result.summaries) else []
 
 
-def _blame(result: SweepResult, verdict: engine.Verdict) -> list[str]:
-    """For each failing group, element or regime: count, and range of its first failing positions if it has any."""
+def blame_lines(result: SweepResult, verdict: engine.Verdict) -> list[str]:
+    """For each failing group, element or regime: count, and range of its first failing positions if it has any.
+
+    Parameters
+    ----------
+    result : SweepResult
+    verdict : Verdict
+    """
     groups = result.record["groups"]
     if verdict == engine.Verdict.OK or not groups:
         return []
@@ -85,8 +91,9 @@ def _blame(result: SweepResult, verdict: engine.Verdict) -> list[str]:
     lines = []
     for i in np.flatnonzero(counts):
         first, last = (engine.quantity_text(float(v), result.units["status_at"]) for v in (least[i], most[i]))
-        place = first if first == last else f"{first} … {last}"
-        lines.append(f"{part_words(groups[i])}: {counts[i]}" + (f", first at {place}" if least[i] <= most[i] else ""))
+        place = f" at {first}" if first == last else f" at {first} … {last}"
+        count, place = (f": {counts[i]}", f", first{place}") if result.file.variants > 1 else ("", place)
+        lines.append(f"{part_words(groups[i])}{count}{place if least[i] <= most[i] else ''}")
     return lines
 
 

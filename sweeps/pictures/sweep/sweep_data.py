@@ -106,8 +106,10 @@ class SweepData(NamedTuple):
     def grid_parameters(self) -> list[str]:
         """The monotonic parameter along each grid axis with more than one value.
 
-        Empty without a grid, as for random samples.
+        A single parameter always has its axis. Empty without a grid, as for random samples of several.
         """
+        if len(self.varied) == 1 and self.status.size > 1:
+            return [*self.varied]
         found = []
         for axis, size in enumerate(self.shape):
             if size > 1:
