@@ -47,5 +47,5 @@ class InclineElement(FrictionElement):
         yield main_result("down_force", words, "N"), moving(friction, -1.0)
         efficiency = load * np.sin(angle) / (up * np.cos(pull))
         yield main_result("efficiency", "efficiency of moving the load up", "1", may_be_undefined=True), efficiency
-        words = "whether the load stays by itself (1 or 0)"
+        words = "whether the load holds by itself (1 or 0)"
         yield main_result("self_locking", words, "1", exact=True), locks.astype(float)

@@ -61,14 +61,14 @@ class ScrewElement(FrictionElement):
         yield main_result("lead_angle", "lead angle of the thread", "rad"), np.arctan(slope)
         words = "angle of friction of the thread, with the inclination of its flanks"
         yield main_result("friction_angle", words, "rad"), np.arctan(reduced)
-        yield main_result("raise_moment", "moment that raises the load", "N m"), up
-        words = "moment that lowers the load, negative where the load drives"
+        yield main_result("raise_moment", "torque that raises the load", "N m"), up
+        words = "torque that lowers the load, negative where the load drives"
         yield main_result("lower_moment", words, "N m"), down
-        yield main_result("collar_moment", "moment of friction at the thrust collar", "N m"), held
+        yield main_result("collar_moment", "friction torque at the thrust collar", "N m"), held
         yield main_result("raise_efficiency", "efficiency of raising the load", "1"), work / up
-        words = "share of the sinking load's work that the screw passes on"
+        words = "efficiency of lowering: share of the load's work that reaches the drive"
         yield main_result("lower_efficiency", words, "1"), np.where(down < 0.0, -down / work, 0.0)
-        words = "whether the load stays by itself (1 or 0)"
+        words = "whether the load holds by itself (1 or 0)"
         yield main_result("self_locking", words, "1", exact=True), np.where(down < 0.0, 0.0, 1.0)
-        words = "minimum coefficient of friction with which the load stays by itself"
+        words = "minimum coefficient of friction with which the load holds by itself"
         yield main_result("locking_friction", words, "1"), locking

@@ -44,5 +44,5 @@ class WedgeElement(FrictionElement):
         words = "force that withdraws the wedge, negative where the load presses it out"
         yield main_result("withdraw_force", words, "N"), withdraw
         yield main_result("efficiency", "efficiency of driving the wedge in", "1"), load * slope / drive
-        words = "whether the wedge stays by itself (1 or 0)"
+        words = "whether the wedge holds by itself (1 or 0)"
         yield main_result("self_locking", words, "1", exact=True), np.where(withdraw < 0.0, 0.0, 1.0)

@@ -8,10 +8,9 @@ import numpy as np
 
 from engine import Verdict, did_you_mean, display_unit
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import typeset, wrapped
+from sweeps.pictures.style import NO_BREAK, typeset, wrapped
 from sweeps.store import FieldAxis
 
-NO_BREAK = "\N{NO-BREAK SPACE}"
 LONGEST_LEGEND = 200
 
 

@@ -59,6 +59,8 @@ def test_table_of_an_outcome__has_a_row_for_each_variant(machine, outcome):
     assert list(table["verdict"]) == ["ok", "ok", "ok", "cannot_assemble"]
     assert table.loc[1, f"{STROKE} [m]"] == outcome.summaries[STROKE][1]
     assert table.index.name == "variant"
+    texts = {"input.length": [f"{1e3 * length} mm" for length in VARIED["input.length"]]}
+    assert sweeps.to_dataframe(outcome, machine, texts)["input.length [m]"].tolist() == VARIED["input.length"].tolist()
 
 
 def test_grid__has_a_dimension_for_each_path(press_result):
