@@ -20,7 +20,7 @@ def door(file: str, names: dict[str, object]) -> tuple[list[str], Callable[[str]
     file : str
         Path of the package's `__init__.py`; the stub next to it lists the names and their modules.
     names : dict of str to object
-        The package's globals, which cache the loaded names.
+        The package's globals, which cache the loaded names; they get the `__dir__` that lists all.
     """
     stub = ast.parse(Path(file).with_suffix(".pyi").read_text(encoding="utf8"))
     homes = {
@@ -39,7 +39,9 @@ def door(file: str, names: dict[str, object]) -> tuple[list[str], Callable[[str]
         names[name] = getattr(import_module(module), own)
         return names[name]
 
-    return sorted(homes), load
+    offered = sorted(homes)
+    names["__dir__"] = lambda: offered
+    return offered, load
 
 
 def on_use(room: str) -> Callable[[str], ModuleType]:
@@ -69,7 +71,3 @@ def on_use(room: str) -> Callable[[str], ModuleType]:
 
 
 __all__, __getattr__ = door(__file__, globals())
-
-
-def __dir__() -> list[str]:
-    return __all__

@@ -61,7 +61,7 @@ from engine.laws.tables import TableError
 from engine.machine.asked_quantities import ACCURACY_REACHED, POSITIONS_USED
 from engine.machine.asked_quantities import OF_ACCURACY as ACCURACY_SUMMARIES
 from engine.machine.balancing.counterweights import BalancedMachine, BalanceError, CounterweightPlace, balance
-from engine.machine.checks import full_names, outside_limits
+from engine.machine.checks import full_names, given_numbers, names_of, outside_limits
 from engine.machine.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
 from engine.machine.derivatives import PLACES as PLACE_STATISTICS
 from engine.machine.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
@@ -324,6 +324,7 @@ __all__ = [
     "first_last_count",
     "four_runs",
     "full_names",
+    "given_numbers",
     "governed_scene",
     "group_links",
     "guide_edge_forces",
@@ -345,6 +346,7 @@ __all__ = [
     "mesh_axis",
     "mesh_driver",
     "mobility",
+    "names_of",
     "natural_vibration",
     "near_of_variant",
     "nearest_names",

@@ -1,6 +1,7 @@
 """Public names of sweeps: the one list, for type checkers, editors and the lazy loader."""
 
 from sweeps.imports.foreign_scene import import_scene
+from sweeps.optimising.search_runner import optimise_study
 from sweeps.python.datasets import read, to_dataframe, to_xarray
 from sweeps.python.display import to_html
 from sweeps.python.plots import plot_diagrams, plot_fields, plot_history, plot_mechanism, plot_sweep
@@ -47,6 +48,7 @@ __all__ = [
     "four_bar_along",
     "four_bar_through",
     "import_scene",
+    "optimise_study",
     "plot_diagrams",
     "plot_fields",
     "plot_history",

@@ -76,7 +76,7 @@ class Outcome(NamedTuple):
 
     def __repr__(self) -> str:
         codes, counts = np.unique(self.status, return_counts=True)
-        words = {code: Verdict(code).name.lower().replace("_", " ") for code in codes}
+        words = {code: Verdict(code).short for code in codes}
         verdicts = ", ".join(f"{n} {words[code]}" for code, n in zip(codes, counts, strict=True))
         held = {"summaries": self.summaries, "fields": self.fields}
         asked = "".join(f"; {kind} {self._names_text(names)}" for kind, names in held.items() if names)

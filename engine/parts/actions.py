@@ -275,7 +275,7 @@ class BlockBrake(Brake):
     friction: Annotated[Number, Field(ge=0)]
     radius: Annotated[Length, Field(gt=0)]
     blocks: Annotated[int, Field(ge=1)] = 1
-    embrace: Annotated[Angle, Field(ge=0, le=3.2)] = 0.0
+    embrace: Annotated[Angle, Field(ge=0, le=math.pi)] = 0.0
 
 
 class DiscBrake(Brake):
@@ -309,7 +309,7 @@ class BandBrake(Brake):
     radius: Annotated[Length, Field(gt=0)]
     wrap: Annotated[Angle, Field(gt=0)] | None = None
     blocks: Annotated[int, Field(ge=1)] | None = None
-    block_angle: Annotated[Angle, Field(gt=0, lt=3.14)] | None = None
+    block_angle: Annotated[Angle, Field(gt=0, lt=math.pi)] | None = None
     lever_arm: Annotated[Length, Field(gt=0)]
     slack_arm: Length = 0.0
     tight_arm: Length = 0.0

@@ -95,6 +95,8 @@ _ALIASES = {"inch": "in", "lbs": "lb", "lbm": "lb", "kips": "kip", "klbf": "kip"
 _WRITTEN_OUT = 1e7
 # Error estimates below this share of the value are not shown.
 TELLING = 1e-6
+# Error estimates of a zero below this, in the unit shown, are rounding.
+_NO_ERROR = 1e-8
 _POWERS = str.maketrans("23456789", "²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -301,8 +303,11 @@ def figure_text(value: float, error: float | None, digits: int, decides: bool = 
         plain = f"{float(plain):.0f}"
     if error is None or not math.isfinite(error):
         return plain
-    if not (decides or _every_error.get() or error > TELLING * abs(value)):
+    asked = decides or _every_error.get()
+    if not asked and error <= TELLING * abs(value):
         return plain
+    if not asked and abs(value) <= error < _NO_ERROR:
+        return "0"
     first, last = _exponent(value), _exponent(error, 0)
     if error == 0 or first - last >= digits:
         return f"{plain} ± {error:.1g}"

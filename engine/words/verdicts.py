@@ -9,7 +9,7 @@ class Verdict(IntEnum):
     Attributes
     ----------
     short : str
-        For the legend of a plot.
+        In a few words, for lists and legends.
     sentence : str
         What is wrong and what to do.
     """
@@ -23,7 +23,7 @@ class Verdict(IntEnum):
         verdict.short, verdict.sentence = short, sentence or short
         return verdict
 
-    OK = 0, "computed"
+    OK = 0, "ok"
     CANNOT_ASSEMBLE = (
         *(1, "can't be assembled"),
         "a group can't be assembled at some position: its links don't reach; lengthen them or move their joints",
@@ -37,7 +37,7 @@ class Verdict(IntEnum):
         *(3, "outside limits"),
         "a varied number is outside its limits (a length must be positive, an assembly mode ±1, …)",
     )
-    DROPPED = 4, "dropped by a constraint", "dropped by a constraint of the study"
+    DROPPED = 4, "dropped", "dropped by a constraint of the study"
     NOT_FINITE = (
         *(5, "infinite or undefined"),
         "a result is infinite or undefined: an overflow, or a characteristic without a value there; check "

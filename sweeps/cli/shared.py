@@ -68,6 +68,12 @@ class Commands(click.Group):
                 print_on_stderr(f"Error: {shown_message(str(_in_its_file(error, files)))}")
                 sys.exit(NOT_ALL_DONE if isinstance(error, needed.UnfinishedError) else WRONG_INPUT)
 
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the commands with their whole first sentences."""
+        commands = {name: self.get_command(ctx, name) for name in self.list_commands(ctx)}
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, command.get_short_help_str(sys.maxsize)) for name, command in commands.items()])
+
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:

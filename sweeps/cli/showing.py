@@ -123,7 +123,7 @@ def _drawn_by(*kinds: str) -> str:
     "eight most heavily loaded bearings.",
 )
 @click.option(
-    "--bearings", default="", help="Also the loads of these bearings: input, GROUP.first and so on, comma-separated."
+    "--bearings", default="", help="Also the loads of these bearings: A, input, GROUP.first and so on, comma-separated."
 )
 @click.option(
     "--motion",

@@ -35,7 +35,7 @@ from sweeps.store import (
 )
 from sweeps.store.creating import remove_unlocked
 from sweeps.study.search_task import GENETIC, LOCAL, SearchTask, search_record, task_of
-from sweeps.study.study import Study
+from sweeps.study.study import Study, check_study
 from sweeps.study.study_text import Best
 
 if TYPE_CHECKING:
@@ -83,6 +83,8 @@ def optimise_study(
 
     Raises
     ------
+    AskError
+        It isn't a study.
     InputError
         The study has nothing to optimise.
     StoreError
@@ -92,6 +94,7 @@ def optimise_study(
     UnfinishedError
         Some candidates failed to compute, or the scheduler is lost; earlier generations are kept.
     """
+    check_study(study)
     path, task, tell = Path(path), task_of(study), tell or (lambda sentence: None)
     work, keep = path.with_name(f"{path.stem}.candidates{path.suffix}"), not restart and not replace_former
     with crew_of(client, task.study, layout_of(task.study), tell) as crew:

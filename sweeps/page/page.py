@@ -12,7 +12,7 @@ from sweeps.page.page_pictures import drawn_pictures, machines_data, variants_da
 from sweeps.page.page_text import page_text
 from sweeps.report.answers.unmet_conditions import no_answer_text
 from sweeps.report.regime_words import MOTION_VERDICTS, failure_text
-from sweeps.report.result_report import value_text
+from sweeps.report.result_report import blame_lines, no_goal_text, value_text
 from sweeps.report.variant_warnings import result_warnings
 from sweeps.text.whole_files import write_whole_text
 
@@ -81,9 +81,11 @@ def _answer(digest: Digest) -> str:
         verdict = next(iter(digest.counts))
         if verdict in MOTION_VERDICTS:
             return failure_text(result.scene_of(0), verdict)
-        return "A single machine; its numbers are below." if verdict == Verdict.OK else f"No result: {verdict.sentence}"
+        if verdict == Verdict.OK:
+            return "A single machine; its numbers are below."
+        return f"No result: {': '.join([*blame_lines(result, verdict), verdict.sentence])}"
     if aim is None:
-        return "The study has no [best], so there is no best variant."
+        return no_goal_text(result)
     condition = f" where {aim.condition}" if aim.where else ""
     if digest.best is None:
         return no_answer_text(result)

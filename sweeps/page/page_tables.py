@@ -9,7 +9,7 @@ from engine import Verdict, display_unit, figure_text, quantity_text
 from sweeps.page.digest import Digest
 from sweeps.report.answers.shown_results import shown_summaries
 from sweeps.report.regime_words import by_regime, regime_words
-from sweeps.report.result_report import end_rows, value_text
+from sweeps.report.result_report import blame_lines, end_rows, value_text
 from sweeps.report.sweep_result import drop_counts
 from sweeps.study.sensitivity import RSS, WORST_CASE
 
@@ -121,7 +121,7 @@ def _step(digest: Digest, variant: int | None) -> str:
     result, goal = digest.result, digest.aim.goal
     verdict = Verdict(int(result.columns["status"][variant]))
     if verdict != Verdict.OK:
-        return verdict.name.lower().replace("_", " ")
+        return verdict.short
     value = quantity_text(float(result.columns[goal][variant]), result.units[goal])
     return value if result.meets(digest.where)(np.array([variant]))[0] else f"({value})"
 
@@ -173,10 +173,10 @@ def errors_table(digest: Digest) -> PageTable:
 def verdicts_table(digest: Digest) -> PageTable:
     """Number of variants per verdict."""
     rows = [
-        (verdict.name.lower().replace("_", " "), str(count), "" if verdict == Verdict.OK else verdict.sentence)
+        (verdict.short, str(count), "; ".join(blame_lines(digest.result, verdict)), verdict.sentence)
         for verdict, count in sorted(digest.counts.items())
     ]
-    return PageTable(("verdict", "variants", ""), rows, (1,))
+    return PageTable(("verdict", "variants", "where", "meaning"), rows, (1,))
 
 
 def provenance_table(digest: Digest) -> PageTable:

@@ -6,6 +6,7 @@ from itertools import cycle
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from engine import Panel, PanelAxis, display_unit
 from sweeps.pictures.picture_error import PictureError
@@ -86,7 +87,7 @@ def draw_panel(
         colour = GREY if faint else next(colours)
         places = panel.places if own is None else own
         if panel.kind == "bars":
-            width = 0.8 * np.diff(places).min(initial=1.0) / len(panel.curves)
+            width = 0.8 * np.diff(np.unique(places)).min(initial=1.0) / len(panel.curves)
             shift = width * (k - 0.5 * (len(panel.curves) - 1))
             ax.bar(along * (places + shift), factor * row, along * width, color=colour, label=words or "_")
             # Room for the legend above the bars.
@@ -123,6 +124,8 @@ def draw_panel(
         ax.set(ylim=[factor * x for x in panel.limits], yscale="log" if panel.limits[0] > 0.0 else "linear")
     elif panel.kind == "curves":
         scaled_as_constant(ax, factor * values)
+    if panel.kind == "bars" and panel.x.unit == "1":
+        ax.xaxis.set_major_locator(MaxNLocator(10, integer=True))
     if panel.names:
         ax.set_xticks(along * panel.places, panel.names, **({"rotation": 30, "ha": "right"} if _crowded(panel) else {}))
     words = panel.y.words

@@ -25,6 +25,7 @@ from sweeps.text.visible import visible
 from sweeps.text.whole_files import new_file
 
 MM_PER_INCH = 25.4
+NO_BREAK = "\N{NO-BREAK SPACE}"
 # Values whose range is a smaller share of their size are constant.
 _CONSTANT = 1e-9
 # Screen resolution.

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from engine import Outcome, Verdict, described_dimension, scene_numbers
+from engine import Outcome, Verdict, described_dimension, given_numbers, scene_numbers
 from sweeps.report.files.data_files import header
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run.columns import field_columns, number_columns, position_axis
@@ -111,7 +111,7 @@ def to_xarray(outcome: Outcome, machine: ReadyMachine, varied: Mapping[str, np.n
     units = {path: described_dimension(numbers[path].dimension).unit for path in varied}
     coordinates = {"variant": np.arange(outcome.status.size)} | {
         path: ("variant", np.broadcast_to(values, outcome.status.shape), {"units": units[path]})
-        for path, values in varied.items()
+        for path, values in given_numbers(numbers, machine.varied, varied, None)[0].items()
     }
     codes = {
         "flag_values": np.array([int(v) for v in Verdict], np.uint8),

@@ -77,11 +77,11 @@ def _(thing: engine.Machine | engine.ElementsAlone) -> str:
 @to_html.register
 def _(thing: engine.Outcome) -> str:
     codes, counts = np.unique(thing.status, return_counts=True)
-    verdicts = ", ".join(f"{n} {engine.Verdict(c).name.lower()}" for c, n in zip(codes.tolist(), counts, strict=True))
+    verdicts = ", ".join(f"{n} {engine.Verdict(c).short}" for c, n in zip(codes.tolist(), counts, strict=True))
     rows = [
         (
             str(i),
-            engine.Verdict(int(thing.status[i])).name.lower(),
+            engine.Verdict(int(thing.status[i])).short,
             *(_cell(thing, name, i) for name in thing.summaries),
         )
         for i in range(min(thing.status.size, SHOWN))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from engine import Scene, show_system
+from engine import Scene, names_of, show_system
 from sweeps.pictures.drawing import picture
 from sweeps.pictures.machine.cycle_sheets import POSITIONS, field_curves
 from sweeps.pictures.machine.diagrams import diagrams
@@ -26,24 +26,24 @@ if TYPE_CHECKING:
 
 def plot_mechanism(
     scene: Scene,
-    at: Sequence[float] = (),
-    paths: Sequence[str] = (),
+    at: float | Sequence[float] = (),
+    paths: str | Sequence[str] = (),
     values: Mapping[str, float] | None = None,
-    shown: Sequence[str] = (),
+    shown: str | Sequence[str] = (),
 ) -> Figure:
     """Draw a mechanism to scale.
 
     Parameters
     ----------
     scene : Scene
-    at : sequence of float
+    at : float or sequence of float
         Crank angles [rad] or displacements of a sliding input [m]: the first in black, the others lightly. Default: the
         crank at 60°, a sliding input in mid-range.
-    paths : sequence of str
+    paths : str or sequence of str
         Points whose paths over the cycle are drawn dashed.
     values : mapping of path to float, optional
         Numbers (SI) that replace the scene's.
-    shown : sequence of {"masses", "forces", "links", "scale"}
+    shown : {"masses", "forces", "links", "scale"} or sequence of them
         Optional items.
 
     Raises
@@ -52,7 +52,7 @@ def plot_mechanism(
         The scene has no mechanism, a position can't be drawn, or a point of `paths` doesn't exist.
     """
     show_system(scene.units)
-    return picture(with_values(scene, values or {}), at, paths, shown)
+    return picture(with_values(scene, values or {}), np.atleast_1d(at).tolist(), names_of(paths), names_of(shown))
 
 
 def plot_diagrams(scene: Scene, values: Mapping[str, float] | None = None) -> Figure:
@@ -74,13 +74,13 @@ def plot_diagrams(scene: Scene, values: Mapping[str, float] | None = None) -> Fi
     return diagrams(with_values(scene, values or {}))
 
 
-def plot_fields(scene: Scene, names: Sequence[str], x: str | None = None, positions: int = POSITIONS) -> Figure:
+def plot_fields(scene: Scene, names: str | Sequence[str], x: str | None = None, positions: int = POSITIONS) -> Figure:
     """Fields of a machine in stacked panels, over its cycle or against another field.
 
     Parameters
     ----------
     scene : Scene
-    names : sequence of str
+    names : str or sequence of str
         One to eight fields, such as "B.vx".
     x : str, optional
         Field on the x axis instead of the input position: "B.x" with "B.y" gives the path of B.
@@ -92,7 +92,7 @@ def plot_fields(scene: Scene, names: Sequence[str], x: str | None = None, positi
         The scene has no mechanism or no such field, or a field has no finite values.
     """
     show_system(scene.units)
-    return field_curves(scene, names, x, positions)
+    return field_curves(scene, names_of(names), x, positions)
 
 
 def plot_history(scene: Scene) -> Figure:

@@ -188,7 +188,7 @@ def regimes_text(machine: engine.Machine, outcome: engine.Outcome) -> str:
             lines += table(_asked_rows(machine, outcome, shown), "  ").splitlines()
     verdict = engine.Verdict(outcome.status[0])
     if verdict in MOTION_VERDICTS:
-        lines.append(f"{verdict.name.lower().replace('_', ' ')}: {failure_text(scene, verdict)}")
+        lines.append(f"{verdict.short}: {failure_text(scene, verdict)}")
     return "\n".join(lines)
 
 

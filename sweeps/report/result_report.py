@@ -36,9 +36,11 @@ def contents_text(result: SweepResult) -> str:
 
 
 def meeting_text(result: SweepResult, where: Where) -> str:
-    """Number of variants that meet a condition, and of undecided ones."""
+    """Number of variants that meet a condition, and of undecided ones; without one, of those that work."""
     count = result.count_meeting(where)
-    return f"{count} {'variant meets' if count == 1 else 'variants meet'} the condition{undecided_text(result, where)}"
+    verb = "meet" if where else "work"
+    words = f"variant {verb}s" if count == 1 else f"variants {verb}"
+    return f"{count} {words}{' the condition' if where else ''}{undecided_text(result, where)}"
 
 
 def counts_text(result: SweepResult) -> str:
@@ -46,9 +48,9 @@ def counts_text(result: SweepResult) -> str:
     rows = []
     for verdict, count in result.verdict_counts().items():
         sentence = "" if verdict == engine.Verdict.OK else verdict.sentence
-        rows.append((f"{count}", verdict.name.lower().replace("_", " "), sentence))
+        rows.append((f"{count}", verdict.short, sentence))
         dropped = verdict == engine.Verdict.DROPPED
-        lines = drop_lines(result.record["require"], result.missed()) if dropped else _failures_by_part(result, verdict)
+        lines = drop_lines(result.record["require"], result.missed()) if dropped else blame_lines(result, verdict)
         if verdict == engine.Verdict.OUTSIDE_LIMITS:
             lines += outside_lines(result.scene, result.columns, result.columns["status"] == verdict)
         if verdict == engine.Verdict.NOT_FINITE:
@@ -67,8 +69,14 @@ def _lacking(result: SweepResult, variant: int) -> list[str]:
     return lacks_lines(lacking) if len(lacking) < len(result.summaries) else []
 
 
-def _failures_by_part(result: SweepResult, verdict: engine.Verdict) -> list[str]:
-    """For each failing group, element or regime: count, and range of its first failing positions if it has any."""
+def blame_lines(result: SweepResult, verdict: engine.Verdict) -> list[str]:
+    """For each failing group, element or regime: count, and range of its first failing positions if it has any.
+
+    Parameters
+    ----------
+    result : SweepResult
+    verdict : Verdict
+    """
     groups = result.record["groups"]
     if verdict == engine.Verdict.OK or not groups:
         return []
@@ -83,8 +91,9 @@ def _failures_by_part(result: SweepResult, verdict: engine.Verdict) -> list[str]
     lines = []
     for i in np.flatnonzero(counts):
         first, last = (engine.quantity_text(float(v), result.units["status_at"]) for v in (least[i], most[i]))
-        place = first if first == last else f"{first} … {last}"
-        lines.append(f"{part_words(groups[i])}: {counts[i]}" + (f", first at {place}" if least[i] <= most[i] else ""))
+        place = f" at {first}" if first == last else f" at {first} … {last}"
+        count, place = (f": {counts[i]}", f", first{place}") if result.file.variants > 1 else ("", place)
+        lines.append(f"{part_words(groups[i])}{count}{place if least[i] <= most[i] else ''}")
     return lines
 
 
@@ -129,7 +138,7 @@ def answer_text(result: SweepResult, every: bool = False) -> str:
     if result.file.variants == 1:
         return "\n".join([*lines, _summaries_text(result, 0, every)])
     if goal is None:
-        return "The study has no [best]; see `sweeps show`."
+        return no_goal_text(result)
     best = result.best()
     if best is None:
         return "\n".join([*lines, no_answer_text(result)])
@@ -141,6 +150,13 @@ def answer_text(result: SweepResult, every: bool = False) -> str:
         others = f"{rivals} other variants tie" if rivals > 1 else "Another variant ties"
         lines.append(f"{others} with it within the error estimates; choose between them on other grounds.")
     return "\n".join(lines)
+
+
+def no_goal_text(result: SweepResult) -> str:
+    """Why a study has no best variant, and what finds one."""
+    if result.record["optimise"]:
+        return "The study has no [best], but [optimise]: `sweeps optimise` searches for the best variant."
+    return "The study has no [best], so there is no best variant."
 
 
 def variant_text(result: SweepResult, variant: int, every: bool = False) -> str:

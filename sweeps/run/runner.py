@@ -22,7 +22,7 @@ from sweeps.run.cluster.cluster_errors import UnfinishedError
 from sweeps.run.columns import field_columns, number_columns, position_axis
 from sweeps.run.cost import on_shafts_text, seconds_of_variant
 from sweeps.store import Column, FileLayout, MappedResult, Store, StoreError, make_folder_of, part_path, update_texts
-from sweeps.study.study import Study
+from sweeps.study.study import Study, check_study
 from sweeps.study.study_record import numbers_record, study_record
 from sweeps.text.scene_text import write_scene
 from sweeps.text.versions import own_version
@@ -112,6 +112,8 @@ def run_study(
 
     Raises
     ------
+    AskError
+        It isn't a study.
     StoreError
         The file can't be written, or the existing file isn't a sweep result.
     ClusterError
@@ -119,6 +121,7 @@ def run_study(
     UnfinishedError
         Some blocks failed to compute, or the scheduler is lost; the others are kept.
     """
+    check_study(study)
     path, tell = Path(path), tell or (lambda sentence: None)
     make_folder_of(path)
     layout = layout_of(study)

@@ -1,5 +1,6 @@
 """Settings of a study changed by a command."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -13,7 +14,7 @@ from sweeps.text.scene_text import changed_scene, given_values
 def changed_study(
     study: Study, settings: Sequence[str] = (), positions: int | None = None, accuracy: str | None = None
 ) -> Study:
-    """A study with changed scene numbers, positions or accuracy.
+    """A study with changed scene numbers, which its name then includes, positions or accuracy.
 
     Parameters
     ----------
@@ -34,7 +35,10 @@ def changed_study(
     for path in given_values(study.scene, settings):
         if path in study.parameters:
             raise InputError.of("--set", "varies in this study; change the study, or set another number", key=path)
-    changes: dict[str, object] = {"scene": changed_scene(study.scene, settings)} if settings else {}
+    changes: dict[str, object] = {}
+    if settings:
+        name = "_".join([study.name, *(re.sub(r"[^\w-]+", "_", setting).strip("_") for setting in settings)])
+        changes = {"scene": changed_scene(study.scene, settings), "name": name}
     if positions is not None:
         changes["positions"] = positions
     if accuracy is not None:

@@ -141,6 +141,18 @@ class Study(StudyContent):
         return study_digest(self)
 
 
+def check_study(study: object) -> None:
+    """Check that a study is run.
+
+    Raises
+    ------
+    AskError
+        It is another object, such as the name of a file.
+    """
+    if not isinstance(study, Study):
+        raise engine.AskError(f"{study!r} is not a study; read one from a file by sweeps.read_study('study.toml')")
+
+
 class KnownNames:
     """Names in goals and conditions of a study: numbers, and results, which are thereby requested.
 

@@ -365,7 +365,7 @@ def _panels(engine: EngineElement) -> tuple[Panel, ...]:
         marks = [Mark("crank at 0" if k else "", way[0].real, way[0].imag) for k, way in enumerate(ways)]
         words = "across", "along the engine's axis"
         panels.append(plan(lines, f"{word.capitalize()} over a turn", unit, words)._replace(marks=marks))
-        bars = [Curve(words, np.asarray(v.major)) for words, v in zip((BEFORE, AFTER), both, strict=True)]
+        bars = [line._replace(values=np.asarray(v.major), places=None) for line, v in zip(lines, both, strict=True)]
         y = PanelAxis(f"maximum {word}", unit, letter)
         panels.append(Panel(_ORDER, y, np.array(SHOWN_ORDERS, float), bars, kind="bars"))
     if engine.spacing is not None:

@@ -210,8 +210,8 @@ def _panels(governor: Governor, cycle: np.ndarray | None = None) -> tuple[Panel,
     g, marks, verdicts = governor_marks(governor_variants(governor, governor.own_numbers()))
     inner, outer = marks.inner[0], marks.outer[0]
     room = BEYOND * (outer - inner)
-    places = np.linspace(inner - room, outer + room, _POSITIONS)
-    found = g.some(np.zeros(_POSITIONS, int)).at(places)
+    places = np.union1d(np.linspace(inner - room, outer + room, _POSITIONS), (inner, outer))
+    found = g.some(np.zeros(places.size, int)).at(places)
     between = (places >= inner) & (places <= outer)
     # Without stops, or without equilibrium between them, there is nothing to plot.
     if not np.isfinite(found.speed[between]).any():

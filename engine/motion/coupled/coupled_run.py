@@ -265,7 +265,7 @@ class CoupledRuns(MachineRuns):
         end = np.where(faced > 0.0, np.minimum(ends.turned, ends.most_turned), ends.most_turned)
         ahead = end - faced * turned
         # A run without an end is compared with itself from cycle to cycle.
-        compared = np.isinf(ends.turned) & np.isinf(ends.time)
+        compared = (np.isinf(ends.turned) | (faced < 0.0)) & np.isinf(ends.time)
         cycles = (np.floor(faced * turned / self.cycle + NEARLY) + 1.0) * self.cycle
         ahead = np.where(compared, np.minimum(ahead, cycles - faced * turned), ahead)
         # Where torques jump, a clutch may break loose and a standing side start.
@@ -493,7 +493,7 @@ class CoupledRuns(MachineRuns):
         """Give up runs that never end.
 
         These are runs that swing no farther forward than at their last stop, that repeat the cycle before, that slow
-        down for ever without stopping, or whose clutch slips faster from cycle to cycle.
+        down for ever without stopping, or that run away from their end, faster from cycle to cycle.
         """
         self.compare_swings(rest[self.joined.crank_direction[rest] > 0.0])
         speeds, moves = np.abs(self.state[[CRANK_SPEED, SHAFT_SPEED]]), self.joined.crank_direction != 0.0
@@ -501,7 +501,8 @@ class CoupledRuns(MachineRuns):
         self.give_up(faded[~self.done[faded] & self._fades(faded)])
         stands = who[~moves[who]]
         passed = np.floor(self.state[SHAFT_TURNED, stands] / self.cycle) != np.floor(self.marks[2, stands] / self.cycle)
-        for compared in (at_mark[moves[at_mark] & np.isinf(self.ends.turned[at_mark])], stands[passed]):
+        at_mark = at_mark[np.isinf(self.ends.turned[at_mark]) | (self.joined.crank_way[at_mark] < 0.0)]
+        for compared in (at_mark[moves[at_mark]], stands[passed]):
             mine = compared[~self.done[compared] & self.never_changes(compared)]
             now = np.array(
                 [*self.state[[CRANK_SPEED, SHAFT_SPEED]][:, mine], self.state[SHAFT_TURNED, mine], moves[mine]]
@@ -510,10 +511,13 @@ class CoupledRuns(MachineRuns):
             whole = np.isclose(np.mod(self.state[TURNED, mine] / self.cycle + 0.5, 1.0), 0.5, rtol=0.0, atol=NEARLY)
             alike = (whole | ~moves[mine]) & (now[3] == before[3])
             same = np.abs(now[:2] - before[:2]) <= SETTLED * np.abs(now[:2]).max(axis=0)
-            # While a clutch slips, each side moves by itself: one that got faster over a cycle gets still faster.
-            slip, (crank, shaft) = self.joined.mode[mine], now[:2] - before[:2]
-            parts = (np.abs(slip) == FORWARDS) & (slip * crank < 0.0) & (slip * shaft >= -SETTLED * np.abs(now[1]))
-            parts &= (crank * now[0] > 0.0) & self.ends.lock_up
+            # While a clutch holds, slips or is open, a crank that got faster over a cycle gets still faster: it never
+            # stops or turns round. It locks only if the shaft follows it.
+            mode, (crank, shaft) = self.joined.mode[mine], now[:2] - before[:2]
+            parts = self.ends.lock_up | self.ends.standing | (now[0] < 0.0)
+            parts &= (mode * shaft >= -SETTLED * np.abs(now[1])) | (not self.ends.lock_up)
+            parts &= np.isin(mode, (TOGETHER, APART)) | ((np.abs(mode) == FORWARDS) & (mode * crank < 0.0))
+            parts &= crank * now[0] > 0.0
             self.marks[:, mine] = np.where(whole | ~moves[mine], now, before)
             self.give_up(mine[alike & (same.all(axis=0) | parts)])
 

@@ -15,7 +15,7 @@ from engine import Scene, display_unit
 from sweeps.pictures.drawing.figures import USUAL_CRANK_ANGLE, default_position, figures
 from sweeps.pictures.drawing.motion import DrawnMotion, position_text
 from sweeps.pictures.drawing.symbols import Primitive
-from sweeps.pictures.style import BLUE, MM_PER_INCH, VERMILION, sheet
+from sweeps.pictures.style import BLUE, MM_PER_INCH, NO_BREAK, VERMILION, sheet
 
 # Line width [pt] and darkness of each layer.
 WIDTHS = {
@@ -166,5 +166,6 @@ def _title(scene: Scene, at: Sequence[float]) -> str:
     """Title of the scene and position of its input."""
     if not at and not scene.has_cycle:
         return scene.title
-    words = position_text(scene, at[0] if at else USUAL_CRANK_ANGLE)
+    # The position stays on one line.
+    words = position_text(scene, at[0] if at else USUAL_CRANK_ANGLE).replace(" ", NO_BREAK)
     return f"{scene.title}, {words}" if scene.title else words

@@ -81,7 +81,9 @@ def motion_of_part(moving: engine.MovingMachine, part: str) -> Figure:
     rows = [*over_cycle(moving, names).values(), closed(moving.scene, moving.rate(names[-1]))]
     quantities = [known[name].quantity for name in names]
     words = quantities[2].long_name.replace("acceleration", "jerk")
-    quantities.append(engine.Quantity("", words, quantities[2].units.replace("s-2", "s-3"), symbol="j"))
+    quantities.append(
+        engine.Quantity("", words, quantities[2].units.replace("s-2", "s-3"), symbol=f"j{quantities[2].symbol[1:]}")
+    )
     panels = [
         panel_over_cycle(moving, engine.PanelAxis(q.long_name, q.units, q.symbol), [engine.Curve("", row)])
         for q, row in zip(quantities, rows, strict=True)

@@ -27,7 +27,7 @@ _LOOKS = {
     "braking": (PURPLE, "brakes"),
     "other": (GREY, "gravity and springs"),
     "coupling": (GREEN, "coupling torque, its heat"),
-    "shaft_speed": ("black", "driven shaft of the coupling"),
+    "shaft_speed": ("black", "shaft of the coupling, reduced to the crank"),
     "energy": ("black", "kinetic energy E"),
 }
 _PLAIN = ("black", "")
@@ -37,6 +37,8 @@ _ALWAYS = ("speed", "shaft_speed", "coupling", "energy", "reaction")
 MOST_INSTANTS = 20_000
 # Minimum width of a regime, relative to equal widths.
 LEAST_SHARE = 0.5
+# Width of a regime, relative to that of all, in which there is room for the label of its end only.
+NARROW = 0.2
 # Regimes whose ranges differ by more than this factor get separate scales.
 APART = 2.0
 # Values below this share of the peak are rounding.
@@ -112,6 +114,9 @@ def history_diagrams(scene: Scene, seen: "engine.History") -> Figure:
     seen : History
         From `engine.machine.one_machine.history.history`.
     """
+    for coupling in scene.couplings.values():
+        # Both sides meet where the coupling locks.
+        seen = seen._replace(shaft_speed=seen.shaft_speed / scene.shafts[coupling.shaft].ratio)
     parts, title = courses(seen), f"{scene.title or 'Machine'}: history"
     height = HEIGHT + OF_REACTION * len(parts[0].pairs) if parts else 30
     with sheet(180, height) as figure:
@@ -154,7 +159,10 @@ def _history_sheet(figure: Figure, scene: Scene, parts: Sequence[_Course]) -> No
     for ax, part, width in zip(axes[-1], parts, widths / widths.sum(), strict=True):
         ax.set_xlabel("t, s")
         ax.set_xlim(0, part.time[-1] if part.time[-1] > 0 else 1)
-        ax.xaxis.set_major_locator(MaxNLocator(max(2, int(10 * width))))
+        if width > NARROW:
+            ax.xaxis.set_major_locator(MaxNLocator(int(10 * width)))
+        else:
+            ax.set_xticks([part.time[-1]], [f"{part.time[-1]:.3g}"])
     legend_below(figure, axes.flat, 4)
 
 

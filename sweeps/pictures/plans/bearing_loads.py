@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
 
-from engine import FRAME, CrankInput, Pair, did_you_mean, display_unit, pairs_of, quantity_text
+from engine import FRAME, CrankInput, Pair, did_you_mean, display_unit, full_names, pairs_of, quantity_text
 from sweeps.pictures.machine.cycle_rows import closed
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.plans.lettering import size_text
@@ -66,7 +66,7 @@ def bearing_load(cycle: MachineCycle, pair: str, axes: str = FRAME) -> BearingLo
     ----------
     cycle : MachineCycle
     pair : str
-        A revolute pair: `input`, `GROUP.first`, `GROUP.inner`, `GROUP.second`, or a shaft.
+        A revolute pair: `input`, `GROUP.first`, `GROUP.inner`, `GROUP.second`, a shaft, or the letter of its joint.
     axes : str
         The frame or one of the two links.
 
@@ -76,6 +76,7 @@ def bearing_load(cycle: MachineCycle, pair: str, axes: str = FRAME) -> BearingLo
         No such pair, it isn't revolute or loaded, or the axes belong to neither link.
     """
     known = {p.name: p for p in pairs_of(cycle.scene) if p.kind == "revolute"}
+    pair = full_names(cycle.scene, f"{pair}.reaction").removesuffix(".reaction")
     if pair not in known:
         raise PictureError(f"bearing load: {pair!r} is not a revolute pair of this scene; {did_you_mean(pair, known)}")
     found = known[pair]

@@ -8,10 +8,9 @@ import numpy as np
 
 from engine import Verdict, did_you_mean, display_unit
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import typeset, wrapped
+from sweeps.pictures.style import NO_BREAK, typeset, wrapped
 from sweeps.store import FieldAxis
 
-NO_BREAK = "\N{NO-BREAK SPACE}"
 LONGEST_LEGEND = 200
 
 
@@ -106,8 +105,10 @@ class SweepData(NamedTuple):
     def grid_parameters(self) -> list[str]:
         """The monotonic parameter along each grid axis with more than one value.
 
-        Empty without a grid, as for random samples.
+        A single parameter always has its axis. Empty without a grid, as for random samples of several.
         """
+        if len(self.varied) == 1 and self.status.size > 1:
+            return [*self.varied]
         found = []
         for axis, size in enumerate(self.shape):
             if size > 1:

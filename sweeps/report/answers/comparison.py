@@ -69,7 +69,7 @@ def comparison(one: SweepResult, other: SweepResult) -> Comparison:
         raise InputError.of(str(one.path), f"has no variant in common with {other.path}")
     parts.append(f"Variants: {one.file.variants} and {other.file.variants}, {common} in common")
     if apart:
-        pair = [Verdict(int(r.columns["status"][v])).name.lower() for r, v in zip((one, other), first, strict=True)]
+        pair = [Verdict(int(r.columns["status"][v])).short for r, v in zip((one, other), first, strict=True)]
         parts.append(f"  {apart} with another status, first variant {first[0]}: {' and '.join(pair)}")
     rows = [("", "within", "outside", "the farthest apart"), *(gap.row(common) for gap in shared.values())]
     parts += ["Summaries, number of variants within and outside the sum of both error estimates:", table(rows, "  ")]

@@ -14,8 +14,8 @@ def _keys() -> str:
 
 
 def _verdicts() -> str:
-    rows = [(str(int(verdict)), verdict.short, verdict.sentence) for verdict in Verdict]
-    heads = ("status", "verdict", "meaning, and what to do")
+    rows = [(str(int(verdict)), verdict.short, verdict.name.lower(), verdict.sentence) for verdict in Verdict]
+    heads = ("status", "verdict", "name in datasets", "meaning, and what to do")
     return f"# Verdicts\n\nThe `status` of a variant.\n\n{_table(heads, rows)}"
 
 

@@ -92,8 +92,8 @@ def test_curves__have_their_stops_and_stretches():
     assert [mark.place for mark in force.marks] == [pytest.approx(0.15), pytest.approx(0.2)]
     stable, unstable = (force.places[np.isfinite(curve.values)] for curve in force.curves[:2])
     assert unstable.max() < found["stable_from"][0] < stable.min()
-    assert [unstable.min(), stable.max()] == [pytest.approx(0.15, rel=3e-3), pytest.approx(0.2, rel=3e-3)]
-    between = (force.places > 0.15) & (force.places < 0.2)
+    assert [unstable.min(), stable.max()] == [pytest.approx(0.15, rel=1e-12), pytest.approx(0.2, rel=1e-12)]
+    between = (force.places > 0.15 * (1.0 - 1e-12)) & (force.places < 0.2 * (1.0 + 1e-12))
     whole, spindle = force.curves[2].values[between], np.fmax(*(curve.values for curve in speed.curves[:2]))
     assert_allclose(whole, 10.0 * spindle**2 * force.places[between], rtol=1e-12)
 

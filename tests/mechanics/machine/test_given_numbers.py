@@ -89,7 +89,7 @@ def test_millimetres_taken_for_metres__are_remarked():
     machine = Machine(Scene.model_validate(SCENE), ["piston.stroke"], varied=[TWO[0]])
     outcome = machine.evaluate({TWO[0]: [35.0, 40.0]})
     assert outcome.remarks[0].startswith("input.length = 35 m is ")
-    assert "2 cannot assemble; input.length = 35 m is" in repr(outcome)
+    assert "2 can't be assembled; input.length = 35 m is" in repr(outcome)
     assert "so write '35 mm'" in repr(outcome)
     # Failing lengths near the scene's own, and ones that work, are not remarked.
     assert not machine.evaluate({TWO[0]: [0.5, 40.0]}).remarks

@@ -228,9 +228,16 @@ def test_capacity_below_the_load__never_brings_the_sides_together():
     assert found.status == [Verdict.SLIPS, Verdict.OK]
 
 
-def test_load_that_falls_through_its_clutch__is_known_to_fall_for_ever_after_a_cycle():
-    scene = coupled(rotor({"go": run("dc load", from_shaft_speed=80.0, lock_up=True)}, load={"moment": -40.0}))
+@pytest.mark.parametrize("end", [{"lock_up": True}, {"rest": True}, {"speed": 30.0}, {"cycles": 3.0}])
+def test_load_that_falls_through_its_clutch__is_known_to_fall_for_ever_after_a_cycle(end):
+    scene = coupled(rotor({"go": run("dc load", from_shaft_speed=80.0, **end)}, load={"moment": -40.0}))
     assert ask(scene, of("go", NAMES)).status == [Verdict.SLIPS]
+    assert history(Scene.model_validate(scene)).angle[-1] == pytest.approx(-4.0 * math.pi)
+
+
+def test_load_that_falls_with_its_clutch_held__is_known_to_fall_for_ever_after_a_cycle():
+    scene = coupled(rotor({"go": run("load", from_speed=0.0, rest=True)}, load={"moment": -40.0}), capacity=90.0)
+    assert ask(scene, of("go", NAMES)).status == [Verdict.NO_END]
     assert history(Scene.model_validate(scene)).angle[-1] == pytest.approx(-4.0 * math.pi)
 
 

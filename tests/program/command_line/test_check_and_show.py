@@ -141,7 +141,7 @@ def test_show__lists_what_meets_the_study_s_condition_the_best_first(press_resul
 
 def test_show_variant__lists_its_numbers(press_result):
     lines = done("show", press_result, "--variant", "3").splitlines()
-    assert lines[0] == "variant 3: computed"
+    assert lines[0] == "variant 3: ok"
     rows = {line.split()[0]: line.split()[1:4] for line in lines[1:]}
     assert rows["input.length"] == ["=", "60", "mm"]
     # In line, the stroke is twice the crank.

@@ -26,7 +26,7 @@ def test_run__tells_counts_blame_answer_and_files(press_folder):
     lines = answer.stdout.splitlines()
     assert lines[0] == "Which crank?: 8 variants"
     assert any(line.split()[:2] == ["6", "ok"] for line in lines)
-    assert any(line.startswith("2") and "cannot assemble" in line and "lengthen" in line for line in lines)
+    assert any(line.startswith("2") and "can't be assembled" in line and "lengthen" in line for line in lines)
     assert any("group slide: 2" in line for line in lines)
     assert "Which crank does the least work?" in lines
     assert any(line.startswith("Answer: minimum excess_work where ram.stroke > '90 mm':") for line in lines)
@@ -76,7 +76,7 @@ def test_run_without_candidates__says_so_and_has_an_exit_code_of_its_own(press_f
     Path("study.toml").write_text(STUDY.replace('"40 mm", "60 mm", "250 mm", "50 mm"', '"250 mm"'))
     answer = said("run", "study.toml", "--no-plots", "--replace")
     assert answer.exit_code == 1
-    assert "cannot assemble" in answer.stdout
+    assert "can't be assembled" in answer.stdout
     assert "No variant" in answer.stdout
 
 

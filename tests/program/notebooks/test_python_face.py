@@ -59,6 +59,8 @@ def test_table_of_an_outcome__has_a_row_for_each_variant(machine, outcome):
     assert list(table["verdict"]) == ["ok", "ok", "ok", "cannot_assemble"]
     assert table.loc[1, f"{STROKE} [m]"] == outcome.summaries[STROKE][1]
     assert table.index.name == "variant"
+    texts = {"input.length": [f"{1e3 * length} mm" for length in VARIED["input.length"]]}
+    assert sweeps.to_dataframe(outcome, machine, texts)["input.length [m]"].tolist() == VARIED["input.length"].tolist()
 
 
 def test_grid__has_a_dimension_for_each_path(press_result):
@@ -145,7 +147,9 @@ def test_figures_of_nothing__are_refused(machine, data):
 def test_representation__is_a_line(machine, outcome):
     assert repr(machine.scene) == "<Scene 'Crank press': input crank, RRP slide, 1 body, 1 force>"
     assert repr(machine) == "<Machine 'Crank press': varied input.length; summaries ram.stroke; fields B.y>"
-    assert repr(outcome) == "<Outcome of 4 variants: 3 ok, 1 cannot assemble; summaries ram.stroke [m]; fields B.y [m]>"
+    assert (
+        repr(outcome) == "<Outcome of 4 variants: 3 ok, 1 can't be assembled; summaries ram.stroke [m]; fields B.y [m]>"
+    )
     study = sweeps.read_study("study.toml")
     of = "8 variants of 4 input.length × 2 bodies.ram.mass"
     assert repr(study) == f"<Study 'Which crank?': {of}; ram.stroke, excess_work>"
@@ -163,7 +167,7 @@ def test_html__holds_a_drawing_and_the_numbers(machine, outcome):
         assert tree.find(".//{http://www.w3.org/2000/svg}svg") is not None
         assert words in text
     rows = ET.fromstring(sweeps.to_html(outcome)).findall(".//tr")
-    assert [cell.text for cell in rows[4]][:2] == ["3", "cannot_assemble"]
+    assert [cell.text for cell in rows[4]][:2] == ["3", "can't be assembled"]
     assert rows[1][2].text.startswith("0.08")
 
 

@@ -141,7 +141,7 @@ def test_page__tells_question_answer_and_provenance(page, result):
     assert re.fullmatch(r"\d{4}-\d\d-\d\d \d\d:\d\d UTC", whole.finished)
     assert f"<td>{whole.finished}</td>" in text
     assert whole.finished in done("show", str(result))
-    for words in ("What limits it", "Sensitivity", "Error estimates", "Verdicts", "cannot assemble"):
+    for words in ("What limits it", "Sensitivity", "Error estimates", "Verdicts", "be assembled"):
         assert words in text
 
 

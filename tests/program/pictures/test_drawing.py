@@ -347,7 +347,7 @@ def test_picture__valid_and_the_same_every_time(ending, tmp_path):
     if ending == "svg":
         root = ElementTree.parse(files[0]).getroot()
         assert root.tag.endswith("svg")
-        assert "φ = 57.296°" in {text.text for text in root.iter("{http://www.w3.org/2000/svg}text")}
+        assert "φ\xa0=\xa057.296°" in {text.text for text in root.iter("{http://www.w3.org/2000/svg}text")}
     else:
         assert files[0].read_bytes()[:4] == {"pdf": b"%PDF", "png": b"\x89PNG"}[ending]
 

@@ -111,7 +111,7 @@ def test_run_with_numbers_set_anew__has_their_results(press_folder):
     assert told["status"] == {"ok": 1}
     assert told["listed"][0]["values"]["ram.stroke"] == pytest.approx(0.12, rel=1e-12)
     assert told["listed"][0]["values"]["accuracy_reached"] == 1
-    assert told["files"] == ["results/press.h5"]
+    assert told["files"] == ["results/press_input_length_60_mm.h5"]
 
 
 def test_show_json__has_the_best_and_what_is_listed(press_result):
