@@ -286,7 +286,7 @@ def compare_with_tolerance(
         scale = larger(figures.magnitude[lane], scales.greatest[lane])
         scales.greatest[lane] = scale
         flat, length = figures.flat[lane] > 0.0, walk.end[lane] - walk.begin[lane]
-        level = figures.tail[lane] if flat & is_shortest(length, walk.range[lane]) else 0.0
+        level = figures.tail[lane] if flat & is_shortest(length, walk.range[lane], walk.close[lane]) else 0.0
         unresolved = smaller(level, scales.level[lane]) if walk.active[lane] > 0.0 else 0.0
         scales.rounding[lane], scales.level[lane] = larger(unresolved, scales.rounding[lane]), level
         # A remainder that is only rounding says nothing about the panel's length.
@@ -327,9 +327,9 @@ def compare_root(curve: Rows, degree: int, figures: Figures, tolerance: float, s
 
 
 @inlined
-def is_shortest(length: float, whole: float) -> bool:
-    """Whether a panel has the minimum length."""
-    return length <= FLOOR * whole * (1.0 + 2.0 * STRETCH)
+def is_shortest(length: float, whole: float, close: float) -> bool:
+    """Whether a panel has the minimum length, within the rounding of its ends."""
+    return length <= FLOOR * whole * (1.0 + 2.0 * STRETCH) + close
 
 
 @inlined
@@ -351,7 +351,7 @@ def judge(longest: float, degree: int, walk: Walk) -> bool:
     for lane in range(LANES):
         begin, end, falling, level = walk.begin[lane], walk.end[lane], walk.excess[lane], walk.level[lane]
         length, active, least = end - begin, walk.active[lane] > 0.0, FLOOR * walk.range[lane]
-        shortest = is_shortest(length, walk.range[lane])
+        shortest = is_shortest(length, walk.range[lane], walk.close[lane])
         enough = ((falling <= 1.0) & (level <= 1.0)) | shortest | (walk.taken[lane] >= MOST)
         # Level coefficients within the tolerance are rounding, and say nothing about the panel's length.
         excess = falling if level <= 1.0 else larger(falling, level)
