@@ -129,6 +129,8 @@ class Edge(NamedTuple):
 SHORTER, LONGER = 0.25, 3.0
 # Fraction of the tolerance for which the length of a panel is chosen.
 AIM = 0.2
+# Maximum length of a panel as a fraction of the range: rounding is measured where panels meet, so several have to.
+LONGEST = 0.25
 # Length of the panels of a lane that has reached MOST panels, as a fraction of the range.
 LAST_ONES = 0.1
 # Minimum length of a panel as a fraction of the range, and number of panels after which a lane finishes in long ones.
@@ -157,7 +159,7 @@ def set_out(first: Row, last: Row, longest: float, walk: Walk) -> None:
         direction = 1.0 if last[lane] >= first[lane] else -1.0
         begin, end = direction * first[lane], direction * last[lane]
         walk.direction[lane], walk.begin[lane], walk.last[lane] = direction, begin, end
-        walk.wanted[lane], walk.taken[lane], walk.end[lane] = longest, 0.0, begin
+        walk.wanted[lane], walk.taken[lane], walk.end[lane] = smaller(longest, LONGEST * (end - begin)), 0.0, begin
         walk.range[lane] = end - begin
         walk.close[lane] = ONE_EDGE * larger(abs(begin), abs(end))
         walk.middle[lane], walk.half[lane] = first[lane], 0.0
@@ -364,7 +366,8 @@ def judge(longest: float, degree: int, walk: Walk) -> bool:
         walk.kink[lane] = begin + 0.5 * (1.0 + sign) * length if bent & active else kink
         walk.tried[lane] = tries + 1.0 if bent else (0.0 if enough else tries)
         # A short panel before an edge says little about the length of the next.
-        wanted = smaller(larger(wanted, walk.wanted[lane]) if excess <= AIM else wanted, longest)
+        most = smaller(longest, LONGEST * walk.range[lane])
+        wanted = smaller(larger(wanted, walk.wanted[lane]) if excess <= AIM else wanted, most)
         accepted, wanted_before, opened_before = active & enough, walk.wanted[lane], walk.opened[lane]
         wanted = wanted_before if bent else wanted
         walk.wanted[lane] = wanted if active else wanted_before
