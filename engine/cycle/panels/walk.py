@@ -129,6 +129,8 @@ class Edge(NamedTuple):
 SHORTER, LONGER = 0.25, 3.0
 # Fraction of the tolerance for which the length of a panel is chosen.
 AIM = 0.2
+# Maximum length of a panel as a fraction of the range: rounding is measured where panels meet, so several have to.
+LONGEST = 0.25
 # Length of the panels of a lane that has reached MOST panels, as a fraction of the range.
 LAST_ONES = 0.1
 # Minimum length of a panel as a fraction of the range, and number of panels after which a lane finishes in long ones.
@@ -157,7 +159,7 @@ def set_out(first: Row, last: Row, longest: float, walk: Walk) -> None:
         direction = 1.0 if last[lane] >= first[lane] else -1.0
         begin, end = direction * first[lane], direction * last[lane]
         walk.direction[lane], walk.begin[lane], walk.last[lane] = direction, begin, end
-        walk.wanted[lane], walk.taken[lane], walk.end[lane] = longest, 0.0, begin
+        walk.wanted[lane], walk.taken[lane], walk.end[lane] = smaller(longest, LONGEST * (end - begin)), 0.0, begin
         walk.range[lane] = end - begin
         walk.close[lane] = ONE_EDGE * larger(abs(begin), abs(end))
         walk.middle[lane], walk.half[lane] = first[lane], 0.0
@@ -286,7 +288,7 @@ def compare_with_tolerance(
         scale = larger(figures.magnitude[lane], scales.greatest[lane])
         scales.greatest[lane] = scale
         flat, length = figures.flat[lane] > 0.0, walk.end[lane] - walk.begin[lane]
-        level = figures.tail[lane] if flat & is_shortest(length, walk.range[lane]) else 0.0
+        level = figures.tail[lane] if flat & is_shortest(length, walk.range[lane], walk.close[lane]) else 0.0
         unresolved = smaller(level, scales.level[lane]) if walk.active[lane] > 0.0 else 0.0
         scales.rounding[lane], scales.level[lane] = larger(unresolved, scales.rounding[lane]), level
         # A remainder that is only rounding says nothing about the panel's length.
@@ -327,9 +329,9 @@ def compare_root(curve: Rows, degree: int, figures: Figures, tolerance: float, s
 
 
 @inlined
-def is_shortest(length: float, whole: float) -> bool:
-    """Whether a panel has the minimum length."""
-    return length <= FLOOR * whole * (1.0 + 2.0 * STRETCH)
+def is_shortest(length: float, whole: float, close: float) -> bool:
+    """Whether a panel has the minimum length, within the rounding of its ends."""
+    return length <= FLOOR * whole * (1.0 + 2.0 * STRETCH) + close
 
 
 @inlined
@@ -351,7 +353,7 @@ def judge(longest: float, degree: int, walk: Walk) -> bool:
     for lane in range(LANES):
         begin, end, falling, level = walk.begin[lane], walk.end[lane], walk.excess[lane], walk.level[lane]
         length, active, least = end - begin, walk.active[lane] > 0.0, FLOOR * walk.range[lane]
-        shortest = is_shortest(length, walk.range[lane])
+        shortest = is_shortest(length, walk.range[lane], walk.close[lane])
         enough = ((falling <= 1.0) & (level <= 1.0)) | shortest | (walk.taken[lane] >= MOST)
         # Level coefficients within the tolerance are rounding, and say nothing about the panel's length.
         excess = falling if level <= 1.0 else larger(falling, level)
@@ -364,7 +366,8 @@ def judge(longest: float, degree: int, walk: Walk) -> bool:
         walk.kink[lane] = begin + 0.5 * (1.0 + sign) * length if bent & active else kink
         walk.tried[lane] = tries + 1.0 if bent else (0.0 if enough else tries)
         # A short panel before an edge says little about the length of the next.
-        wanted = smaller(larger(wanted, walk.wanted[lane]) if excess <= AIM else wanted, longest)
+        most = smaller(longest, LONGEST * walk.range[lane])
+        wanted = smaller(larger(wanted, walk.wanted[lane]) if excess <= AIM else wanted, most)
         accepted, wanted_before, opened_before = active & enough, walk.wanted[lane], walk.opened[lane]
         wanted = wanted_before if bent else wanted
         walk.wanted[lane] = wanted if active else wanted_before

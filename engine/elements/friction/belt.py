@@ -46,19 +46,22 @@ class BeltElement(FrictionElement):
         radius, wrap, q, speed = n["diameter"] / 2, n["wrap"], n.get("linear_density", 0.0), n.get("speed", 0.0)
         mu = in_groove(n["friction"], n.get("groove_angle", math.pi))
         grip, centrifugal = -np.expm1(-mu * wrap), q * speed**2
-        tight = n["tension"] if "tension" in n else n["moment"] / (radius * grip) + centrifugal
-        pressing = np.maximum(tight - centrifugal, 0.0)
-        slack, moment = pressing * np.exp(-mu * wrap), pressing * grip * radius
-        # The half angle avoids cancellation where the strands nearly balance.
-        on_shaft = np.sqrt((pressing - slack) ** 2 + 4 * pressing * slack * np.sin(wrap / 2) ** 2)
+        if "tension" in n:
+            tight, pressing = n["tension"], np.maximum(n["tension"] - centrifugal, 0.0)
+        else:
+            pressing = n["moment"] / (radius * grip)
+            tight = pressing + centrifugal
+        # Differences of tensions, or the cosine of the wrap, lose digits where the strands nearly balance.
+        pull, slack = pressing * grip, pressing * np.exp(-mu * wrap)
+        on_shaft = np.sqrt(pull**2 + 4 * pressing * slack * np.sin(wrap / 2) ** 2)
         words = "tight over slack tension, both without the centrifugal tension"
         yield main_result("tension_ratio", words, "1"), np.exp(mu * wrap)
         yield main_result("tight_tension", "tension of the tight strand", "N"), tight
-        yield main_result("slack_tension", "tension of the slack strand", "N"), tight - pressing * grip
-        yield main_result("moment", "maximum torque without slip", "N m"), moment
+        yield main_result("slack_tension", "tension of the slack strand", "N"), np.minimum(tight, centrifugal) + slack
+        yield main_result("moment", "maximum torque without slip", "N m"), pull * radius
         yield main_result("shaft_force", "force of the belt on the shaft", "N"), on_shaft
         if "speed" in n:
-            yield main_result("power", "maximum power without slip", "W"), moment / radius * speed
+            yield main_result("power", "maximum power without slip", "W"), pull * speed
         if "linear_density" in n:
             words = "centrifugal tension of the belt"
             yield main_result("centrifugal_tension", words, "N"), centrifugal

@@ -1,9 +1,10 @@
-"""Error figures of rotors and engines, made from the sizes of terms: against a change of every number, one by one."""
+"""Error figures of elements: against a change of every number, one by one, and against more digits."""
 
 import math
 
 import numpy as np
 import pytest
+from element_samples import BELT, EVERY, element
 from engine_samples import EPS
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
@@ -146,3 +147,20 @@ def test_figures_of_an_engine__cover_the_rounding_of_all_its_numbers(layout, rod
         assert math.isfinite(found), name
         # Differences of rounding noise are no derivatives: figures leave room for them, sizes of nothing don't move.
         assert moved <= error, name
+
+
+RUNNING = {**BELT, "moment": 3.0, "speed": 20.0, "linear_density": 0.2}
+del RUNNING["tension"]
+
+
+@pytest.mark.parametrize("data", [RUNNING, *(data for name, data in EVERY.items() if name != "egg")])
+def test_error_figures_of_numbers_of_all_sizes__hold_against_more_digits(data):
+    it, rng, many = element(data), np.random.default_rng(5), 1000
+    powers = {key: 10.0 ** (rng.normal(0.0, 1.5, many) * rng.integers(0, 2, many)) for key in it.own_numbers()}
+    n = {key: number * powers[key] for key, number in it.own_numbers().items()}
+    with np.errstate(all="ignore"):
+        found, wide = it.evaluate(n), it.values({key: number.astype(np.longdouble) for key, number in n.items()})
+        for name, row in wide.items():
+            # Below the least normal number float64 has fewer digits.
+            missed = np.abs(found.values[name] - row) > found.errors[name] + 1e-290
+            assert not missed[np.isfinite(row)].any(), name

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from machines import crank, frame, rpp, rrp, rrr, slider_crank
 from noncircular_wheels import ELLIPSES
+from scenes_of_parts import SCENES
 
 from engine import Machine, Scene
 from engine.compiling.running import mean_of_rows, sum_of_rows
@@ -170,6 +171,20 @@ def test_coarse_accuracy__takes_fewer_positions_and_covers_the_true_errors(force
             off = np.abs(found.summaries[name] - exact)
             assert (off <= found.errors[name] + 1e-8 * np.abs(exact)).all()
             assert (off <= accuracy * np.abs(exact)).all()
+
+
+def test_extremes_of_a_short_range__are_those_of_its_parts():
+    # Rounding is measured where panels meet, but one panel would do for so smooth curves.
+    begin, middle, end = 4.054482124826052, 4.059245621334699, 4.065289545643511
+    names = [f"{part}.{end}" for part in ("input_moment", "input_moment_by_power") for end in ("min", "max")]
+    found = []
+    for start, stop in ((begin, end), (begin, middle), (middle, end)):
+        scene = SCENES["wavy_input"] | {"input": SCENES["wavy_input"]["input"] | {"start": start, "stop": stop}}
+        outcome = Machine(Scene.model_validate(scene), names).evaluate({})
+        found.append([(outcome.summaries[name][0], outcome.errors[name][0]) for name in names])
+    for name, whole, *parts in zip(names, *found, strict=True):
+        of_parts = max(parts) if name.endswith("max") else min(parts)
+        assert abs(whole[0] - of_parts[0]) <= whole[1] + of_parts[1], name
 
 
 def test_sums_over_rows__are_the_same_for_one_variant_as_for_many():

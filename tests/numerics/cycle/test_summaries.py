@@ -155,3 +155,8 @@ def test_rounding_takes_few_panels_and_narrow_peaks_as_many_as_they_need():
     assert np.all(np.abs(greatest.value[0] * width - 1.0) < 1e-15 / width + 1e-10)
     # Rounding is amplified at the peak alone, which is anywhere.
     assert np.all(covered(greatest.value[0], greatest.error[0], 1.0 / width))
+    # Over a short range the ends of the shortest panels round.
+    phase, width = rng.uniform(-1.0, 1.0, 500), 10.0 ** rng.uniform(-16.0, -10.0, 500)
+    beside = 1e-3 * rng.uniform(0.1, 1.0, (2, 500))
+    short = peaks.evaluate(np.array([phase - beside[0], phase + beside[1], width, np.cos(phase), np.sin(phase)]))
+    assert np.all(short.panels <= 60)
