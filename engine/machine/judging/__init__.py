@@ -1,4 +1,4 @@
-"""Verdicts on machines that fail: where, by which group, under which condition."""
+"""Verdicts on machines that fail: where, and by which group."""
 
 from engine import on_use
 

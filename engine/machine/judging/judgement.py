@@ -8,7 +8,7 @@ import numpy as np
 
 from engine.graph.nodes import Node
 from engine.machine import judging
-from engine.machine.judging.conditions import ON_MARGINS, SINGULAR_SINE
+from engine.machine.measuring.conditions import ON_MARGINS, SINGULAR_SINE
 from engine.machine.measuring.measured_cycles import MeasuredCycles
 from engine.machine.measuring.measuring import Measuring
 from engine.machine.results import Outcome

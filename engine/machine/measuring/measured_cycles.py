@@ -10,7 +10,7 @@ from engine.cycle import machine as cycle
 from engine.cycle.measured import Measured
 from engine.graph.nodes import Constant, Node, Stage
 from engine.laws.rounding import EPS
-from engine.machine.judging.conditions import Margin
+from engine.machine.measuring.conditions import Margin
 from engine.machine.measuring.required_curves import RequiredCurves
 from engine.quantities.expressions import (
     Angle,

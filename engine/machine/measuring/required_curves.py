@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from engine.graph.functions import Functions, functions_of
 from engine.graph.nodes import Node, Stage
-from engine.machine.judging.conditions import margins_against_jamming, margins_at_cams, taking_part, wound_springs
+from engine.machine.measuring.conditions import margins_against_jamming, margins_at_cams, taking_part, wound_springs
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import (
     Average,

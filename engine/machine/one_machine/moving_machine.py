@@ -17,7 +17,7 @@ from engine.cycle.one_variant import OneVariant, WheelCycle, WheelNumbers
 from engine.graph.nodes import Node, Stage
 from engine.laws.elementary import angle_or_zero
 from engine.machine.checks import check_names, check_positions, full_names, given_numbers
-from engine.machine.judging.conditions import (
+from engine.machine.measuring.conditions import (
     ON_MARGINS,
     SINGULAR_SINE,
     margins_against_jamming,
