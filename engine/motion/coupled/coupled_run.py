@@ -501,7 +501,7 @@ class CoupledRuns(MachineRuns):
         self.give_up(faded[~self.done[faded] & self._fades(faded)])
         stands = who[~moves[who]]
         passed = np.floor(self.state[SHAFT_TURNED, stands] / self.cycle) != np.floor(self.marks[2, stands] / self.cycle)
-        at_mark = at_mark[np.isinf(self.ends.turned[at_mark]) | (self.joined.crank_way[at_mark] < 0.0)]
+        at_mark = at_mark[np.isinf(self.ends.turned[at_mark]) | (self.joined.crank_direction[at_mark] < 0.0)]
         for compared in (at_mark[moves[at_mark]], stands[passed]):
             mine = compared[~self.done[compared] & self.never_changes(compared)]
             now = np.array(

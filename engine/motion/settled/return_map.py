@@ -92,7 +92,9 @@ def returning_speeds(
         after[:, pending], good[:, pending] = np.where(whole, (came, here), (after[:, pending], good[:, pending]))
         x[:, pending] = ahead
         verdict[pending] = np.where(ahead[0] < good[0, pending], Verdict.STALLS, Verdict.RUNS_AWAY)
-        verdict[pending[never]], verdict[pending[undecided]] = gone[never], Verdict.ANY_SPEED
+        # A machine that completes no cycle stalls.
+        verdict[pending[never]] = np.where(gone[never] == Verdict.NO_END, Verdict.STALLS, gone[never])
+        verdict[pending[undecided]] = Verdict.ANY_SPEED
         verdict[pending[settled]] = Verdict.OK
         pending = pending[~settled & ~undecided & ~never]
     found, multiplier = np.flatnonzero(verdict == Verdict.OK), np.full(count, np.nan)

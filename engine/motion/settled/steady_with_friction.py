@@ -59,10 +59,11 @@ def _measured(dynamics: Dynamics, variants: Variants, found: Returned, longer: f
     count = variants.count
     rows, works = np.full((8, count), np.nan), np.full((len(CHANNELS) + 1, count), np.nan)
     good = np.flatnonzero(found.verdict == Verdict.OK)
+    observers = () if watch is None else watch(good)
     if good.size:
         part, zero = variants.some(good), np.zeros(good.size)
         omega = found.speeds[0, good]
-        outcome = _cycle(dynamics, part, omega, longer, () if watch is None else watch(good))
+        outcome = _cycle(dynamics, part, omega, longer, observers)
         state, energy = outcome.state, 0.5 * dynamics.inertia(part, zero) * omega**2
         residual = np.abs(outcome.ended - energy) / energy
         extremes = outcome.slowest, outcome.fastest

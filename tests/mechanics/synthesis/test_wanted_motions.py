@@ -146,7 +146,7 @@ TURN = 'type = "link"\nof = "rocker"\nangle = ["0 deg", "1 deg"]\n'
         ('type = "path"\npoint = "Q"\nx = ["1 mm"]\ny = ["1 mm"]', "'Q'"),
         ('type = "path"\npoint = "O"\nx = ["1 mm"]\ny = ["1 mm"]', "'O' is at rest on the frame; known are: A, B, P"),
         ('type = "path"\npoint = "P"\nx = ["1 mm", "2 mm"]\ny = ["1 mm"]', "x has 2 rows, y has 1"),
-        ('type = "path"\npoint = "P"\nx = []\ny = []', "give 1 to 100 places"),
+        ('type = "path"\npoint = "P"\nx = []\ny = []', "give 1 to 100 points"),
         (f'type = "slider"\nof = "rocker"\n{ROWS}\nslide = ["0 mm", "1 mm"]', "'rocker' doesn't slide"),
         (f'type = "link"\nof = "frame"\n{ROWS}\nangle = ["0 deg", "1 deg"]', "'frame' doesn't move"),
         (f'type = "link"\nof = "rocker"\n{ROWS}\nangle = ["0 mm", "1 mm"]', "angle"),

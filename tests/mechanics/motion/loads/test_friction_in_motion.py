@@ -206,6 +206,18 @@ def test_motor_of_any_steepness__turns_a_rubbing_machine_as_at_constant_speed():
     assert off <= 1e-3 * work
 
 
+def test_motors_too_weak_for_friction__stall_alone_as_in_a_batch():
+    """Takes seconds, as from every speed tried each stalling motor is followed to rest with friction."""
+    motor = "moments.dc.stall_moment"
+    scene = Scene.model_validate(in_journal({"on": steady("dc gravity")}))
+    machine = Machine(scene, ["on.speed_min"], ["on.speed"], motor, 120, accuracy=1e-3)
+    for moments in ([0.5 * HELD], [0.5 * HELD, 60.0, 0.9 * HELD]):
+        outcome = machine.evaluate({motor: np.array(moments)})
+        stalls = np.array(moments) < HELD
+        assert list(outcome.status) == [Verdict.STALLS if stalled else Verdict.OK for stalled in stalls]
+        assert list(np.isnan(outcome.fields["on.speed"]).all(axis=1)) == list(stalls)
+
+
 def test_steady_motion_in_a_batch__has_the_same_bits_alone():
     """Steps are recorded together: their further stages must leave nothing behind for a lane whose step is refused.
 
