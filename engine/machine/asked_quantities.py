@@ -156,7 +156,7 @@ class AskedQuantities:
         others = {q.name: q for q in (*self._of_elements, POSITIONS_USED, ACCURACY_REACHED)}
         return own | self.regimes.summaries | others
 
-    @property
+    @cached_property
     def units(self) -> dict[str, str]:
         """SI unit of every requested quantity; warnings are plain numbers."""
         known = self._without_warnings | self.available_fields

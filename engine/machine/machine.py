@@ -285,12 +285,8 @@ class Machine:
         if self._asked.warnings:
             self._asked.warnings.fill(outcome.status, outcome.summaries, outcome.errors, whole)
         remarks = () if (status == Verdict.OK).any() else size_remarks(self._limits, arrays)
-        outcome = outcome.with_summaries(self.asked_summaries)._replace(units=self._units, remarks=remarks)
+        outcome = outcome.with_summaries(self.asked_summaries)._replace(units=self._asked.units, remarks=remarks)
         return outcome.with_names(self._asked.other_names)
-
-    @cached_property
-    def _units(self) -> dict[str, str]:
-        return self._asked.units
 
     def _fill(self, outcome: Outcome, room: np.ndarray, keep: np.ndarray, numbers: Numbers) -> None:
         """Evaluate the variants `keep`, and write their summaries, fields and verdicts."""

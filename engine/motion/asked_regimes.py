@@ -23,7 +23,7 @@ from engine.motion.quantities import (
 from engine.motion.runs.run_progress import TOLERANCE as RUN_TOLERANCE
 from engine.parts.regimes import RunRegime, run_keys
 from engine.scene.pairs import has_friction, own_drives
-from engine.scene.scene import Numbers, SceneError
+from engine.scene.scene import Numbers, Scene, SceneError
 
 # Tolerance of a step in steady running, relative to the maximum work in a step: default, fraction of the requested
 # accuracy, minimum.
@@ -61,48 +61,50 @@ class AskedRegimes:
     """
 
     def __init__(self, mechanics: Mechanics, asked: set[str], steps: int, accuracy: float | None = None) -> None:
-        self.scene, self.steps = mechanics.scene, steps
-        own = ((name, n) for name, regime in self.scene.regimes.items() for n in only_motor(self.scene, regime))
+        scene = self.scene = mechanics.scene
+        self.steps, self.regimes, self.keys = steps, scene.regimes, run_keys(scene.input)
+        _refuse_losses_behind_couplings(scene)
+        own = ((name, n) for name, regime in scene.regimes.items() for n in only_motor(scene, regime))
         pairs = (
             (f"{name}.{n}_shaft_torque_{key}", f"{name}.motor_moment_{key}", n) for name, n in own for key in AT_SHAFT
         )
         # Torques of motors at their own shafts, with the torques reduced to the input from which they follow.
         self.at_shaft = {name: (reduced, n) for name, reduced, n in pairs if name in asked}
         self.only_for_shafts = {reduced for reduced, _ in self.at_shaft.values()} - asked
-        asked = self.asked = asked | self.only_for_shafts
-        self.keys = run_keys(mechanics.scene.input)
-        self.tolerance = TOLERANCE if accuracy is None else max(SURER * accuracy, LEAST_TOLERANCE)
-        self.field_tolerance = FIELD_TOLERANCE if accuracy is None else self.tolerance
-        self.run_tolerance = RUN_TOLERANCE, FINER * RUN_TOLERANCE
-        if accuracy is not None:
-            self.run_tolerance = tuple(max(share * accuracy, LEAST_TOLERANCE) for share in SURER_IN_RUNS)
-        scene = mechanics.scene
-        for coupling in scene.couplings.values():
-            if scene.shafts[coupling.shaft].efficiency is not None:
-                message = "mesh losses between a coupling and the crank aren't computed in regimes; leave it out"
-                raise SceneError([(f"shafts.{coupling.shaft}.efficiency", message)])
-        self.regimes = dict(scene.regimes)
+        self.asked = asked | self.only_for_shafts
+        self._set_tolerances(accuracy)
         self.steady = {name for name, regime in self.regimes.items() if not isinstance(regime, RunRegime)}
         self.needed = self._needed()
         known = {q.name for kind in ("steady", "run") for q in motion_fields(mechanics, kind)}
         known |= {q.name for q in kept_fields(mechanics)}
         self.instants = kept_at_of(scene)
-        fields = [one for one in map(Asked.of, sorted(asked)) if f"{one.regime}.{one.field}" in known]
+        fields = [one for one in map(Asked.of, sorted(self.asked)) if f"{one.regime}.{one.field}" in known]
         self.fields = {name: [one for one in fields if one.regime == name] for name in self.regimes}
         loads = {one.field for one in fields} - FIELDS.keys() - AXES.keys()
         self.loads = PairLoads(mechanics, loads) if loads else None
-        summaries = {name.rpartition(".")[2] for name in asked}
-        works = not summaries.isdisjoint((*WORKS, "efficiency", "work_residual"))
-        works |= any(one.field in ("motors_power", *POWERS, EFFICIENCY_NOW) for one in fields)
+        works, gathered = self._integrals({one.field for one in fields})
         sets = dict.fromkeys(frozenset(self.regimes[name].off) for name in self.needed)
-        self.reduction = Reduction(mechanics)
-        rubs = has_friction(scene)
+        self.reduction, rubs = Reduction(mechanics), has_friction(scene)
+        self.dynamics = {off: Dynamics(self.reduction, off, works, rubs, gathered) for off in sets}
+        self.sides = {off: TwoSides(self.reduction, off, works, rubs) for off in sets} if scene.couplings else {}
+        self._refuse_equal_steps()
+
+    def _set_tolerances(self, accuracy: float | None) -> None:
+        self.tolerance = TOLERANCE if accuracy is None else max(SURER * accuracy, LEAST_TOLERANCE)
+        self.field_tolerance = FIELD_TOLERANCE if accuracy is None else self.tolerance
+        self.run_tolerance = RUN_TOLERANCE, FINER * RUN_TOLERANCE
+        if accuracy is not None:
+            self.run_tolerance = tuple(max(share * accuracy, LEAST_TOLERANCE) for share in SURER_IN_RUNS)
+
+    def _integrals(self, fields: set[str]) -> tuple[bool, frozenset[str]]:
+        """Whether the work of each kind of load is integrated, and what else is."""
+        summaries = {name.rpartition(".")[2] for name in self.asked}
+        works = not summaries.isdisjoint((*WORKS, "efficiency", "work_residual"))
+        works |= not fields.isdisjoint(("motors_power", *POWERS, EFFICIENCY_NOW))
         gathered = {"motors"} if works or summaries & {"motor_work", "motor_power"} else set()
         gathered |= {"fading"} if self.steady & set(self.needed) else set()
         gathered |= {"squares"} if "motor_moment_rms" in summaries else set()
-        self.dynamics = {off: Dynamics(self.reduction, off, works, rubs, frozenset(gathered)) for off in sets}
-        self.sides = {off: TwoSides(self.reduction, off, works, rubs) for off in sets} if scene.couplings else {}
-        self._refuse_equal_steps()
+        return works, frozenset(gathered)
 
     @property
     def nodes(self) -> list[Node]:
@@ -149,3 +151,10 @@ class AskedRegimes:
         if "flywheel.inertia" in numbers:
             flywheel = np.broadcast_to(numbers["flywheel.inertia"], (count,)).astype(float)
         return self.reduction.variants(numbers, direction, flywheel)
+
+
+def _refuse_losses_behind_couplings(scene: Scene) -> None:
+    for coupling in scene.couplings.values():
+        if scene.shafts[coupling.shaft].efficiency is not None:
+            message = "mesh losses between a coupling and the crank aren't computed in regimes; leave it out"
+            raise SceneError([(f"shafts.{coupling.shaft}.efficiency", message)])

@@ -70,20 +70,11 @@ class PairLoads:
         given = sum((load.coefficient * load.basis for load in loads[len(acting.terms) :]), graph.zero)
         known["input_moment_by_equilibrium"] = known["input_moment_by_equilibrium"] + given
         self.nodes = [known[name] for name in self.names]
-        functions = functions_at(
-            graph,
-            mechanics.first,
-            mechanics.last,
-            self.nodes,
-            numbers=self._coefficients,
-        )
+        coefficients = [coefficient for _, coefficient in self._sizes.values()]
+        functions = functions_at(graph, mechanics.first, mechanics.last, self.nodes, numbers=coefficients)
         self._tabulation = Tabulation(functions)
         self._rows = {name: functions.curves[known[name]] for name in self.names}
         self._moving = {speed: 0, square: 1, epsilon: 2}
-
-    @property
-    def _coefficients(self) -> list[Node]:
-        return [coefficient for _, coefficient in self._sizes.values()]
 
     def parameters(self, variants: Variants, off: frozenset[str]) -> np.ndarray:
         """Numbers of variants, (numbers, variants), for their direction of motion.

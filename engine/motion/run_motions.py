@@ -61,15 +61,15 @@ class RunMotion(RegimeMotion):
         verdict, keys = super().hindered(variants), self._asked.keys
         if self.reduction.has_cycle or getattr(self.regime, keys.from_place) is None:
             return verdict
-        begin = self._number(keys.from_place, variants, 0.0)
+        begin = self._number(keys.from_place, variants)
         low, high = self.reduction.range_of(variants.numbers, variants.count)
         outside = (verdict != Verdict.NO_INERTIA) & ((begin < low) | (begin > high))
         return np.where(outside, Verdict.OUTSIDE_LIMITS, verdict).astype(np.uint8)
 
-    def _number(self, key: str, variants: Variants, otherwise: float) -> np.ndarray:
-        """A number of a run for every variant; `otherwise` if it is not given."""
+    def _number(self, key: str, variants: Variants) -> np.ndarray:
+        """A number of a run for every variant; infinite if it is not given."""
         given = getattr(self.regime, key) is not None
-        value = variants.numbers[f"regimes.{self.name}.{key}"] if given else otherwise
+        value = variants.numbers[f"regimes.{self.name}.{key}"] if given else np.inf
         return np.broadcast_to(value, (variants.count,)).astype(float)
 
     def run(
@@ -93,11 +93,12 @@ class RunMotion(RegimeMotion):
         """
         regime, keys, count, cycle = self.regime, self._asked.keys, variants.count, self.reduction.cycle
 
-        def number(key: str, otherwise: float = np.inf) -> np.ndarray:
-            return self._number(key, variants, otherwise)
+        def number(key: str) -> np.ndarray:
+            return self._number(key, variants)
 
-        begin, own = standing, {"omega": keys.from_speed, "angle": keys.from_place}
-        begin = begin._replace(**{part: number(key) for part, key in own.items() if getattr(regime, key) is not None})
+        given = {"omega": keys.from_speed, "angle": keys.from_place}
+        begin = {part: number(key) for part, key in given.items() if getattr(regime, key) is not None}
+        begin = standing._replace(**begin)
         if self._asked.begins_anew(regime):
             begin = begin._replace(clock=np.zeros(count))
         begin = self._beginning(begin)
@@ -106,8 +107,8 @@ class RunMotion(RegimeMotion):
         flags = (getattr(regime, key) is True for key in ("rest", "reversal", "end_of_range", "lock_up"))
         ends = Ends(number("cycles") * cycle, number("time"), speed, number("at_most") * cycle, *flags)
         ready = np.flatnonzero(standing.verdict == Verdict.OK)
-        own = _Ready(ready, variants.some(ready), some(begin, ready), some(ends, ready), variants.kept)
-        found = self._run(own, longer, record)
+        starting = _Ready(ready, variants.some(ready), some(begin, ready), some(ends, ready), variants.kept)
+        found = self._run(starting, longer, record)
         outcome, answers = over_all(found[0], ready, count), found[1].over_all(ready, count)
         verdict = np.where(standing.verdict == Verdict.OK, outcome.verdict, standing.verdict).astype(np.uint8)
         # An end of the range stops the input.
@@ -215,7 +216,7 @@ class RunAtTwoSpeeds(RunMotion):
     def _run(self, run: "_Ready", longer: float, record: Record | None) -> tuple[RunOutcome, FieldAnswers]:
         sides, standing = self.two.of(run.variants, run.standing.angle), run.standing
         if self.regime.from_shaft_speed is not None:
-            shaft = self._number("from_shaft_speed", run.variants, 0.0) / sides.coupling.ratio
+            shaft = self._number("from_shaft_speed", run.variants) / sides.coupling.ratio
             standing = standing._replace(coupled=standing.coupled._replace(speed=shaft))
         along = CoupledFields(sides, standing.clock, self.loads)
         watch = FieldWatch(along, self.fields if record is None else (), self._asked.field_tolerance)

@@ -5,6 +5,7 @@ So a printed function of the machine's graph is called with a different position
 """
 
 from collections.abc import Mapping
+from functools import cached_property
 
 import numpy as np
 
@@ -38,7 +39,6 @@ class Tabulation:
     def __init__(self, functions: Functions) -> None:
         self.functions = functions
         self.given = tuple(node for node in functions.rows if isinstance(node, Given))
-        self._compiled: dict[str, PrintedFunction] = {}
         self.levels = LevelValues(functions)
 
     def parameters(
@@ -92,11 +92,9 @@ class Tabulation:
         every = np.array([np.broadcast_to(values, q.shape) for values in given.values()]).reshape(-1, q.size)
         numbers, flat = np.require(parameters, requirements="CW"), out.reshape(rows, q.size)
         points = Points(numbers, self.functions.memory, np.array(q).ravel(), flat, every, given_rows)
-        fill_points(self.function("curves_at"), points)
+        fill_points(self._curves_at, points)
         return out
 
-    def function(self, name: str) -> PrintedFunction:
-        """One of the printed functions, compiled."""
-        if name not in self._compiled:
-            self._compiled[name] = PrintedFunction(self.functions.codes[name])
-        return self._compiled[name]
+    @cached_property
+    def _curves_at(self) -> PrintedFunction:
+        return PrintedFunction(self.functions.codes["curves_at"])
