@@ -25,6 +25,18 @@ from engine.stepping.records import over_all
 from engine.words.verdicts import Verdict
 
 
+class _SeenCycle:
+    """What is seen of a steady cycle; which variants run in it is known only when it is found."""
+
+    def __init__(self, watch_of: Callable[[MotionFields], FieldWatch]) -> None:
+        self._watch_of = watch_of
+
+    def observers(self, along: MotionFields, who: np.ndarray) -> Sequence[Observer]:
+        """Observers of the variants `who`, given the fields of their motion."""
+        self.watch, self.who = self._watch_of(along), who
+        return self.watch.observers
+
+
 class SteadyMotion(RegimeMotion):
     """Steady running; see `RegimeMotion`."""
 
@@ -112,14 +124,15 @@ class SteadyAtOneSpeed(SteadyMotion):
         """
         tolerance, count = self._asked.tolerance, variants.count
         if self.dynamics.rubs:
-            seen: list[tuple[FieldWatch, np.ndarray]] = []
-
-            def watch(good: np.ndarray) -> list[Observer]:
-                seen.append((self._watch_cycle(self._along_cycle(variants.some(good))), good))
-                return seen[0][0].observers
-
-            steady = settled_motion(self.dynamics, variants, tolerance, longer, watch)
-            return steady, None, self._over_cycle(*seen[0], count)
+            seen = _SeenCycle(self._watch_cycle)
+            steady = settled_motion(
+                self.dynamics,
+                variants,
+                tolerance,
+                longer,
+                lambda good: seen.observers(self._along_cycle(variants.some(good)), good),
+            )
+            return steady, None, self._over_cycle(seen.watch, seen.who, count)
         key = "steady", self.name
         if key not in kept:
             both = [self._watch_cycle(self._along_cycle(variants)) for _ in range(2)]
@@ -180,14 +193,9 @@ class SteadyAtTwoSpeeds(SteadyMotion):
         return steady, gone, Standing(zero, steady.speeds[0], zero, steady.verdict, shaft)
 
     def _follow(self, variants: Variants, standing: Standing, longer: float) -> OneRegime:
-        seen: list[tuple[FieldWatch, np.ndarray]] = []
-
-        def record(along: CoupledFields, good: np.ndarray) -> list[Observer]:
-            seen.append((self._watch_cycle(along), good))
-            return seen[0][0].observers
-
-        steady, gone, after = self.settled(variants, standing, longer, record)
-        answers = self._over_cycle(*seen[0], variants.count)
+        seen = _SeenCycle(self._watch_cycle)
+        steady, gone, after = self.settled(variants, standing, longer, seen.observers)
+        answers = self._over_cycle(seen.watch, seen.who, variants.count)
         found = self._of_run(variants, gone) | self._of_coupling(gone)
         low, high, period = gone.slowest, gone.fastest, gone.state.time
         found["speed_fluctuation"] = 2.0 * (high - low) / (high + low)
