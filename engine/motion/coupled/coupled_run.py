@@ -23,11 +23,11 @@ from engine.motion.coupled.two_sides import (
     coupling_pull,
     faced_ways,
 )
-from engine.motion.coupled.two_speeds import CRANK_SPEED, GRIP, SHAFT_SPEED, SHAFT_TURNED, TURNED
+from engine.motion.coupled.two_speeds import CRANK_SPEED, GRIP, SHAFT_SPEED, SHAFT_TURNED, TURNED, Ending
 from engine.motion.fields.recorded_motion import Observer
 from engine.motion.moments.breaks import JUMP
 from engine.motion.moments.equation_of_motion import EquationOfMotion
-from engine.motion.runs.run_progress import ADAPTIVE, BELOW, Ends, MachineRuns, Standing, Stepping
+from engine.motion.runs.run_progress import ADAPTIVE, Ends, MachineRuns, Standing, Stepping
 from engine.stepping.methods import EIGHT, NINE
 from engine.stepping.recorded import EXCEEDS, RECORDED, made_steps, tops_in_steps, weighted, weights_at
 from engine.stepping.records import some
@@ -47,8 +47,6 @@ SAME_PEAK = 1e-12
 NEARLY = 1e-9
 # Steps of a standing machine to the next change.
 WAITS = 4
-# Reasons for the end of a walk, in addition to the common ones, in the order of the system's guards.
-CRANK_RESTS, SHAFT_RESTS, LOCKS_UP, ASTRAY, BREAKS_LOOSE, SETS_OFF, TOUCH, TURNS = (BELOW + 1 + i for i in range(8))
 
 
 class Seen(NamedTuple):
@@ -309,9 +307,17 @@ class CoupledRuns(MachineRuns):
         crank_moves, shaft_moves = joined.crank_direction != 0.0, joined.shaft_direction != 0.0
         holds, slips = joined.mode == TOGETHER, np.abs(joined.mode) == FORWARDS
         stands = ~crank_moves | ~shaft_moves
-        counts = (crank_moves, shaft_moves & ~holds, slips, slips, holds & crank_moves, stands)
         loose = sides.coupling.backlash > 0.0 if sides.is_elastic else np.zeros(who.size, bool)
-        counts += (loose, loose)
+        acts = {
+            Ending.CRANK_RESTS: crank_moves,
+            Ending.SHAFT_RESTS: shaft_moves & ~holds,
+            Ending.LOCKS_UP: slips,
+            Ending.ASTRAY: slips,
+            Ending.BREAKS_LOOSE: holds & crank_moves,
+            Ending.SETS_OFF: stands,
+            Ending.TOUCH: loose,
+            Ending.TURNS: loose,
+        }
         if loose.any():
             growing = self._growing(sides, joined, state[: SHAFT_SPEED + 1], time)
             self.growing[who] = np.where(np.isnan(self.growing[who]), growing, self.growing[who])
@@ -322,7 +328,9 @@ class CoupledRuns(MachineRuns):
         if stands.any():
             _, _, *ways = self._free(sides, joined, state[: SHAFT_SPEED + 1], time)
             limits |= {joining.resists: ways[0] - ways[2], joining.shaft_resists: ways[1] - ways[3]}
-        limits |= {node: np.where(acts, 0.0, np.inf) for node, acts in zip(joining.never, counts, strict=True)}
+        limits |= {
+            node: np.where(acts[ending], 0.0, np.inf) for ending, node in zip(Ending, joining.never, strict=True)
+        }
         numbers = system.limited(sides.numbers(joined), limits)
         new = np.isinf(self.pace[who])
         if new.any():
@@ -456,7 +464,7 @@ class CoupledRuns(MachineRuns):
         def met(*whys: int) -> np.ndarray:
             return who[np.isin(why, whys)]
 
-        locked = met(LOCKS_UP)
+        locked = met(Ending.LOCKS_UP)
         if locked.size:
             # The speeds differ by rounding: take their mean, weighted by inertia.
             crank, shaft = self.inertia(locked, self.turned[locked]), self.sides.shaft.inertia[locked]
@@ -464,11 +472,11 @@ class CoupledRuns(MachineRuns):
             # A standing crank stays at rest.
             both = np.where(self.joined.crank_direction[locked] == 0.0, 0.0, both)
             self.state[CRANK_SPEED, locked] = self.state[SHAFT_SPEED, locked] = both
-        rest = met(CRANK_RESTS)
+        rest = met(Ending.CRANK_RESTS)
         together = rest[self.joined.mode[rest] == TOGETHER]
         self.state[CRANK_SPEED, rest], self.state[SHAFT_SPEED, together] = 0.0, 0.0
-        self.state[SHAFT_SPEED, met(SHAFT_RESTS)] = 0.0
-        torn = met(BREAKS_LOOSE)
+        self.state[SHAFT_SPEED, met(Ending.SHAFT_RESTS)] = 0.0
+        torn = met(Ending.BREAKS_LOOSE)
         if torn.size:
             sides, joined, moving = self.sides.some(torn), some(self.joined, torn), self.state[: SHAFT_SPEED + 1, torn]
             found = coupling_pull(sides, joined, moving, self.time[torn])
@@ -476,9 +484,9 @@ class CoupledRuns(MachineRuns):
             self.lock_time[torn] = self.lock_speed[torn] = np.nan
             self.pace[torn] = np.inf
         self.stops[rest] += 1.0
-        turns = np.isin(who, met(TURNS))
+        turns = np.isin(who, met(Ending.TURNS))
         self.growing[who] = np.where(turns, -self.growing[who], np.where(why == Why.FULL, self.growing[who], np.nan))
-        touching = met(TOUCH)
+        touching = met(Ending.TOUCH)
         if touching.size:
             touch, coupling = self.joined.touch[touching], some(self.sides.coupling, touching)
             sides = np.where(self.state[SHAFT_TURNED, touching] > -0.5 * coupling.backlash, 1.0, -1.0)
@@ -486,7 +494,7 @@ class CoupledRuns(MachineRuns):
             self.joined.touch[touching] = np.where(touch == 0.0, sides, 0.0)
             self.pace[touching] = np.inf
         self.done[rest] |= self.ends.reversal
-        self.unsettled[who[~np.isin(why, (Why.FULL, Why.STEEP, BREAKS_LOOSE, TURNS))]] = True
+        self.unsettled[who[~np.isin(why, (Why.FULL, Why.STEEP, Ending.BREAKS_LOOSE, Ending.TURNS))]] = True
         self._abandon_endless(rest, met(Why.OTHER_GOAL), who)
 
     def _abandon_endless(self, rest: np.ndarray, at_mark: np.ndarray, who: np.ndarray) -> None:

@@ -8,6 +8,7 @@ All quantities are reduced to the crank. Each side has a non-negative speed and 
 count in that direction, T in the machine's direction of motion.
 """
 
+from enum import IntEnum
 from functools import partial
 from typing import NamedTuple
 
@@ -30,6 +31,7 @@ from engine.motion.one_speed import (
     shown_of,
     sizes_of,
 )
+from engine.motion.runs.run_progress import BELOW
 from engine.parts.couplings import Coupling, FluidCoupling
 from engine.stepping.system import Guard, System
 
@@ -42,6 +44,8 @@ ASTRAY = 1e-9
 # States, and the integrals other than the works of each channel; with an elastic shaft the third state is its twist.
 TURNED, CRANK_SPEED, SHAFT_TURNED, SHAFT_SPEED = range(4)
 GATHERED = ("heat", "slipped", "squares", "motors")
+# Events that end a walk apart from speed limits, as reasons for its end, in the order of the guards.
+Ending = IntEnum("Ending", "CRANK_RESTS SHAFT_RESTS LOCKS_UP ASTRAY BREAKS_LOOSE SETS_OFF TOUCH TURNS", start=BELOW + 1)
 
 
 @scalar
@@ -113,7 +117,7 @@ class TwoSizes(NamedTuple):
     joining: Joining
 
 
-def _joining(mechanics: Mechanics, guards: tuple[str, ...], knots: int) -> Joining:
+def _joining(mechanics: Mechanics, knots: int) -> Joining:
     def number(label: str) -> Given:
         # Some change from walk to walk, so nothing of them may be computed once.
         return mechanics.graph.given(f"coupling: {label}", Stage.STATE)
@@ -122,14 +126,12 @@ def _joining(mechanics: Mechanics, guards: tuple[str, ...], knots: int) -> Joini
         return tuple(number(f"{label} {i}") for i in range(count))
 
     several = {"times": numbers("time", knots), "capacity": numbers("capacity", knots)}
-    several["never"] = tuple(number(f"never {name}") for name in guards)
+    several["never"] = tuple(number(f"never {ending.name}") for ending in Ending)
     return Joining(**several, **{name: number(name) for name in Joining._fields if name not in several})
 
 
 # Derivative of the torque of an elastic shaft with respect to the slip.
 BY_SLIP = {touching_moment: {5: lambda *operands: operands[2] * (operands[4] * operands[4])}}
-# Events that end a walk apart from speed limits, in the order of the guards.
-ENDINGS = ("crank rests", "shaft rests", "locks up", "astray", "breaks loose", "sets off", "touch", "turns")
 
 
 class _Joint:
@@ -147,7 +149,7 @@ class _Joint:
     def __init__(self, torque: Node, capacity: Node, held: dict[Given, Node] | None = None) -> None:
         self.torque, self.capacity, self.held = torque, capacity, held or {}
 
-    def endings(self, rise: Node, shaft_rise: Node) -> dict[str, Node]:
+    def endings(self, rise: Node, shaft_rise: Node) -> dict[Ending, Node]:
         """Further events that end a walk; the arguments are the sides' accelerations in the machine's direction."""
         return {}
 
@@ -192,8 +194,8 @@ class _ElasticShaft(_Joint):
         turns = partial(graph.apply, touch_turns, elastic, joining.touch, slip)
         self._turns = lambda parting: joining.growing * turns(parting)
 
-    def endings(self, rise: Node, shaft_rise: Node) -> dict[str, Node]:
-        return {"touch": self._touch, "turns": self._turns(shaft_rise - rise)}
+    def endings(self, rise: Node, shaft_rise: Node) -> dict[Ending, Node]:
+        return {Ending.TOUCH: self._touch, Ending.TURNS: self._turns(shaft_rise - rise)}
 
 
 def at_two_speeds(
@@ -221,7 +223,7 @@ def at_two_speeds(
     rubs : bool
         Whether pairs have friction.
     """
-    graph, joining = mechanics.graph, _joining(mechanics, ENDINGS, knots)
+    graph, joining = mechanics.graph, _joining(mechanics, knots)
     labels = ("angle turned", "speed of a state", "angle turned by the shaft", "speed of the shaft")
     states = tuple(graph.given(label, Stage.STATE) for label in labels)
     _, speed, twist, shaft_speed = states
@@ -252,17 +254,18 @@ def at_two_speeds(
     moving = moved(of_crank.total - of_inertia)
     accelerations = crank.facing * moving.rise, shaft.facing * moving.shaft_rise
     endings = {
-        "crank rests": speed,
-        "shaft rests": shaft_speed,
-        "locks up": joining.sense * slip,
-        "astray": joining.sense * slip + ASTRAY * (speed + shaft_speed),
-        "breaks loose": joint.capacity * (1.0 + GRIP) - abs(moving.held),
-        "sets off": _held_back(joining, joint, *moving.moments),
+        Ending.CRANK_RESTS: speed,
+        Ending.SHAFT_RESTS: shaft_speed,
+        Ending.LOCKS_UP: joining.sense * slip,
+        Ending.ASTRAY: joining.sense * slip + ASTRAY * (speed + shaft_speed),
+        Ending.BREAKS_LOOSE: joint.capacity * (1.0 + GRIP) - abs(moving.held),
+        Ending.SETS_OFF: _held_back(joining, joint, *moving.moments),
         **joint.endings(*accelerations),
     }
     guards = [Guard("above", crank.above - speed), Guard("below", speed - crank.below)]
     guards += [
-        Guard(name, endings.get(name, graph.zero) + never) for name, never in zip(ENDINGS, joining.never, strict=True)
+        Guard(ending.name, endings.get(ending, graph.zero) + never)
+        for ending, never in zip(Ending, joining.never, strict=True)
     ]
     guards += [Guard(name, value, False) for name, value in joint.changes(*accelerations).items()]
     rises = moved(smooth)
