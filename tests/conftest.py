@@ -17,7 +17,7 @@ from press_texts import PRESS, PRESS_WITH_FLYWHEEL
 from engine.compiling import printed_functions
 from engine.compiling.ahead import wait_until_compiled
 from engine.compiling.threads import set_threads
-from engine.cycle.machine import compile_driver
+from engine.cycle.cycle_machine import compile_driver
 from engine.cycle.plan import CycleSpeed, Kept, Plan, VectorAngle
 from engine.stepping.system import compile_walks_ahead
 from engine.stepping.walk import walk

@@ -57,7 +57,7 @@ _SCALES, _INTEGRAL = len(Scales._fields), len(IntegralRows._fields)
 
 
 class MachineFunctions(NamedTuple):
-    """The functions of a machine; see `engine.cycle.machine`."""
+    """The functions of a machine; see `engine.cycle.cycle_machine`."""
 
     events: Callable
     levels: Callable
@@ -65,7 +65,7 @@ class MachineFunctions(NamedTuple):
 
 
 class Task(NamedTuple):
-    """The requested results of a machine: the plan of `engine.cycle.machine` as arrays.
+    """The requested results of a machine: the plan of `engine.cycle.cycle_machine` as arrays.
 
     Attributes not listed are those of the plan. Curves are numbered as in the record; those to integrate, as in the
     machine.

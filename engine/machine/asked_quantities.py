@@ -9,7 +9,7 @@ from engine.graph.nodes import Node
 from engine.machine.checks import check_names, full_names, names_of
 from engine.machine.results import AskError
 from engine.mechanism.mechanics import Mechanics
-from engine.quantities.machine import register_of
+from engine.quantities.all_chapters import register_of
 from engine.quantities.register import Field, Summary
 from engine.words.quantity import STATISTICS, Quantity, Rank
 

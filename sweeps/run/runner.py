@@ -17,10 +17,10 @@ import numpy as np
 
 from engine import Verdict, threads, units_shown
 from sweeps.run.blocks import block_size, largest_block
-from sweeps.run.carrying import Blocks, Earlier, Excerpt, excerpts_of, filled_in
 from sweeps.run.cluster.cluster_errors import UnfinishedError
 from sweeps.run.columns import field_columns, number_columns, position_axis
 from sweeps.run.cost import on_shafts_text, seconds_of_variant
+from sweeps.run.reuse import Blocks, EarlierResult, Excerpt, excerpts_of, filled_in
 from sweeps.store import Column, FileLayout, MappedResult, Store, StoreError, make_folder_of, part_path, update_texts
 from sweeps.study.study import Study, check_study
 from sweeps.study.study_record import numbers_record, study_record
@@ -138,7 +138,7 @@ def run_study(
         if store.finished:
             tell(complete_text(path))
             return path
-        earlier = [Earlier(source, study, store.layout) for source in store.sources]
+        earlier = [EarlierResult(source, study, store.layout) for source in store.sources]
         pending = store.pending
         sizes = {i: store.layout.slice(i).stop - store.layout.slice(i).start for i in pending}
         done = before = study.design.size - sum(sizes.values())
@@ -185,7 +185,7 @@ def crew_of(
 
 
 def _computed(
-    study: Study, store: Store, earlier: Sequence[Earlier], crew: "Crew | None"
+    study: Study, store: Store, earlier: Sequence[EarlierResult], crew: "Crew | None"
 ) -> Iterator[tuple[int, dict[str, np.ndarray]]]:
     """Columns of all pending blocks: in order, or in any order on a cluster."""
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.cycle import machine as cycle
+from engine.cycle import cycle_machine as cycle
 from engine.cycle.measured import Measured
 from engine.graph.nodes import Constant, Node, Stage
 from engine.laws.rounding import EPS
@@ -69,7 +69,7 @@ class MeasuredCycles:
 
     Attributes
     ----------
-    outcome : engine.cycle.machine.CycleOutcome
+    outcome : engine.cycle.cycle_machine.CycleOutcome
     """
 
     def __init__(self, required: RequiredCurves, table: np.ndarray, planned: Planned) -> None:

@@ -14,7 +14,7 @@ from operator import attrgetter
 import numpy as np
 
 from engine.compiling.printed_functions import PrintedFunction
-from engine.cycle import machine as cycle
+from engine.cycle import cycle_machine as cycle
 from engine.cycle.measured import Measured
 from engine.cycle.measures.extremes import BOTH, EACH_TURN, GREATEST, LEAST, LEAST_MAGNITUDE
 from engine.cycle.panels.chebyshev import COARSE, DEGREE

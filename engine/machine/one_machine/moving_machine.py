@@ -33,6 +33,7 @@ from engine.mechanism.link_loads import LinkForce
 from engine.mechanism.mechanics import Mechanics
 from engine.mechanism.vectors import Vector
 from engine.parts.skeleton import FRAME, CrankInput
+from engine.quantities.all_chapters import register_of
 from engine.quantities.expressions import (
     Angle,
     Expression,
@@ -49,7 +50,6 @@ from engine.quantities.expressions import (
     evaluated,
     nodes_of,
 )
-from engine.quantities.machine import register_of
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.units.reading import base_powers
 from engine.words.verdicts import Verdict

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from engine.compiling.printed_functions import PrintedFunction
-from engine.cycle.machine import CycleMachine
+from engine.cycle.cycle_machine import CycleMachine
 from engine.cycle.plan import Plan
 from engine.graph.nodes import Found, Given, reached
 from engine.mechanism.link_loads import Load

@@ -24,9 +24,9 @@ from distributed.protocol.serialize import merge_and_deserialize
 
 from engine import counted
 from sweeps.run.blocks import joined
-from sweeps.run.carrying import Blocks
 from sweeps.run.cluster import on_workers
 from sweeps.run.cluster.cluster_errors import ClusterError, UnfinishedError
+from sweeps.run.reuse import Blocks
 
 # Attempts per failing job.
 ATTEMPTS = 3

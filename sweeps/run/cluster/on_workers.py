@@ -24,8 +24,8 @@ from llvmlite.binding import get_host_cpu_name
 
 from engine import set_threads, sources_digest, threads
 from sweeps.run.blocks import evaluate_variants
-from sweeps.run.carrying import Blocks, Excerpt
 from sweeps.run.cost import seconds_of_variant
+from sweeps.run.reuse import Blocks, Excerpt
 
 # Prepared studies per worker.
 MACHINES_KEPT = 2

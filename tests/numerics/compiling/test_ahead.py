@@ -9,8 +9,8 @@ from engine import Machine, Scene
 from engine.compiling import ahead
 from engine.compiling.decorators import driver
 from engine.cycle.block_measures import MEASURES
+from engine.cycle.cycle_machine import compile_driver
 from engine.cycle.driver import evaluate_blocks
-from engine.cycle.machine import compile_driver
 from engine.cycle.plan import Kept, Plan
 from engine.stepping.closed_cycle import find_cycles
 from engine.stepping.system import compile_walks

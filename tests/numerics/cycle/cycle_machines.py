@@ -11,7 +11,7 @@ from engine.compiling.blocks import LANES, in_lanes
 from engine.compiling.compilers import Apart
 from engine.compiling.decorators import RULES
 from engine.compiling.printed_functions import signature_of
-from engine.cycle.machine import CycleMachine
+from engine.cycle.cycle_machine import CycleMachine
 from engine.cycle.plan import Kept, Plan
 
 # Numbers of the press, a slider-crank with an offset: range of the input; crank, rod, offset; mass of the slider,

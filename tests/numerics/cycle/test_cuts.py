@@ -8,8 +8,8 @@ from numba import njit
 
 from engine.compiling.blocks import LANES
 from engine.compiling.memory import memory
+from engine.cycle.cycle_machine import CycleMachine
 from engine.cycle.events import sort_edges
-from engine.cycle.machine import CycleMachine
 from engine.cycle.panels.lanes import many
 from engine.cycle.panels.walk import Edge
 

@@ -8,7 +8,7 @@ import scipy.special as sp
 from cycle_machines import at_positions, force_numbers, forces, planned, smooth, smooth_numbers, squares
 from scipy.optimize import brentq, minimize_scalar
 
-from engine.cycle.machine import CycleMachine
+from engine.cycle.cycle_machine import CycleMachine
 from engine.cycle.measures.unloaded_arcs import LEAST_LOAD
 from engine.cycle.one_variant import OneVariant
 from engine.cycle.panels.chebyshev import PLACES

@@ -5,7 +5,7 @@ import pytest
 import scipy.special as sp
 from cycle_machines import ORDERS, peak_curve, planned, rounding_curves, smooth, smooth_numbers, wave_curve
 
-from engine.cycle.machine import CycleMachine
+from engine.cycle.cycle_machine import CycleMachine
 
 TURN = 2.0 * math.pi
 
@@ -105,7 +105,7 @@ def test_a_range_that_is_unknown_gives_nothing():
 
 
 def test_a_record_longer_than_foreseen(monkeypatch):
-    monkeypatch.setattr("engine.cycle.machine._SLOTS", 0)
+    monkeypatch.setattr("engine.cycle.cycle_machine._SLOTS", 0)
     # e so near 1 that dozens of panels are needed.
     e = np.array([0.2, 0.999999])
     found = smooth(integrals=(0,), extremes=(0,), tolerance=1e-12).evaluate(smooth_numbers(e, 1.0))

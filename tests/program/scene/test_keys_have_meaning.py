@@ -23,8 +23,8 @@ from engine import Element, Mechanics, Scene, SceneError
 from engine.cycle.measured import Measured
 from engine.graph.nodes import Node
 from engine.parts.skeleton import Part, _marked
+from engine.quantities.all_chapters import register_of
 from engine.quantities.expressions import VariantNumber, evaluated, nodes_of
-from engine.quantities.machine import register_of
 from sweeps import read_study
 from sweeps.study.bundled import bundled_studies
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 from distributed import Client
 
-from sweeps.run.carrying import Blocks
 from sweeps.run.cluster import on_workers
 from sweeps.run.cluster.crew import Crew
+from sweeps.run.reuse import Blocks
 from sweeps.run.runner import layout_of
 from sweeps.study.study import Study
 

@@ -22,7 +22,7 @@ from sweeps.study.study_record import machine_record
 VERDICT_COLUMNS = ("status", "status_group", "status_at")
 
 
-class Earlier:
+class EarlierResult:
     """Reusable content of an earlier result file.
 
     Parameters
@@ -144,12 +144,12 @@ class Excerpt(NamedTuple):
         return self._replace(columns=dict.fromkeys(self.columns, none) | {"status": self.columns["status"]})
 
 
-def excerpts_of(earlier: Sequence[Earlier], study: Study, variants: slice) -> list[Excerpt]:
+def excerpts_of(earlier: Sequence[EarlierResult], study: Study, variants: slice) -> list[Excerpt]:
     """Excerpts of earlier files for a block, the file with the most columns first.
 
     Parameters
     ----------
-    earlier : sequence of Earlier
+    earlier : sequence of EarlierResult
     study : Study
     variants : slice
     """
