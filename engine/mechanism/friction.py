@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.graph.nodes import Node
-from engine.laws.friction.coefficients import BUSHES, GAUSS, stribeck
+from engine.laws.friction.coefficients import BUSHES, GAUSS, MATERIALS, stribeck
 from engine.laws.friction.feedback import (
     GUIDE,
     JOURNAL,
@@ -27,7 +27,7 @@ from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.link_loads import Components
 from engine.mechanism.vectors import named
-from engine.parts.pair_friction import MATERIALS, PairFriction
+from engine.parts.pair_friction import PairFriction
 from engine.parts.skeleton import FRAME
 from engine.scene.pairs import Pair, contact_pairs, pairs
 from engine.scene.scene import Numbers

@@ -4,13 +4,9 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from engine.laws.friction.coefficients import SLIDING, STATIC_AND_KINETIC
+from engine.laws.friction.coefficients import MATERIALS
 from engine.parts.skeleton import Angle, Faults, Number, Part, Positive, Refers, Speed
 from engine.words.glossary import did_you_mean
-
-# Kinetic coefficients; the middle of a range.
-MATERIALS = {name: (pair.low + pair.high) / 2 for name, pair in SLIDING.items()}
-MATERIALS |= {name: pair.kinetic for name, pair in STATIC_AND_KINETIC.items()}
 
 
 class PairFriction(Part):
