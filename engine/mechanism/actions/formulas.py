@@ -179,12 +179,6 @@ class _Curves:
     def _root(self, square: Tree) -> Node:
         return self.graph.function("sqrt", self._not_negative(square))
 
-    def _exponential(self, x: Node) -> Node:
-        return self.graph.apply(exponential, x)
-
-    def _logarithm(self, x: Node) -> Node:
-        return self.graph.apply(logarithm, x)
-
     def _of_angle(self, name: str, angle: Tree) -> Node:
         """Sine, cosine or tangent; an angle that makes whole turns per cycle continues beyond the cycle's end."""
         graph = self.graph
@@ -242,18 +236,9 @@ class _Curves:
         self._rates |= unfolded._rates
         return found
 
-    def _arcsine(self, x: Node) -> Node:
-        return self.graph.apply(angle_of, self._across(x), x)
-
-    def _arccosine(self, x: Node) -> Node:
-        return self.graph.apply(angle_of, x, self._across(x))
-
     def _across(self, x: Node) -> Node:
         """Sine of the angle with a given cosine, or the reverse."""
         return self.graph.function("sqrt", (1.0 - x) * (1.0 + x))
-
-    def _arctangent(self, x: Node) -> Node:
-        return self.graph.apply(angle_of, 1.0, x)
 
     def _direction(self, y: Node, x: Node) -> Node:
         """Angle of a vector; it jumps where the vector points along −x."""
@@ -271,9 +256,6 @@ class _Curves:
     def _switches(self, curve: Node, level: Node | float = 0.0) -> None:
         if curve.stage == Stage.POSITION:
             self.graph.switches(curve, self._rate(curve), level)
-
-    def _sign(self, x: Node) -> Node:
-        return self._held_sign(sense, x)
 
     def _magnitude(self, x: Node) -> Node:
         return abs(x) if x.stage < Stage.POSITION else self._held_sign(sense, x) * x
@@ -413,12 +395,12 @@ _METHODS = {
     "-": lambda _, a, b: a - b,
     "*": _Curves._product,
     "/": _Curves._quotient,
-    "exp": _Curves._exponential,
-    "log": _Curves._logarithm,
-    "asin": _Curves._arcsine,
-    "acos": _Curves._arccosine,
-    "atan": _Curves._arctangent,
+    "exp": lambda curves, x: curves.graph.apply(exponential, x),
+    "log": lambda curves, x: curves.graph.apply(logarithm, x),
+    "asin": lambda curves, x: curves.graph.apply(angle_of, curves._across(x), x),
+    "acos": lambda curves, x: curves.graph.apply(angle_of, x, curves._across(x)),
+    "atan": lambda curves, x: curves.graph.apply(angle_of, 1.0, x),
     "atan2": _Curves._direction,
-    "sign": _Curves._sign,
+    "sign": lambda curves, x: curves._held_sign(sense, x),
     "abs": _Curves._magnitude,
 }
