@@ -90,16 +90,12 @@ def reduced_train(train: Element, n: Numbers) -> ReducedTrain:
             node = layout.shaft_to.index(name)
             found.stiffnesses[node], found.dampings[node] = g**2 * stiffness, g**2 * damping
             found.absorptions[node] = absorption
-    if train.takes_machine_inertia:
+    if any(mass.inertia is None for mass in train.masses.values()):
         roundings = np.maximum(roundings, n["machine.inertia_error"] / n["machine.inertia"] / EPS)
     # Every joint on the path multiplies by its ratio: rounding of the ratio and of the product.
-    roundings = roundings + 4.0 * (len(layout.path) if any_ratio(train) else 0) + 8.0 + 2.0 * len(train.gears)
+    any_ratio = bool(train.gears) or any(shaft.ratio != 1.0 for shaft in train.shafts.values())
+    roundings = roundings + 4.0 * (len(layout.path) if any_ratio else 0) + 8.0 + 2.0 * len(train.gears)
     return found._replace(roundings=roundings)
-
-
-def any_ratio(train: Element) -> bool:
-    """Whether any of a train's masses rotates at another speed than the first."""
-    return bool(train.gears) or any(shaft.ratio != 1.0 for shaft in train.shafts.values())
 
 
 def _shaft(train: Element, name: str, n: Numbers) -> tuple[np.ndarray, ...]:

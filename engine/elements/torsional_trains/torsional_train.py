@@ -125,11 +125,6 @@ class TorsionalTrain(Element):
             if mass.inertia is None and name != self.machine_at:
                 yield f"masses.{name}.inertia is missing; only the mass that is machine_at takes the machine's own"
 
-    @property
-    def takes_machine_inertia(self) -> bool:
-        """Whether a mass has the inertia of the scene's machine."""
-        return any(mass.inertia is None for mass in self.masses.values())
-
     def _faults_of_excitations(self) -> Faults:
         for key, mass in (("load", self.load), ("machine_at", self.machine_at)):
             if mass is not None and mass not in self.masses:
