@@ -55,22 +55,9 @@ class Chain(NamedTuple):
     speed: str
 
 
-def chain_scene(chain: Chain) -> Scene:
-    """Scene of a linkage: its links become dyads, in order from frame and crank.
+class SceneOfChain:
+    """Scene of a linkage: its links become dyads, in order from frame and crank."""
 
-    Parameters
-    ----------
-    chain : Chain
-
-    Raises
-    ------
-    LinkageError
-        The links can't be ordered into dyads (RRR or RRP), or the scene is invalid.
-    """
-    return _Builder(chain).scene()
-
-
-class _Builder:
     def __init__(self, chain: Chain) -> None:
         self.chain = chain
         taken: set[str] = {"frame", "crank", "input"}
@@ -81,6 +68,13 @@ class _Builder:
         self.known: set[str] = set()
 
     def scene(self) -> Scene:
+        """The scene.
+
+        Raises
+        ------
+        LinkageError
+            The links can't be ordered into dyads (RRR or RRP), or the scene is invalid.
+        """
         chain = self.chain
         on_frame = {*chain.frame, chain.pivot}
         for name in chain.joints:

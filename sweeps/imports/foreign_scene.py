@@ -4,8 +4,8 @@ import json
 from pathlib import Path
 
 from engine import Scene
-from sweeps.imports.chain import Chain, LinkageError, chain_scene
-from sweeps.imports.pmks_plus_addresses import is_pmks_plus_address, pmks_plus_chain
+from sweeps.imports.chain import Chain, LinkageError, SceneOfChain
+from sweeps.imports.pmks_plus_addresses import PmksPlusAddress, is_pmks_plus_address
 from sweeps.imports.pmks_texts import pmks_chain
 from sweeps.imports.pylinkage_files import pylinkage_chain
 from sweeps.text.input_files import InputError, read_text
@@ -29,14 +29,14 @@ def import_scene(path: Path | str, unit: float | None = None, speed: str | None 
     """
     text = read_text(Path(path))
     try:
-        return chain_scene(_chain(text, unit, speed))
+        return SceneOfChain(_chain(text, unit, speed)).scene()
     except LinkageError as error:
         raise InputError.of(str(path), str(error)) from None
 
 
 def _chain(text: str, unit: float | None, speed: str | None) -> Chain:
     if is_pmks_plus_address(text):
-        return pmks_plus_chain(text, unit, speed)
+        return PmksPlusAddress(text).chain(unit, speed)
     unit, speed = 1e-3 if unit is None else unit, speed or "60 rpm"
     if not text.lstrip().startswith(("{", "[")):
         return pmks_chain(text, unit, speed)

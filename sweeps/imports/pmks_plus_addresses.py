@@ -34,27 +34,15 @@ def is_pmks_plus_address(text: str) -> bool:
     return _ADDRESS.fullmatch(unquote(text.strip())) is not None
 
 
-def pmks_plus_chain(text: str, unit: float | None, speed: str | None) -> Chain:
-    """Linkage of a PMKS+ address; masses and forces are ignored.
-
-    Parameters
-    ----------
-    text : str
-        The address.
-    unit : float, optional
-        Length unit [m] (default: as in the address).
-    speed : str, optional
-        Crank speed with unit (default: as in the address).
+class PmksPlusAddress:
+    """A PMKS+ address.
 
     Raises
     ------
     LinkageError
-        The address is damaged or in an older format, or its linkage can't be converted to a scene.
+        The address is damaged or in an older format.
     """
-    return _Address(text).chain(unit, speed)
 
-
-class _Address:
     def __init__(self, text: str) -> None:
         whole = _ADDRESS.fullmatch(unquote(text.strip()))[1]
         if _DIGITS[(len(whole) - 1) % _IN_CHECK] != whole[-1]:
@@ -97,7 +85,20 @@ class _Address:
         return (parts[0], head[1] == "P", joints) if head[0] == "Y" else None
 
     def chain(self, unit: float | None, speed: str | None) -> Chain:
-        """The linkage."""
+        """Linkage of the address; masses and forces are ignored.
+
+        Parameters
+        ----------
+        unit : float, optional
+            Length unit [m] (default: as in the address).
+        speed : str, optional
+            Crank speed with unit (default: as in the address).
+
+        Raises
+        ------
+        LinkageError
+            The address is damaged, or its linkage can't be converted to a scene.
+        """
         choice = int(self.choices[0])
         if unit is None and choice >= len(_UNITS):
             raise LinkageError(f"unknown length unit (choice {choice}); give --unit")
