@@ -9,15 +9,11 @@ Source: ISO 21940-11:2016, 6.3 and table 1 (grades), 7.1, 7.2 (tolerance planes)
 """
 
 import math
-from collections.abc import Mapping
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 NUMBERS = (0.4, 1.0, 2.5, 6.3, 16.0, 40.0, 100.0, 250.0, 630.0, 1600.0, 4000.0)
-# e_per·omega in m/s.
-GRADES: Mapping[str, float] = MappingProxyType({f"G{number:g}": number / 1000 for number in NUMBERS})
 LEAST_SHARE = 0.3
 GREATEST_SHARE_INBOARD = 0.7
 GREATEST_SHARE_OUTBOARD = 1.3
@@ -31,7 +27,7 @@ def permissible_unbalance(grade: ArrayLike, mass: ArrayLike, omega: ArrayLike) -
     Parameters
     ----------
     grade, mass, omega : array_like (...)
-        e_per·omega [m/s], see `GRADES`; m [kg]; maximum service speed, of either sign [rad/s].
+        e_per·omega [m/s]; m [kg]; maximum service speed, of either sign [rad/s].
 
     Returns
     -------
@@ -80,6 +76,6 @@ def grade_reached(needed: ArrayLike) -> np.ndarray:
         Number of the grade, 6.3 for G 6.3 [mm/s]; infinite beyond G 4000.
     """
     needed = np.asarray(needed, dtype=float)
-    limits = np.array(list(GRADES.values()))
+    limits = np.array(NUMBERS) / 1000
     reached = np.array([*NUMBERS, math.inf])[np.searchsorted(limits * (1 + _ROUNDED), needed)]
     return np.where(np.isnan(needed), math.nan, reached)
