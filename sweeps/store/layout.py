@@ -168,11 +168,6 @@ class FileLayout:
         """Number of blocks."""
         return -(-self.variants // self.block)
 
-    @property
-    def study_hash(self) -> str:
-        """The name of the study."""
-        return self.attributes["study_hash"]
-
     def slice(self, i: int) -> slice:
         """Return the variants of block `i`.
 

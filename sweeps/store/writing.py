@@ -322,7 +322,7 @@ def _same_study(file: h5py.File, layout: FileLayout) -> bool:
     """Whether a file belongs to the study, whatever its block size."""
     theirs, ours = layout_record(file), layout.record()
     same = theirs | {"block": 0} == ours | {"block": 0}
-    return same and file.attrs.get("study_hash") == layout.study_hash
+    return same and file.attrs.get("study_hash") == layout.attributes["study_hash"]
 
 
 def _file_size(path: Path) -> int:
