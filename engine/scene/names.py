@@ -146,14 +146,9 @@ def wrong_reference(scene: Scene, path: str, kind: str, name: str) -> Iterator[P
         yield path, f"{name!r} {what.wrong}; {others}"
 
 
-@once
-def _references(scene: Scene) -> list[tuple[str, str, str]]:
-    return list(scene.references())
-
-
 def wrong_references(scene: Scene, kinds: Mapping[str, Referable]) -> list[Problem]:
     """References to something of the wrong kind, among some kinds."""
-    asked = [reference for reference in _references(scene) if reference[1] in kinds]
+    asked = [reference for reference in scene.references() if reference[1] in kinds]
     known = {kind: kinds[kind].names(scene) for kind in {kind for _, kind, _ in asked}}
     wrong = (reference for reference in asked if reference[2] not in known[reference[1]])
     return [problem for reference in wrong for problem in wrong_reference(scene, *reference)]
