@@ -163,9 +163,7 @@ class ClosureOfFree:
 
     def joint_on(self, links: dict[str, Turning], link: str, joint: str, still: bool = False) -> MovingPoint:
         """Motion of a joint as a point of one of the links that meet there."""
-        if link in self._index:
-            return point_on(links[link], self.local(link, joint))
-        if joint in self.assembly.points:
+        if link not in self._index and joint in self.assembly.points:
             point = self.assembly.points[joint]
             return self.assembly.at_rest(point.r) if still else point
         return point_on(links[link], self.local(link, joint))
