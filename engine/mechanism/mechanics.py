@@ -7,10 +7,8 @@ import numpy as np
 
 from engine.graph.nodes import Constant, Graph, Node, Number, Return, value_of
 from engine.mechanism.inertia import (
-    BodyInertiaForces,
     FrameShaking,
     ReducedInertia,
-    inertia_forces,
     reduced_inertia,
     shaking,
 )
@@ -217,10 +215,6 @@ class Mechanics:
     def shaking(self) -> FrameShaking:
         """Shaking force and moment on the frame at constant speed."""
         return shaking(self.kinematics, lambda point: point.a, lambda link: link.e)
-
-    def inertia_forces(self, body: str) -> BodyInertiaForces:
-        """Inertia forces of a body at constant speed."""
-        return inertia_forces(self.kinematics, body)
 
     def moment_of(self, roles: frozenset[str | None] | None = None) -> Node:
         """Reduced moment of the actions with the given roles; by default, of all but the released brakes."""

@@ -1,10 +1,12 @@
 """Inertia forces of bodies, the masses that replace bodies, and shaking forces on the frame."""
 
+from functools import partial
+
 import numpy as np
 
 from engine import laws
 from engine.cycle.measured import Measured, where
-from engine.mechanism.inertia import moment_centre
+from engine.mechanism.inertia import inertia_forces, moment_centre
 from engine.mechanism.input_motion import multiple_angle
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import Expression, Formula, Integral, VariantNumber, hypot
@@ -29,13 +31,14 @@ def declare(mechanics: Mechanics) -> Declared:
 
 def _forces(m: Mechanics, name: str) -> Declared:
     at, forces = "at constant speed", f"inertia forces of {called('body', name)}"
+    found = partial(inertia_forces, m.kinematics, name)
     for i, axis in enumerate("xy"):
         words = f"{axis} component of the inertia force of {called('body', name)} {at}"
-        yield detail(f"{name}.inertia_force_{axis}", words, "N", lambda i=i: m.inertia_forces(name).force[i])
+        yield detail(f"{name}.inertia_force_{axis}", words, "N", lambda i=i: found().force[i])
     words = f"moment of the {forces} about its centre {at}"
-    yield detail(f"{name}.inertia_moment", words, "N m", lambda: m.inertia_forces(name).moment)
+    yield detail(f"{name}.inertia_moment", words, "N m", lambda: found().moment)
     words = f"distance of the resultant of the {forces} from its mass centre (positive: passes to its right)"
-    yield detail(f"{name}.inertia_offset", words, "m", lambda: m.inertia_forces(name).offset)
+    yield detail(f"{name}.inertia_offset", words, "m", lambda: found().offset)
 
 
 def _swung(m: Mechanics, name: str) -> Expression:
