@@ -1,27 +1,22 @@
 """The Pareto front: the non-dominated variants."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 
-def pareto_front(values: np.ndarray, minimise: Sequence[bool]) -> np.ndarray:
-    """Which points are non-dominated: no other is as good in everything and better in something.
+def pareto_front(costs: np.ndarray) -> np.ndarray:
+    """Which points are non-dominated: no other is as low in everything and lower in something.
 
     Exact; keeps all equal points and no NaN. Two objectives: by sorting, O(n log n); more: by comparison with the
     points kept so far, fast while the front is small.
 
     Parameters
     ----------
-    values : ndarray (points, objectives)
-    minimise : sequence of bool
-        Which objectives are minimised; the others are maximised.
+    costs : ndarray (points, objectives)
 
     Returns
     -------
     ndarray (points,) of bool
     """
-    costs = np.asarray(values, dtype=float) * np.where(np.asarray(minimise, dtype=bool), 1.0, -1.0)
     kept = np.zeros(costs.shape[0], dtype=bool)
     sound = np.flatnonzero(~np.isnan(costs).any(axis=1))
     if sound.size == 0:

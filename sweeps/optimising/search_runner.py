@@ -236,7 +236,7 @@ def _front_positions(batch: Batch) -> np.ndarray:
     if costs.shape[1] == 1:
         front = np.argmin(costs, axis=0) if met.size else np.zeros(0, int)
     else:
-        front = np.flatnonzero(pareto_front(costs, [True] * costs.shape[1]))
+        front = np.flatnonzero(pareto_front(costs))
         front = front[np.unique(costs[front], axis=0, return_index=True)[1]]
     places[met[front]] = np.arange(1, front.size + 1)
     return places
