@@ -245,3 +245,8 @@ class Flywheel(Part):
     inertia: Annotated[Inertia, Field(ge=0)] | None = None
     speed_fluctuation: Annotated[Number, Field(gt=0, lt=2)] | None = None
     wheel: WheelForm | None = None
+
+    @property
+    def has_size(self) -> bool:
+        """Whether its inertia is given or follows from `speed_fluctuation`."""
+        return self.inertia is not None or self.speed_fluctuation is not None

@@ -17,8 +17,7 @@ _WHEEL = "flywheel.wheel"
 def _wheel_of(scene: Scene) -> WheelForm | None:
     """The flywheel's form, if its sizes can be computed."""
     flywheel = scene.flywheel
-    sized = flywheel is not None and (flywheel.inertia is not None or flywheel.speed_fluctuation is not None)
-    return flywheel.wheel if sized and scene.has_cycle else None
+    return flywheel.wheel if flywheel is not None and flywheel.has_size and scene.has_cycle else None
 
 
 def rim_speed_rules(scene: Scene) -> Iterator[Rule]:
@@ -83,7 +82,7 @@ def negative_flywheel_rules(scene: Scene) -> Iterator[Rule]:
 def flywheel_ratio_rules(scene: Scene) -> Iterator[Rule]:
     """Inertia of the flywheel over that of the machine."""
     flywheel = scene.flywheel
-    if flywheel is None or (flywheel.inertia is None and flywheel.speed_fluctuation is None) or not scene.has_cycle:
+    if flywheel is None or not flywheel.has_size or not scene.has_cycle:
         return
 
     def judge(n: Numbers, used: Measured, machine: Measured) -> tuple[object, object]:

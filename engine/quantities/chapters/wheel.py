@@ -36,9 +36,7 @@ _BURSTING = {
 def declare(mechanics: Mechanics) -> Declared:
     """Sizes of the wheel, if the scene gives its design."""
     flywheel = mechanics.scene.flywheel
-    if flywheel is None or flywheel.wheel is None:
-        return
-    if flywheel.inertia is None and flywheel.speed_fluctuation is None:
+    if flywheel is None or flywheel.wheel is None or not flywheel.has_size:
         return
 
     @cache

@@ -38,8 +38,7 @@ class _Cycle(NamedTuple):
 
 
 def _has_flywheel(scene: engine.Scene) -> bool:
-    wheel = scene.flywheel
-    return wheel is not None and (wheel.inertia is not None or wheel.speed_fluctuation is not None)
+    return scene.flywheel is not None and scene.flywheel.has_size
 
 
 def _cycle_of(moving: engine.MovingMachine) -> _Cycle:
