@@ -15,9 +15,7 @@ from engine.laws.kinematics.vectors import Line, Load, Vector, oblique_component
 
 
 @scalar
-def prp_position(
-    guide1: Line, offset1: float, guide2: Line, offset2: float
-) -> tuple[float, float, float, float, float]:
+def prp_position(guide1: Line, offset1: float, guide2: Line, offset2: float) -> tuple[float, float, float, float]:
     """Position of the dyad PRP: B at the crossing of two lines, parallel to two guides at offsets to their left.
 
     Parameters
@@ -32,15 +30,13 @@ def prp_position(
         Inner joint B [m].
     slide1, slide2 : float
         Coordinates of B along the guides from their points [m].
-    sine : float
-        Sine of the angle from the first guide to the second.
     """
     g1x, g1y, c1, s1 = guide1
     g2x, g2y, c2, s2 = guide2
     q1x, q1y = g1x - offset1 * s1, g1y + offset1 * c1
     q2x, q2y = g2x - offset2 * s2, g2y + offset2 * c2
     slide1, slide2 = prp_rates((q2x - q1x, q2y - q1y), (c1, s1), (c2, s2))
-    return q1x + slide1 * c1, q1y + slide1 * s1, slide1, slide2, c1 * s2 - s1 * c2
+    return q1x + slide1 * c1, q1y + slide1 * s1, slide1, slide2
 
 
 @scalar

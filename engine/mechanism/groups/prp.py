@@ -11,7 +11,7 @@ def add_dyad(assembly: Assembly, name: str) -> DyadStatics:
     one, two = assembly.guides[group.first.guide], assembly.guides[group.second.guide]
     offset1, offset2 = (assembly.number(f"groups.{name}.{side}.offset") for side in ("first", "second"))
     lines = ((*one.r, *one.u), offset1, (*two.r, *two.u), offset2)
-    bx, by, d1, d2, _ = apply(prp_position, *lines)
+    bx, by, d1, d2 = apply(prp_position, *lines)
     b = Vector(bx, by)
     under1, under2 = one.under(b), two.under(b)
     v1, v2 = apply(prp_rates, under2.v - under1.v, one.u, two.u)
