@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from commands import said
-from free_link_scenes import KINDS, four_sided, free_link_scene, six_sided, triad_data
+from free_link_scenes import KINDS, free_link_scene, triad_data
 from link_coordinates import LinkCoordinates
 from machines import moving
 
@@ -22,11 +22,15 @@ def only_group(data: dict):
 
 
 @pytest.mark.parametrize(
-    ("data", "expected", "unknowns"),
-    [(triad_data(), (3, 3, 4, 6), 2), (four_sided(), (4, 2, 4, 6), 2), (six_sided(), (6, 3, 6, 9), 3)],
+    ("kind", "expected", "unknowns"),
+    [
+        ("three bars", (3, 3, 4, 6), 2),
+        ("four-sided contour", (4, 2, 4, 6), 2),
+        ("six-sided contour", (6, 3, 6, 9), 3),
+    ],
 )
-def test_group__has_the_class_and_order_of_the_textbook(data, expected, unknowns):
-    group = only_group(data)
+def test_group__has_the_class_and_order_of_the_textbook(kind, expected, unknowns):
+    group = only_group(KINDS[kind]())
     assert (group.group_class, group.order, len(group.links), len(group.pairs)) == expected
     assert len(cutting_of(group).placed) == unknowns
 
@@ -170,7 +174,7 @@ def in_mode(scene: Scene, mode) -> Scene:
 
 
 def test_modes_that_meet__end_at_one_singular_place():
-    scene = Scene.model_validate(four_sided())
+    scene = Scene.model_validate(KINDS["four-sided contour"]())
     (modes,) = assembly_modes(scene).values()
     assert len(modes) == 4
     places = []

@@ -206,7 +206,7 @@ def test_extremes_close_together__are_found_with_long_steps_too():
     waves = " + ".join(f"a{k} * cos({k} * phi + b{k})" for k in range(1, 5))
     numbers = {f"a{k}": "1 N m" for k in range(1, 5)} | {f"b{k}": "0 rad" for k in range(1, 5)}
     load = {"type": "formula", "moment": waves, "numbers": numbers}
-    scene = crank_on_dc_motor(inertia, stall, light, load, {"on": {"type": "steady"}})
+    scene = crank_on_dc_motor(inertia, stall, light, load)
     varied = {f"moments.load.numbers.a{k}": sizes[k - 1] for k in range(1, 5)}
     varied |= {f"moments.load.numbers.b{k}": places[k - 1] for k in range(1, 5)}
     orders = np.arange(1, 5)[:, None]

@@ -9,10 +9,10 @@ from engine import ElementsAlone, Scene
 STANDARD = math.radians(20)
 
 
-def tips_keep_clear(z1, z2, sense=1, angle=STANDARD):
+def tips_keep_clear(z1, z2, sense=1):
     """Whether no tip reaches beyond where the line of action touches the other base circle; arrays, no shifts."""
-    bases = z1 * np.cos(angle), z2 * np.cos(angle)
-    line = (z2 + sense * z1) * np.sin(angle)
+    bases = z1 * np.cos(STANDARD), z2 * np.cos(STANDARD)
+    line = (z2 + sense * z1) * np.sin(STANDARD)
     outer = z2 + 2 * sense
     first = np.sqrt((z1 + 2) ** 2 - bases[0] ** 2) <= line if sense > 0 else True
     reach = np.sqrt(np.maximum(outer**2 - bases[1] ** 2, 0))

@@ -39,11 +39,11 @@ def four_bar(**others):
     )
 
 
-def on_moving_guide(offset=0.0):
+def on_moving_guide():
     scene = four_bar().model_dump(exclude_none=True)
     scene["points"]["G"] = {"x": 0.33, "y": 0.0}
     scene["guides"] = {"bar": {"link": "rocker", "x": 0.07, "y": 0.035, "angle": 0.2}}
-    scene["groups"]["h"] = rrp("F", ("arm", "G", 0.18), "sleeve", "bar", offset)
+    scene["groups"]["h"] = rrp("F", ("arm", "G", 0.18), "sleeve", "bar")
     return Scene.model_validate(scene)
 
 

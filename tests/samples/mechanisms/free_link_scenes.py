@@ -1,6 +1,7 @@
 """Scenes of free links: groups of every class and with every kind of leg."""
 
 import copy
+from functools import partial
 
 from machines import rrp, rrr
 
@@ -88,23 +89,13 @@ def _contour(sides: int) -> dict:
     return data
 
 
-def four_sided() -> dict:
-    """Class IV: two ternary links and two bars in a closed contour."""
-    return _contour(4)
-
-
-def six_sided() -> dict:
-    """Class VI: three ternary links and three bars in a closed contour."""
-    return _contour(6)
-
-
 KINDS = {
     "three bars": triad_data,
     "slider leg": _slider_leg,
     "slotted plate": _slotted_plate,
     "sliding plate": _sliding_plate,
-    "four-sided contour": four_sided,
-    "six-sided contour": six_sided,
+    "four-sided contour": partial(_contour, 4),  # Class IV.
+    "six-sided contour": partial(_contour, 6),  # Class VI.
 }
 
 

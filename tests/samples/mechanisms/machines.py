@@ -33,10 +33,6 @@ def nudged(part: object, rng: np.random.Generator) -> object:
     return part * (1 + NUDGE * rng.choice([-1, 1])) if isinstance(part, float) else part
 
 
-def kinematic_fields(machine: MovingMachine) -> list[str]:
-    return [f for f in machine.register.fields if f.rpartition(".")[2].partition("_")[0] in WORDS]
-
-
 def difference(field: str, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Of two rows; angles may differ by whole turns."""
     gap = np.asarray(a - b, float)
@@ -81,7 +77,8 @@ def check(scene: dict, fields: list[str] | None = None, **varied: list) -> None:
     paths = {path.replace("__", "."): values for path, values in varied.items()}
     for numbers in variants_of(scene, paths):
         machine = MovingMachine(Scene.model_validate(numbers), positions=16)
-        names, q = fields or kinematic_fields(machine), machine.q
+        kinematic = [f for f in machine.register.fields if f.rpartition(".")[2].partition("_")[0] in WORDS]
+        names, q = fields or kinematic, machine.q
 
         def rows(of: Scene, names: list[str] = names, q: np.ndarray = q) -> dict:
             motion = Motion(of, q)

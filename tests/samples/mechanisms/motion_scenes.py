@@ -86,8 +86,8 @@ def rotor(regimes: dict, speed: float = 10.0, **changes: dict) -> dict:
     return scene
 
 
-def crank_on_dc_motor(inertia: float, stall: float, light: float, load: dict, regimes: dict) -> dict:
-    """A crank of an inertia alone, with a load, on a DC motor with a stall torque and a no-load speed."""
+def crank_on_dc_motor(inertia: float, stall: float, light: float, load: dict) -> dict:
+    """A crank of an inertia alone, with a load, on a DC motor with a stall torque and a no-load speed, steady."""
     return {
         "points": {"O": {"x": 0, "y": 0}},
         "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.1, "speed": light},
@@ -96,7 +96,7 @@ def crank_on_dc_motor(inertia: float, stall: float, light: float, load: dict, re
             "dc": {"type": "dc_motor", "on": "crank", "stall_moment": stall, "no_load_speed": light},
             "load": {"on": "crank", **load},
         },
-        "regimes": regimes,
+        "regimes": {"on": {"type": "steady"}},
     }
 
 

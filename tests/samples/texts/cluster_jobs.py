@@ -3,7 +3,6 @@
 import os
 import signal
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -19,8 +18,8 @@ from sweeps.study.study import Study
 THIRD = 80
 
 
-def crew_on(client: Client, study: Study, tell: Callable[[str], None] = print) -> Crew:
-    return Crew(client, Blocks(study, layout_of(study)), tell)
+def crew_on(client: Client, study: Study) -> Crew:
+    return Crew(client, Blocks(study, layout_of(study)), print)
 
 
 def forget() -> None:

@@ -122,7 +122,7 @@ def test_kink_of_a_load_on_a_steep_motor__is_followed_to_the_extremes_behind_it(
     inertia, light, most, fall = 0.1, 12.5, 1e3, 0.01
     kinks = {"over_angle": [1.0, 2.0, 5.0, 6.0], "moment": [0.0, most, (1.0 - fall) * most, 0.0]}
     kinks |= {"type": "table", "interpolation": "linear"}
-    scene = crank_on_dc_motor(inertia, 1e6, light, kinks, {"on": {"type": "steady"}})
+    scene = crank_on_dc_motor(inertia, 1e6, light, kinks)
     stalls = np.array([3e4, 1e5, 3e5, 1e6, 3e6, 1e7])
     # I ω dω/dφ = M₀ (1 − ω/ω₀) + M(φ) holds the speed to its balance within I ω₀²/M₀ radians; positions are in these.
     layers = inertia * light**2 / stalls
