@@ -19,7 +19,7 @@ from rubbing import with_friction
 from rubbing_machines import Q, R, by_friction_circles, press, yoke
 
 from engine import Machine, MovingMachine, Scene, SceneError, Verdict
-from engine.laws.friction.coefficients import NEW, STATIC_AND_KINETIC, WORN_IN, stribeck
+from engine.laws.friction.coefficients import MATERIALS, NEW, WORN_IN, stribeck
 from engine.scene.structure.ordering import order
 
 EPS = np.finfo(float).eps
@@ -244,7 +244,7 @@ def test_yoke__jams_where_its_overhang_reaches_half_its_length_over_f():
         ),
         (
             {"coefficient": None, "material": "steel on steel, oiled"},
-            0.02 * math.sin(math.atan(STATIC_AND_KINETIC["steel on steel, oiled"].kinetic)),
+            0.02 * math.sin(math.atan(MATERIALS["steel on steel, oiled"])),
         ),
         (
             {"static_coefficient": 0.5, "stribeck_speed": 0.03},
