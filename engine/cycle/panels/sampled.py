@@ -50,7 +50,12 @@ def tails(values: np.ndarray, degree: int = DEGREE) -> np.ndarray:
     degree : int
         DEGREE, COARSE, or half of this.
     """
-    return np.abs(weighted_sums(_SHARES_OF[degree][-_LAST:], values)).max(axis=0)
+    return last_coefficients(values, degree).max(axis=0)
+
+
+def last_coefficients(values: np.ndarray, degree: int = DEGREE) -> np.ndarray:
+    """Magnitudes of the last three coefficients of polynomials, (3, …); parameters as for `tails`."""
+    return np.abs(weighted_sums(_SHARES_OF[degree][-_LAST:], values))
 
 
 def finer(values: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.cycle.panels.chebyshev import COARSE, DEGREE, PLACES
-from engine.cycle.panels.sampled import finer, panel_integrals, tails, tops
+from engine.cycle.panels.sampled import finer, last_coefficients, panel_integrals, tails, tops
 from engine.laws.rounding import EPS
 from engine.motion.fields.field_instants import Fields
 from engine.motion.fields.recorded_motion import TURNED, RecordedMotion
@@ -26,6 +26,8 @@ HALVINGS, REDUCED = 6, 0.5
 # Limits of the sum of all coefficients left out, relative to the last ones: of a smooth curve, whose coefficients fall
 # at least as k⁻⁶; and of one with a kink, relative to n of them, which fall as k⁻² and may by chance be small.
 LEAST_LEFT, MOST_LEFT, SMOOTH = 2.0, 4.0, 6.0
+# Last coefficient of a smooth curve as a fraction of the two before it.
+FALLING = 0.25
 # Rounding of values at one position, relative to the peak of a field.
 ROUNDED = 16.0 * EPS
 # Tolerance from which half as many positions are tried first.
@@ -305,9 +307,13 @@ def _left_out(values: np.ndarray, degree: int = DEGREE) -> tuple[np.ndarray, np.
     values : ndarray (…, degree + 1)
     degree : int
     """
-    last, coarse = tails(values, degree), tails(values[..., ::2], degree // 2)
+    *others, end = last_coefficients(values, degree)
+    before = np.maximum(*others)
+    last, coarse = np.maximum(before, end), tails(values[..., ::2], degree // 2)
     order = np.log2(coarse / last)
-    share = np.where(order > SMOOTH, np.maximum(degree / (order - 1.0), LEAST_LEFT), MOST_LEFT * degree)
+    # A kink close to an end of the panel leaves all coefficients equal, the very last half as large by its definition.
+    smooth = (order > SMOOTH) & (end <= FALLING * before)
+    share = np.where(smooth, np.maximum(degree / (order - 1.0), LEAST_LEFT), MOST_LEFT * degree)
     return np.where(last > 0.0, share * last, 0.0), last <= REDUCED * coarse
 
 

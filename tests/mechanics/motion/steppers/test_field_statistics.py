@@ -76,6 +76,8 @@ tolerances = st.sampled_from([1e-4, 1e-6, 1e-8, 1e-10])
 @given(edges, tolerances, st.floats(0.0, TURN), st.floats(-0.95, 0.95))
 @example(np.linspace(0.0, TURN, 7), 1e-4, 0.1, 0.0)
 @example(np.linspace(0.0, TURN, 7), 1e-8, 0.0, 1e-8)
+# The first cusp is a little beyond the edge of a step, in coefficients of a smooth curve.
+@example(np.linspace(0.0, TURN, 13), 1e-4, 0.0, 6e-8)
 @settings(deadline=None, max_examples=40)
 def test_magnitude_that_vanishes__two_cusps(edges, tolerance, phase, level):
     found = measured(lambda x: np.abs(np.cos(x - phase) - level), tolerance, edges)
