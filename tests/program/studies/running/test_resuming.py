@@ -11,7 +11,7 @@ from long_runs import AGAIN, COUNT, LONG, blocks_done, start, wait_for_blocks
 from press_sweeps import DISTINCT, GOOD, SCENE, Stop, contents, many, numbers_in, run, stopping, study_of
 
 from sweeps import SweepResult, read_study, run_study
-from sweeps.run import blocks, carrying, runner
+from sweeps.run import blocks, reuse, runner
 from sweeps.store import MappedResult, read_columns
 
 # Going on
@@ -45,7 +45,7 @@ def test_restart__computes_everything_again(tmp_path):
 def evaluated(monkeypatch, study_text: str, folder: Path, **options: object) -> tuple[int, list[str]]:
     """How many variants a run evaluates, and what it tells."""
     count, told = 0, []
-    real = carrying.evaluate_variants
+    real = reuse.evaluate_variants
 
     def counting(study, values, drop, *rest):
         nonlocal count
@@ -53,7 +53,7 @@ def evaluated(monkeypatch, study_text: str, folder: Path, **options: object) -> 
         return real(study, values, drop, *rest)
 
     with monkeypatch.context() as patch:
-        patch.setattr(carrying, "evaluate_variants", counting)
+        patch.setattr(reuse, "evaluate_variants", counting)
         patch.setattr(blocks, "evaluate_variants", counting)
         run_study(study_of(folder, study_text), folder / "study.h5", tell=told.append, **options)
     return count, told
