@@ -69,7 +69,7 @@ _ROWS: dict[str, dict[str, _Row]] = {
         "rad m-1": {"deg in-1": 0},
     },
 }
-# Units of what remains of a compound after its row, and of compounds without a row, one by one.
+# Units of the single factors of a compound that has no row above, or of those that its row leaves over.
 _BASES = {
     "SI": {},
     "mm": {"m": "mm"},

@@ -173,6 +173,8 @@ def on_circle(waves, amplitudes):
 )
 # Two peaks beside a sample at which the slope vanishes.
 @example([(1, 1), (5, 1)], 0.0625, 0.0, 0.0)
+# Both peaks between the same two samples.
+@example([(7, 1), (1, 2), (4, 2)], -0.0078125, 0.015625, 2.0)
 def test_sums_of_orders__reach_the_peaks_of_flat_tops(parts, curvature, lean, at):
     waves, cosines = np.array([h for h, _ in parts]), np.array([float(a) for _, a in parts])
     # Without curvature at an angle, but for a share: a flat top, or two peaks closer than samples.

@@ -16,6 +16,7 @@ MASS, COEFFICIENT, DIAMETER = 6.0, 0.2, 0.04
 # Radius of the friction circle: f r over the root of 1 + f²; and the torque of friction in the journal.
 ARM = COEFFICIENT * DIAMETER / 2 / math.sqrt(1.0 + COEFFICIENT**2)
 HELD = MASS * GRAVITY * ARM
+STALL, PUSH = "moments.dc.stall_moment", "moments.push.moment"
 PAIRS = {
     "pin": {"pair": "drive.inner", "coefficient": 0.1, "diameter": 0.03},
     "crank_pin": {"pair": "drive.first", "coefficient": 0.1, "diameter": 0.04},
@@ -206,14 +207,21 @@ def test_motor_of_any_steepness__turns_a_rubbing_machine_as_at_constant_speed():
     assert off <= 1e-3 * work
 
 
-def test_motors_too_weak_for_friction__stall_alone_as_in_a_batch():
+@pytest.mark.parametrize(
+    ("acting", "number", "weak", "strong"),
+    # A motor that friction holds, and a load that turns the machine back.
+    [
+        ("dc gravity", "moments.dc.stall_moment", (0.5 * HELD, 0.9 * HELD), 60.0),
+        ("dc push", PUSH, (-900.0, -500.0), -1.0),
+    ],
+)
+def test_machines_whose_motor_is_too_weak__stall_alone_as_in_a_batch(acting, number, weak, strong):
     """Takes seconds, as from every speed tried each stalling motor is followed to rest with friction."""
-    motor = "moments.dc.stall_moment"
-    scene = Scene.model_validate(in_journal({"on": steady("dc gravity")}))
-    machine = Machine(scene, ["on.speed_min"], ["on.speed"], motor, 120, accuracy=1e-3)
-    for moments in ([0.5 * HELD], [0.5 * HELD, 60.0, 0.9 * HELD]):
-        outcome = machine.evaluate({motor: np.array(moments)})
-        stalls = np.array(moments) < HELD
+    scene = Scene.model_validate(in_journal({"on": steady(acting)}, push={"moment": 0.0}))
+    machine = Machine(scene, ["on.speed_min"], ["on.speed"], number, 120, accuracy=1e-3)
+    for values in (weak[:1], (weak[0], strong, weak[1])):
+        outcome = machine.evaluate({number: np.array(values)})
+        stalls = np.isin(values, weak)
         assert list(outcome.status) == [Verdict.STALLS if stalled else Verdict.OK for stalled in stalls]
         assert list(np.isnan(outcome.fields["on.speed"]).all(axis=1)) == list(stalls)
 
