@@ -129,8 +129,9 @@ class Edge(NamedTuple):
 SHORTER, LONGER = 0.25, 3.0
 # Fraction of the tolerance for which the length of a panel is chosen.
 AIM = 0.2
-# Maximum length of a panel as a fraction of the range: rounding is measured where panels meet, so several have to.
-LONGEST = 0.25
+# Maximum length of a panel as a fraction of the range: rounding is measured where panels meet. Two panels measure it at
+# one position, which leaves 6 of 1000 estimates too small; three leave none, and no more panels than they need.
+LONGEST = 0.34
 # Length of the panels of a lane that has reached MOST panels, as a fraction of the range.
 LAST_ONES = 0.1
 # Minimum length of a panel as a fraction of the range, and number of panels after which a lane finishes in long ones.
