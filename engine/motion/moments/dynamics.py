@@ -19,7 +19,7 @@ from engine.motion.moments.breaks import Breaks, instants_of
 from engine.motion.moments.landmarks import Landmarks
 from engine.motion.moments.own_drives import loads_of
 from engine.motion.moments.tabulation import Ends, Tabulation
-from engine.motion.one_speed import CHANNELS, MachineSystem, Sizes, along_angle, along_time
+from engine.motion.one_speed import CHANNELS, POLYNOMIAL_ORDERS, MachineSystem, Sizes, along_angle, along_time
 from engine.parts.actions import Brake
 from engine.parts.motors import MotorCurve
 from engine.scene.load_formulas import load_formulas
@@ -261,6 +261,9 @@ class Dynamics:
         self.brakes = tuple(name for name in self.active if isinstance(scene.moments.get(name), Brake))
         # Whether all torques vanish with the speed: then nothing stops or starts the machine.
         self.fades = not (self.motors or rubs or own) and all(load.order in (1, 2) for load in working)
+        # Whether what does not resist at standstill fades with the speed: a root of it would stop a machine.
+        by_speed = reduction.speed in reached([load.basis for load in working])
+        self.smooth = not by_speed and all(load.order in POLYNOMIAL_ORDERS for load in working)
         self.cycle = reduction.cycle
 
     def driven(self, variants: Variants) -> Variants:

@@ -139,15 +139,20 @@ class EquationOfMotion:
         places = self.start[who] + self.variants.direction[who] * turned
         return system.at(self.dynamics.moving(system, self.variants), places, (energy,), [0], time, who)[0]
 
-    def break_offset(self, turned: np.ndarray) -> np.ndarray:
-        """Offset at which torques are evaluated from angles turned, (…, variants) [rad]: 0 except at a break."""
+    def to_break(self, turned: np.ndarray) -> np.ndarray:
+        """Distance from angles turned, (…, variants), to the nearest break, negative behind; infinite without one."""
         own, who, cycle = self.variants, self.who, self.dynamics.cycle
         breaks = own.direction[who] * (own.breaks.angles[:, who] - self.start[who])
-        apart = np.abs(breaks.reshape(len(breaks), *(1,) * (turned.ndim - 1), breaks.shape[1]) - turned)
+        apart = breaks.reshape(len(breaks), *(1,) * (turned.ndim - 1), breaks.shape[1]) - turned
         # Breaks recur after a cycle, which is infinite if they do not.
         if np.isfinite(cycle):
-            apart = np.minimum(np.mod(apart, cycle), cycle - np.mod(apart, cycle))
-        return np.where((apart <= 2.0 * JUMP).any(axis=0), JUMP, 0.0)
+            apart = np.mod(apart + 0.5 * cycle, cycle) - 0.5 * cycle
+        apart = np.concatenate((np.where(np.isnan(apart), np.inf, apart), np.full((1, *turned.shape), np.inf)))
+        return np.take_along_axis(apart, np.abs(apart).argmin(axis=0)[None], axis=0)[0]
+
+    def break_offset(self, turned: np.ndarray) -> np.ndarray:
+        """Offset at which torques are evaluated from angles turned, (…, variants) [rad]: 0 except at a break."""
+        return np.where(np.abs(self.to_break(turned)) <= 2.0 * JUMP, JUMP, 0.0)
 
     def acceleration(
         self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray
@@ -157,9 +162,11 @@ class EquationOfMotion:
         return epsilon, np.abs(steepness)
 
     def sets_off(self, turned: np.ndarray, time: np.ndarray) -> np.ndarray:
-        """Direction in which machines at rest start: +1, −1, or 0 if resistances hold them."""
-        still, one = np.zeros_like(turned), np.ones_like(turned)
-        forward, backwards = (self.acceleration(turned, still, time, way * one)[0] for way in (1.0, -1.0))
+        """Direction in which machines at rest start: +1, −1, or 0 if resistances or a jump of a load hold them."""
+        still, aside = np.zeros_like(turned), self.break_offset(turned)
+        forward, backwards = (
+            self.acceleration(turned + way * aside, still, time, np.full_like(turned, way))[0] for way in (1.0, -1.0)
+        )
         return np.where(forward > 0.0, 1.0, np.where(backwards < 0.0, -1.0, 0.0))
 
     def first_step(

@@ -29,6 +29,10 @@ STILL = 1e-12
 CLOSELY = 0.1
 # With dense output, a machine remains in the time form until its relative energy change per radian is below this.
 BRISK_TO_LOOK = 0.4
+# Positions of a swing at which resistance at standstill is looked for, and its least size, relative to all torques.
+LOOKED_AT, RESISTED = 64, 1e-9
+# Swings within this range end as a geometric series [rad, or in units of `reach`]; comparison runs end them earlier.
+NARROW = 1e-7
 # Many steps that change neither the angle (in total) nor the time (each) by more than these fractions make no progress:
 # at a dead centre of the driven side the inertia grows without bound.
 NO_ANGLE, NO_TIME = 1e-14, 1e-9
@@ -211,10 +215,53 @@ def _turn_round(runs: OneSpeedRuns, rest: np.ndarray, forward: np.ndarray) -> No
     if runs.ends.reversal:
         runs.done[rest] = True
         return
+    before = runs.turned_round[rest]
     runs.facing[rest] = 0.0
     set_off(runs, rest)
     runs.turned_round[rest] = runs.turned[rest]
-    runs.compare_swings(rest[forward])
+    _end_swings(runs, rest[forward], before[forward])
+    runs.compare_swings(rest[forward], np.abs(runs.turned[rest] - before)[forward])
+
+
+def _end_swings(runs: OneSpeedRuns, who: np.ndarray, back: np.ndarray) -> None:
+    """End the swings of machines that never stop them, or that stop them within a narrow range.
+
+    Where nothing resists motion at standstill, swings only fade. Where a load that jumps turns a machine back from both
+    sides, infinitely many swings take a finite time: their durations form a geometric series.
+
+    Parameters
+    ----------
+    who : ndarray of int
+        Variants at rest after moving forwards.
+    back : ndarray
+        Angle turned at the rest before [rad].
+    """
+    swing = ~runs.done[who] & (back < runs.turned[who]) & runs.past_tables(who) & (not runs.dynamics.changing)
+    who, back = who[swing], back[swing]
+    if not who.size:
+        return
+    ahead, form, time = runs.turned[who], runs.equation(who), runs.clock[who] + runs.state.time[who]
+    places = back + np.linspace(0.0, 1.0, LOOKED_AT)[:, None] * (ahead - back)
+    one, still = np.ones(who.size), np.zeros_like(places)
+    forwards, backwards = (form.acceleration(places, still, time + still, way * one)[0] for way in (1.0, -1.0))
+    resisted = (np.abs(forwards - backwards) > RESISTED * np.abs(backwards)).any(axis=0)
+    if runs.ends.standing:
+        # A run may begin with a speed, and swing farther backwards.
+        again = np.isfinite(runs.farthest_swing[who])
+        runs.give_up_endless(who[again & ~resisted & runs.dynamics.smooth])
+    # Accelerations towards the jump and away from it, beyond and before it.
+    out, home, on, off = -forwards[-1], -backwards[-1], forwards[0], backwards[0]
+    jump = ahead + form.to_break(ahead)
+    peak = np.sqrt(2.0 * home * (ahead - jump))
+    again = peak * np.sqrt(on / off)
+    share = again / peak * np.sqrt(home / out)
+    rest = (peak / home + peak / off + again / on + again / out) / (1.0 - share)
+    narrow = ahead - back <= NARROW * runs.longer**8 * runs.reach[who]
+    caught = narrow & resisted & (back <= jump) & (jump <= ahead) & (share < 1.0)
+    own = who[caught]
+    runs.turned[own], runs.facing[own] = jump[caught], 0.0
+    runs.time[own] = np.fmin(runs.time[own] + rest[caught], runs.ends.time[own])
+    set_off(runs, own)
 
 
 def _seen(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks) -> OneSpeedMotion:

@@ -330,13 +330,15 @@ class MachineRuns(WalkedRuns):
     # Phase curves of an autonomous machine never cross. So a swing that does not exceed the previous one lies within
     # it, as do all later ones.
 
-    def compare_swings(self, rest: np.ndarray) -> None:
+    def compare_swings(self, rest: np.ndarray, width: np.ndarray | float = np.inf) -> None:
         """Abandon runs of machines that came to rest no farther forwards than at the last swing.
 
-        A run to rest continues as long as its swings decrease.
+        A run to rest continues as long as its swings, of a given width [rad], decrease.
         """
-        rest = rest[~self.done[rest] & self.never_changes(rest)]
-        turned, before, same = self.turned[rest], self.farthest_swing[rest], SAME_SWING * self.reach[rest]
+        compared = ~self.done[rest] & self.never_changes(rest)
+        same = SAME_SWING * np.fmin(self.reach[rest], width)[compared]
+        rest = rest[compared]
+        turned, before = self.turned[rest], self.farthest_swing[rest]
         again = turned <= before + same
         if self.ends.rest:
             again &= turned >= before - same

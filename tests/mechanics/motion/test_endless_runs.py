@@ -21,7 +21,10 @@ def told(scene: dict) -> str:
     return failure_text(Scene.model_validate(scene), Verdict.NO_END)
 
 
-@pytest.mark.parametrize(("only", "end"), [("gravity", {"cycles": 3.0}), ("gravity oil", {"speed": 30.0})])
+@pytest.mark.parametrize(
+    ("only", "end"),
+    [("gravity", {"cycles": 3.0}), ("gravity oil", {"speed": 30.0}), ("gravity oil", {"rest": True})],
+)
 def test_pendulum__is_known_to_swing_for_ever_when_it_turns_round_for_the_second_time(only, end):
     begin = {"from_angle": -math.pi / 2 - 0.6, "from_speed": 0.0}
     scene = pendulum({"go": run(only, **begin, **end)}, MASS, ARM, OWN)

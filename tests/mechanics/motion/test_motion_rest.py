@@ -186,3 +186,31 @@ def test_push_that_turns_about__pulls_a_machine_back_against_its_friction():
     turns = (3.0 - friction) / 375.0
     impulse = (3.0 + friction) * (end - turns) - 375.0 * (end**2 - turns**2)
     assert found["go.final_speed"] == pytest.approx(impulse / INERTIA_OF_ROTOR, rel=1e-9)
+
+
+@pytest.mark.parametrize("friction", [1.5, 0.05])
+def test_jump_that_turns_a_machine_back_from_both_sides__holds_it_after_endlessly_many_swings(friction):
+    """4 N·m as far as the jump at 1 rad, −7 N·m beyond: the swings and their durations form geometric series."""
+    push, wall, jump = 4.0, 7.0, 1.0
+    places, moments = [0.0, jump, jump, 5.0, 5.0, 2 * math.pi], [push, push, -wall, -wall, push, push]
+    table = {"over_angle": places, "moment": moments}
+    regimes = {"go": run("by_angle rub", rest=True), "waits": run("by_angle rub", from_angle=0.0, time=100.0)}
+    scene = rotor(regimes, by_angle=table, rub={"moment": friction})
+    found = ask(scene, "go.time go.angle go.harmful_work go.speed_max waits.angle waits.harmful_work")
+    on, off = (push - friction) / INERTIA_OF_ROTOR, (push + friction) / INERTIA_OF_ROTOR
+    out, home = (wall + friction) / INERTIA_OF_ROTOR, (wall - friction) / INERTIA_OF_ROTOR
+    fastest = math.sqrt(2.0 * on * jump)
+    back = fastest * math.sqrt(home / out)
+    again = back * math.sqrt(on / off)
+    first_swing = fastest / out + back / home + back / off + again / on
+    exact = {
+        "go.time": fastest / on + first_swing / (1.0 - again / fastest),
+        "go.angle": jump,
+        "go.harmful_work": push * jump,
+        "go.speed_max": fastest,
+        "waits.angle": jump,
+        "waits.harmful_work": push * jump,
+    }
+    for name, value in exact.items():
+        assert found[name] == pytest.approx(value, rel=1e-6), name
+        assert abs(found[name] - value) <= found.figure(name), name
