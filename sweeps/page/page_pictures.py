@@ -14,7 +14,7 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from PIL import Image
 
-from engine import SceneError, scene_numbers
+from engine import SceneError, common_units, scene_numbers
 from sweeps.page.digest import Digest
 from sweeps.page.machine_motion import BRIEF, looks, motion_data
 from sweeps.page.page_text import SHORT
@@ -26,7 +26,6 @@ from sweeps.pictures.sweep.maps import plot_result
 from sweeps.pictures.sweep.parallel_coordinates import chosen_columns
 from sweeps.pictures.sweep.result_pictures import plot_data, sweep_figure
 from sweeps.pictures.sweep.sweep_data import SweepData
-from sweeps.text.scene_text import number_text
 from sweeps.text.visible import visible
 from sweeps.text.whole_files import scratch_folder
 
@@ -154,8 +153,8 @@ def variants_data(digest: Digest) -> dict[str, Any] | None:
         rounded = [float(f"{value:.6g}") if np.isfinite(value) else None for value in values[finite]]
         column = {"name": visible(name), "label": label, "lines": wrapped(label, 16), "values": rounded}
         if name in digest.result.parameters and name in dimensions:
-            written = number_text(1.0, dimensions[name])
-            column["unit"] = written.partition(" ")[2] if isinstance(written, str) else None
+            dimension = dimensions[name]
+            column["unit"] = None if dimension == "number" else common_units(dimension)[-1]
             column["exact"] = data.arrays[name][finite].tolist()
         columns.append(column)
     shades, met, numbers = shown[shade][0][finite], data.candidates[finite], digest.shown[finite]

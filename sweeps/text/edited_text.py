@@ -7,12 +7,16 @@ from pathlib import Path
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
 
-from engine import Scene, UnitError, in_text, scene_numbers, unit_in
+from engine import Scene, UnitError, scene_numbers, unit_in
 from sweeps.text.input_files import InputError
-from sweeps.text.scene_text import number_text, scene_from, values_of_variant, with_numbers, write_scene
-
-# Digits that distinguish all doubles.
-_MOST_DIGITS = 17
+from sweeps.text.scene_text import (
+    in_unit,
+    number_text,
+    scene_from,
+    values_of_variant,
+    with_numbers,
+    write_scene,
+)
 
 
 def edited_scene(scene: Scene, values: Mapping[str, float], text: str, folder: Path) -> str:
@@ -24,7 +28,7 @@ def edited_scene(scene: Scene, values: Mapping[str, float], text: str, folder: P
     values : mapping of str to float
         New values (SI) by path.
     text : str
-        Source of the scene; if numbers can't be replaced in it, the scene is rewritten in SI units.
+        Source of the scene; if numbers can't be replaced in it, the scene is rewritten in common units.
     folder : Path
         Folder of the new text, for relative paths.
 
@@ -58,17 +62,6 @@ def _replace(document: tomlkit.TOMLDocument, keys: list[str], value: float, dime
     if isinstance(before, int):
         table[last] = int(value)
     elif isinstance(before, str) and (unit := unit_in(before)):
-        table[last] = _in_unit(value, unit, dimension)
+        table[last] = in_unit(value, unit, dimension) or number_text(value, dimension)
     else:
         table[last] = number_text(value, dimension)
-
-
-def _in_unit(value: float, unit: str, dimension: str) -> str:
-    """The shortest text in a unit that reads back exactly, else in SI units."""
-    size = in_text(f"1 {unit}", dimension)
-    for digits in range(1, _MOST_DIGITS + 1):
-        number = repr(float(f"{value / size:.{digits}g}")).removesuffix(".0")
-        text = f"{number} {unit}"
-        if in_text(text, dimension) == value:
-            return text
-    return str(number_text(value, dimension))

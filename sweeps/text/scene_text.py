@@ -14,6 +14,8 @@ from sweeps.text.toml_text import line_of, parse_toml, problems_in, validate
 
 # Tables whose entries may take lists from the columns of a CSV `file`.
 TABLES_OF_ROWS = ("forces", "moments", "wanted")
+# Significant digits that most doubles need at most, and that all do.
+_DIGITS = (15, 16, 17)
 
 
 def read_scene(path: Path | str) -> engine.Scene:
@@ -110,9 +112,22 @@ def _in_its_file(
     return problem
 
 
+def in_unit(value: float, unit: str, dimension: str) -> str | None:
+    """The shortest text of a number in a unit that reads back exactly; None if there is none."""
+    size = engine.in_text(f"1 {unit}", dimension)
+    for digits in _DIGITS:
+        text = f"{float(f'{value / size:.{digits}g}')!r}".removesuffix(".0") + f" {unit}"
+        if engine.in_text(text, dimension) == value:
+            return text
+    return None
+
+
 def number_text(value: float, dimension: str) -> str | float:
-    """A number in scene text, in SI units."""
-    return value if dimension == "number" else f"{value!r} {engine.common_units(dimension)[-1]}"
+    """A number in scene text: the shortest of those in common units that read back exactly."""
+    if dimension == "number":
+        return value
+    units = engine.common_units(dimension)
+    return min(filter(None, (in_unit(value, unit, dimension) for unit in units)), key=len)
 
 
 def write_scene(scene: engine.Scene, values: Mapping[str, float] | None = None) -> str:
