@@ -15,6 +15,7 @@ KINDS = (
     WarningKind("discharge", "compressor that never reaches its discharge pressure", load_rules.discharge_rules),
     WarningKind("suction", "pump that the liquid drives", load_rules.suction_rules),
     WarningKind("friction", "coefficient of friction above its limit", load_rules.friction_rules),
+    WarningKind("loose_belt", "belt too fast for its tension", load_rules.loose_belt_rules),
     WarningKind("unused_load", "load that never acts", load_rules.unused_load_rules),
     WarningKind("motor_torque", "rms torque of a motor above its rated torque", load_rules.motor_rules),
     WarningKind("transmission_angle", "transmission angle below its limit", link_rules.transmission_rules),

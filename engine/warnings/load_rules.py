@@ -67,6 +67,21 @@ def friction_rules(scene: Scene) -> Iterator[Rule]:
                 yield Rule(path, "above", "1", sentence, lambda n, path=path: (n[path], limit_of(scene, "friction", n)))
 
 
+def loose_belt_rules(scene: Scene) -> Iterator[Rule]:
+    """Belts whose centrifugal tension is all their tension."""
+    for name, belt in scene.elements.items():
+        if belt.type == "belt" and belt.gives("tension", "linear_density") == ["tension", "linear_density"]:
+            sentence = (
+                "its centrifugal tension is {value}, all of its tension of {limit}: it transmits nothing; tighten it, "
+                "or lower the speed"
+            )
+            yield Rule(f"elements.{name}", "above", "N", sentence, _lifting(f"elements.{name}"))
+
+
+def _lifting(at: str) -> object:
+    return lambda n: (n[f"{at}.linear_density"] * n[f"{at}.speed"] ** 2, n[f"{at}.tension"])
+
+
 def unused_load_rules(scene: Scene) -> Iterator[Rule]:
     """Loads by a table whose rows the machine never reaches, and loads by a formula that vanish everywhere."""
     for table in ("forces", "moments"):

@@ -54,8 +54,8 @@ class Verdict(IntEnum):
     )
     NO_END = (
         *(8, "doesn't reach its end"),
-        "a regime never reaches the state that ends it; change the end or the drive, or raise at_most. A governor may "
-        "also be too heavily damped for such a long run: reduce the damping or the time",
+        "a regime or a governor never reaches the state that ends it; change the end, the drive or the damping, or raise "
+        "at_most",
     )
     JAMS = (
         *(9, "friction jams"),
@@ -108,8 +108,8 @@ class Verdict(IntEnum):
     )
     UNDERCUT = (
         *(19, "cam undercut"),
-        "a cam is undercut: its profile can't move the follower by the law; choose a larger base circle, a smaller "
-        "roller, a longer section or another law",
+        "a cam is undercut: its profile can't move the follower by the law; choose a larger base circle, a longer "
+        "section, another law or, on a roller, a smaller one",
     )
     LIFTS_OFF = (
         *(20, "follower lifts off"),

@@ -84,6 +84,12 @@ def gear(teeth, **numbers):
     return Scene.model_validate({"elements": {"train": train}})
 
 
+def belt(speed):
+    """A belt of 1 kg/m under 100 N: at 10 m/s the centrifugal tension is as much."""
+    numbers = {"diameter": 0.2, "wrap": math.pi, "friction": 0.3, "tension": 100.0, "linear_density": 1.0}
+    return Scene.model_validate({"elements": {"belt": {"type": "belt", "speed": speed, **numbers}}})
+
+
 def with_motor(load):
     """A DC motor of 200 W at 100 rad/s, so of 2 N·m, on a shaft five times as fast as the crank."""
     motor = {"type": "dc_motor", "on": "fast", "no_load_speed": 110.0, "power": 200.0, "rated_speed": 100.0}
@@ -198,6 +204,7 @@ CASES = [
         scene(friction={"pin": {"pair": "pair.inner", "coefficient": 1.4, "diameter": 0.001}}),
         "1.6 exceeds limits.friction = 1.5",
     ),
+    ("loose_belt", belt(10.01), belt(9.99), "is 100.2 N, all of its tension of 100 N"),
     ("unused_load", rows(0.101, 0.2, "low end"), rows(0.099, 0.2, "low end"), "101 mm … 200 mm from the low end"),
     ("unused_load", rows(0.101, 0.2, "high end"), rows(0.099, 0.2, "high end"), "misses its rows, 101 mm"),
     # The ram moves from 150 mm to 250 mm.
@@ -302,7 +309,7 @@ def test_every_kind__has_a_case():
 
 
 def test_scene_alone__is_enough_where_no_quantity_is_read():
-    enough = {"clearance", "discharge", "suction", "friction", "massless_link", "no_masses", "undercut"}
+    enough = {"clearance", "discharge", "suction", "friction", "loose_belt", "massless_link", "no_masses", "undercut"}
     for kind, beyond, within, says in CASES:
         words = warnings_from_numbers(beyond)
         assert (len(words) == 1 and says in words[0]) if kind in enough else words == []

@@ -49,6 +49,13 @@ def test_variant_of_free_links__is_put_together_as_in_the_sweep(tmp_path: Path):
     assert kept.summaries["upper.swing"][0] != swept.summaries["upper.swing"][1]
 
 
+def test_variant_without_a_text__is_written_in_the_units_of_its_field():
+    study = read_study(bundled_studies()["crank_press"])
+    lines = write_scene(study.scene, {"input.length": 0.045, "input.speed": math.pi}).splitlines()
+    for line in ('angle = "-90 deg"', 'length = "45 mm"', 'speed = "30 rpm"', 'mass = "300 kg"'):
+        assert line in lines
+
+
 UNREACHED = """
 title = "Legs"
 scene = "triad.toml"
