@@ -54,8 +54,8 @@ class Verdict(IntEnum):
     )
     NO_END = (
         *(8, "doesn't reach its end"),
-        "a regime or a governor never reaches the state that ends it; change the end, the drive or the damping, or raise "
-        "at_most",
+        "a regime or a governor never reaches the state that ends it; change the end, the drive or the damping, or "
+        "raise at_most",
     )
     JAMS = (
         *(9, "friction jams"),
