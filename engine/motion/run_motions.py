@@ -19,7 +19,7 @@ from engine.motion.regime_motions import ROUNDING, OneRegime, RegimeMotion
 from engine.motion.runs.run import run_to_end
 from engine.motion.runs.run_progress import CoupledStanding, Ends, RunOutcome, Standing, Stepping
 from engine.motion.runs.spread_errors import spread_errors
-from engine.stepping.records import on_arrays, over_all, put, some
+from engine.stepping.records import over_all, put, some
 from engine.words.verdicts import Verdict
 
 # Creates the observers of a run from its fields.
@@ -46,9 +46,7 @@ class _Ready(NamedTuple):
         return _Ready(self.which[chosen], self.variants.some(chosen), standing, ends, self.kept)
 
     def alike(self, other: "_Ready") -> np.ndarray:
-        """Which variants start from the same state as in other runs, (variants,) of bool."""
-        if not np.array_equal(self.which, other.which):
-            return np.zeros(self.which.size, bool)
+        """Which variants start from the same state as in other runs of the same variants, (variants,) of bool."""
         parts = ("angle", "omega", "clock")
         return np.all([getattr(self.standing, part) == getattr(other.standing, part) for part in parts], axis=0)
 
@@ -159,8 +157,12 @@ class RunAtOneSpeed(RunMotion):
         if longer > 1.0 and record is None and key in run.kept:
             # A known run predicts the effect of coarser steps.
             before, known = run.kept[key]
-            outcome = on_arrays(np.copy, known.shifted(known.changed))
-            left = np.flatnonzero(~(run.alike(before) & known.known))
+            # In an earlier regime coarser steps may have failed where these didn't, or the reverse.
+            _, mine, theirs = np.intersect1d(run.which, before.which, return_indices=True)
+            outcome = over_all(some(known.shifted(known.changed), theirs), mine, run.which.size)
+            alike = np.zeros(run.which.size, bool)
+            alike[mine] = run.some(mine).alike(before.some(theirs)) & known.known[theirs]
+            left = np.flatnonzero(~alike)
             if left.size:
                 put(outcome, left, run_to_end(self.dynamics, *run.some(left).begin, self._asked.steps, stepping))
         else:
@@ -171,7 +173,7 @@ class RunAtOneSpeed(RunMotion):
         # Fields are evaluated for runs that reach their end.
         good = np.flatnonzero(outcome.verdict == Verdict.OK)
         answers, known = self._along_run(run.some(good), longer)
-        whole = outcome.known.copy()
+        whole = outcome.known == 1.0
         whole[good] &= known
         return outcome._replace(known=whole), answers.over_all(good, run.which.size)
 

@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 from motion_scenes import ECCENTRIC_MASS, ECCENTRICITY, GRAVITY, ask, pendulum, rotor, run, slider_crank, steady
 from motion_scenes import INERTIA as INERTIA_OF_ROTOR
@@ -154,6 +155,20 @@ def test_schedule__each_regime_begins_where_the_one_before_ended():
     for name in REGIMES:
         # Works and energy are the same integrals in the energy form: rounding. Near rest both have the error of time.
         assert abs(found[f"{name}.work_residual"]) <= (1e-12 if name in ("working", "idle", "on") else 1e-8), name
+
+
+def test_regime_after_one_that_ends_only_with_some_steps__is_that_of_the_variant_alone():
+    # Near the stall torque a speed is reached by some step lengths and not by others, which leaves other variants.
+    regimes = {"creep": run("dc rub", speed=5e-11), "go": run("dc rub", time=1.0)}
+    scene, path = rotor(regimes, dc={"no_load_speed": 10.0}), "moments.rub.moment"
+    frictions = 20.0 - 20.0 * np.array([3.5e-11, 1e-8, 1e-3])
+    every = ask(scene, "go.angle", varied={path: frictions})
+    assert {Verdict.OK, Verdict.NO_END} == set(every.status)
+    for k in range(frictions.size):
+        alone = ask(scene, "go.angle", varied={path: frictions[k : k + 1]})
+        assert alone.status[0] == every.status[k]
+        for mine, others in ((alone.values, every.values), (alone.errors, every.errors)):
+            assert np.array_equal(mine["go.angle"], others["go.angle"][k : k + 1], equal_nan=True)
 
 
 @pytest.mark.parametrize("load", [-25.0, -200.0])
