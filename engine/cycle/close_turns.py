@@ -128,8 +128,8 @@ class IntervalMarks(NamedTuple):
         Number of suspected intervals.
     steepest : row
         Maximum of |f′|.
-    used : row
-        Number of scan positions.
+    used, used_before : row
+        Number of scan positions, with and without those added for one function.
     """
 
     suspected: Row
@@ -139,6 +139,7 @@ class IntervalMarks(NamedTuple):
     found: Row
     steepest: Row
     used: Row
+    used_before: Row
 
 
 class CloseTurns(NamedTuple):
@@ -327,7 +328,9 @@ def add_close_turns(
         All functions at the scan positions. Lanes with fewer positions than others repeat their last one.
     turns : CloseTurns
     """
-    marks, first = turns.marks, samples.used[0]
+    marks = turns.marks
+    for lane in range(LANES):
+        marks.used_before[lane] = marks.used[lane]
     begin_suspects(function, samples, turns)
     for _ in range(MOST_DIVISIONS):
         if not any_positive(marks.found):
@@ -349,6 +352,7 @@ def add_close_turns(
         sample(events, given, rows, turns.at)
         divide(function, rows, range_of, samples, turns)
     for lane in range(LANES):
+        first = int(marks.used_before[lane])
         if marks.used[lane] > first:
             sort_added(first, lane, samples, turns)
     repeat_last(samples, marks.used)
