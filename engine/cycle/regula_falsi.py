@@ -43,6 +43,8 @@ def regula_falsi(f: Callable[[np.ndarray], np.ndarray], a: np.ndarray, b: np.nda
             less = 1.0 - fc / fb
         a, fa = np.where(crossed, b, a), np.where(crossed, fb, np.where(less > 0.0, less, 0.5) * fa)
         b, fb = np.where(checks & crossed, b, c), np.where(checks & crossed, fb, fc)
+        # The bracket is small enough, or as small as rounding lets it be.
+        moving &= np.abs(b - a) > small
         if not moving.any():
             break
     return b
