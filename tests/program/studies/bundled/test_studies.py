@@ -131,6 +131,21 @@ def test_template__is_of_sensible_proportions(name):
     assert width < diameter / 4
 
 
+def test_variants_of_a_slide_with_dwells__have_the_same_bits_alone():
+    # Each turning point of slide and lever that lies close to another adds positions to the scan of its own variant.
+    _, _, scene = template("dwell_slide")
+    path = "inputs.slide.sections.back.angle"
+    machine = Machine(scene, ["slide.stroke_low_at", "lever.swing_low_at", "input_moment.peak"], (), [path])
+    angles = np.array([0.959, 1.08, 1.1])
+    every = machine.evaluate({path: angles})
+    for k, angle in enumerate(angles):
+        alone = machine.evaluate({path: np.array([angle])})
+        for mine, others in ((alone.summaries, every.summaries), (alone.errors, every.errors)):
+            for name, row in mine.items():
+                assert np.array_equal(row, others[name][[k]], equal_nan=True), name
+    assert (every.errors["slide.stroke_low_at"] > 0.0).all()
+
+
 def lever_at(slid):
     """Angle of the lever of dwell_slide, by the law of cosines."""
     arm = complex(slid + 0.040, 0.050) - complex(0.330, 0.170)
