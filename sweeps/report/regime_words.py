@@ -184,14 +184,14 @@ def _no_end_in_range(scene: Scene, regime: RunRegime, seen: "engine.History") ->
 
 
 def by_regime(scene: Scene, names: Sequence[str]) -> dict[str, list[str]]:
-    """Summary names by regime ("" for none), in the scene's order.
+    """Summary names by regime, in the scene's order, and last those of none (""): the real motion comes first.
 
     Parameters
     ----------
     scene : Scene
     names : sequence of str
     """
-    found: dict[str, list[str]] = {"": [], **{regime: [] for regime in scene.regimes}}
+    found: dict[str, list[str]] = {regime: [] for regime in (*scene.regimes, "")}
     for name in names:
         owner = name.partition(".")[0]
         found[owner if owner in scene.regimes else ""].append(name)
