@@ -136,7 +136,7 @@ def test_run_of_a_scene__groups_its_answers_by_regime(folder):
     text = said("run", "press.toml", "--no-plots").stdout
     heads = [line for line in text.splitlines() if line and not line.startswith(" ")]
     cycle = "cycle at 60 rpm, constant drive torque, all loads except brakes"
-    before = ["Crank press", "1  ok", cycle, "start", "work", "stop"]
+    before = ["Crank press", "1  ok", "start", "work", "stop", cycle]
     assert [line.partition(":")[0] for line in heads[:-3]] == before
     assert heads[-3].endswith("more with `sweeps show results/press.h5 --all`.")
     assert heads[-2].startswith("Warning: ")
