@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 from each_case import refusals
-from element_samples import asked, element, figures
+from element_samples import element, figures
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
@@ -176,12 +176,10 @@ def test_formula__is_that_of_an_integration_within_its_figure():
 def test_numbers_of_a_formula__vary_by_their_paths():
     excitation = {"type": "force_over_time", "formula": "a", "time": 1.0}
     excitation["numbers"] = {"a": {"value": 8.0, "dimension": "force"}}
-    path = "it.excitation.numbers.a"
-    _, outcome = asked(
-        {"it": OSCILLATOR | {"excitation": excitation}}, "it.greatest_displacement", **{path: [8.0, 16.0]}
-    )
+    data = OSCILLATOR | {"excitation": excitation}
+    ((greatest, _),) = figures(data, "greatest_displacement", excitation__numbers__a=[8.0, 16.0])
     # A force that comes at once moves the mass twice as far as one that comes slowly.
-    assert outcome.summaries["it.greatest_displacement"] == pytest.approx([0.02, 0.04], rel=1e-12)
+    assert greatest == pytest.approx([0.02, 0.04], rel=1e-12)
 
 
 @pytest.mark.parametrize("kind", ["force_over_time", "support_over_time"])

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from element_samples import DISC, LEVER, TIE, WOUND, one, scene
+from element_samples import CAR, DISC, LEVER, TIE, WOUND, one, scene
 
 from engine import body_ellipsoid
 from sweeps.pictures.elements.element_pictures import element_sheet
@@ -92,17 +92,6 @@ def test_way_on_an_elastic_tie__stretches_it_as_far_as_energy_and_moment_of_mome
 
 # Cars
 
-CAR = {
-    "type": "car",
-    "speed": 15.0,
-    "friction": 0.6,
-    "wheelbase": 2.8,
-    "rear_distance": 1.2,
-    "height": 0.6,
-    "gravity": 9.81,
-    "reaction_time": 0.8,
-}
-
 
 def curves(ax) -> dict:
     return {line.get_label(): np.array(line.get_data()) for line in ax.get_lines()}
@@ -110,7 +99,9 @@ def curves(ax) -> dict:
 
 @pytest.mark.parametrize("brakes", ["front", "rear", "all"])
 def test_car__comes_to_rest_where_its_results_say(brakes):
-    figure = element_sheet(scene(car=CAR | {"brakes": brakes}).elements["car"], "car")
+    figure = element_sheet(
+        scene(car=CAR | {"speed": 15.0, "reaction_time": 0.8, "brakes": brakes}).elements["car"], "car"
+    )
     over_speed, along = figure.axes
     speed, way = curves(over_speed)[f"brakes: {brakes}"]
     (thick,) = (line for line in along.get_lines() if line.get_linewidth() > 1.0)

@@ -5,9 +5,11 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from gear_samples import found_of, scene_with, simple_planetary, stepped_planetary
+from each_case import refusals
+from element_samples import element
+from gear_samples import found_of, simple_planetary, stepped_planetary
 
-from engine import SceneError, Verdict
+from engine import Verdict
 
 EPS = np.finfo(float).eps
 SPEED = 100.0
@@ -108,53 +110,32 @@ def test_train_in_a_train__has_the_speeds_of_nested_willis_equations():
 # What is refused
 
 
-def refusal(train):
-    with pytest.raises(SceneError) as refused:
-        scene_with(train)
-    return str(refused.value)
+DEPENDENT = {
+    "type": "gear_train",
+    "wheels": {n: {"shaft": s, "teeth": 20} for n, s in (("a", "s"), ("b", "t"), ("c", "u"), ("d", "v"))},
+    "shafts": {"s": {"speed": 1.0}, "t": {"speed": 2.0}, "u": {}, "v": {}},
+    "meshes": {"m": {"between": ["a", "b"]}, "k": {"between": ["c", "d"]}},
+}
+TRAIN = simple_planetary(18, 24, 66, {"sun": {"speed": 1.0}, "ring": {"held": True}})
+LOOP = {
+    "type": "gear_train",
+    "wheels": {n: {"shaft": n * 2, "teeth": 20} for n in "abc"},
+    "shafts": {n * 2: {} for n in "abc"},
+    "meshes": {f"{p}{q}x": {"between": [p, q]} for p, q in ("ab", "bc", "ca")},
+}
+AXLE = {"sun": {"shaft": "axle", "teeth": 9}, "planet": {"shaft": "idler", "teeth": 9}}
+ON_RING = TRAIN["shafts"] | {"sun_shaft": {"carrier": "ring_shaft", "speed": 1.0}}
+FREE = simple_planetary(18, 24, 66, {"sun": {"speed": 1.0}})
 
-
-def test_too_few_given_speeds__are_told_with_the_count_of_freedoms():
-    told = refusal(simple_planetary(18, 24, 66, {"sun": {"speed": 1.0}}))
-    assert "n = 4 shafts that move, p1 = 4 bearings, p2 = 2 meshes: W = 3·4 − 2·4 − 2 = 2, so this many" in told
-    assert "those with a speed are 1: sun_shaft" in told
-
-
-def test_dependent_speeds__are_refused():
-    train = {
-        "type": "gear_train",
-        "wheels": {n: {"shaft": s, "teeth": 20} for n, s in (("a", "s"), ("b", "t"), ("c", "u"), ("d", "v"))},
-        "shafts": {"s": {"speed": 1.0}, "t": {"speed": 2.0}, "u": {}, "v": {}},
-        "meshes": {"m": {"between": ["a", "b"]}, "k": {"between": ["c", "d"]}},
-    }
-    assert "aren't independent" in refusal(train)
-
-
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        ({"meshes": {"m": {"between": ["sun", "moon"]}}}, "there is no wheel 'moon'"),
-        (
-            {"wheels": {"sun": {"shaft": "axle", "teeth": 9}, "planet": {"shaft": "idler", "teeth": 9}}},
-            "no shaft 'axle'",
-        ),
-        ({"meshes": {"m": {"between": ["sun", "sun"]}}}, "doesn't mesh with itself"),
-        ({"meshes": {"m": {"between": ["sun", "ring"], "type": "internal"}}}, "no wheel in mesh"),
-    ],
+test_train_that_cannot_be__is_refused_in_words = refusals(
+    element,
+    (FREE, "n = 4 shafts that move, p1 = 4 bearings, p2 = 2 meshes: W = 3·4 − 2·4 − 2 = 2, so this many"),
+    (FREE, "those with a speed are 1: sun_shaft"),
+    (DEPENDENT, "aren't independent"),
+    (TRAIN | {"meshes": {"m": {"between": ["sun", "moon"]}}}, "there is no wheel 'moon'"),
+    (TRAIN | {"wheels": AXLE}, "no shaft 'axle'"),
+    (TRAIN | {"meshes": {"m": {"between": ["sun", "sun"]}}}, "doesn't mesh with itself"),
+    (TRAIN | {"meshes": {"m": {"between": ["sun", "ring"], "type": "internal"}}}, "no wheel in mesh"),
+    (TRAIN | {"shafts": ON_RING}, "don't keep their distance"),
+    (LOOP, "nothing can turn"),
 )
-def test_trains_that_are_none__are_refused_in_words(change, words):
-    roles = {"sun": {"speed": 1.0}, "ring": {"held": True}}
-    assert words in refusal(simple_planetary(18, 24, 66, roles) | change)
-
-
-def test_wheels_that_part__are_refused():
-    train = simple_planetary(18, 24, 66, {"sun": {"speed": 1.0}, "ring": {"held": True}})
-    train["shafts"]["sun_shaft"] = {"carrier": "ring_shaft", "speed": 1.0}
-    assert "don't keep their distance" in refusal(train)
-
-
-def test_loop_of_meshes__is_refused():
-    wheels = {n: {"shaft": n * 2, "teeth": 20} for n in "abc"}
-    meshes = {f"{p}{q}x": {"between": [p, q]} for p, q in ("ab", "bc", "ca")}
-    train = {"type": "gear_train", "wheels": wheels, "shafts": {n * 2: {} for n in "abc"}, "meshes": meshes}
-    assert "nothing can turn" in refusal(train)

@@ -3,8 +3,7 @@
 import math
 
 import numpy as np
-
-from engine import ElementsAlone, Scene
+from element_samples import results
 
 STANDARD = math.radians(20)
 
@@ -69,19 +68,8 @@ def stepped_planetary(z1, z2, z3, z4, roles, internal=False, planets=None, mesh=
     } | train
 
 
-def scene_with(train):
-    """A scene of one gear train, called `train`."""
-    return Scene.model_validate({"elements": {"train": train}})
-
-
 def found_of(train, varied=None):
-    """All results of a train by their names, (value, error), and the status; arrays where numbers vary."""
-    scene = scene_with(train)
-    paths = {f"elements.train.{key}": np.asarray(values, float) for key, values in (varied or {}).items()}
-    asked = list(ElementsAlone(scene).available_summaries)
-    outcome = ElementsAlone(scene, asked, varied=list(paths)).evaluate(paths)
+    """All results of an element by their names, (value, error), and the status; arrays where numbers vary."""
+    values, errors, status = results(train, **(varied or {}))
     pick = (lambda a: a) if varied else (lambda a: a[0])
-    names = {name: name.removeprefix("train.") for name in asked}
-    return {short: (pick(outcome.summaries[name]), pick(outcome.errors[name])) for name, short in names.items()}, pick(
-        outcome.status
-    )
+    return {name: (pick(values[name]), pick(errors[name])) for name in values}, pick(status)
