@@ -11,15 +11,7 @@ from engine.cycle.measured import Measured
 from engine.graph.nodes import Node, reached
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.skeleton import FRAME
-from engine.quantities.expressions import (
-    Angle,
-    Expression,
-    Extreme,
-    ExtremePosition,
-    Formula,
-    Integral,
-    StrokeEnd,
-)
+from engine.quantities.expressions import Angle, Expression, Extreme, ExtremePosition, Formula, Integral, StrokeEnd
 from engine.quantities.register import Declared, InputUnits, Summary, ranked_summary
 from engine.scene import structure
 from engine.scene.pairs import held_by_frame
@@ -66,12 +58,7 @@ def _repeats_each_turn(mechanics: Mechanics, motion: Iterable[Node]) -> bool:
 
 
 def _ends(
-    mechanics: Mechanics,
-    name: str,
-    kind: str,
-    unit: str,
-    end: Callable[[str], Expression],
-    motion: Iterable[Node],
+    mechanics: Mechanics, name: str, kind: str, unit: str, end: Callable[[str], Expression], motion: Iterable[Node]
 ) -> Declared:
     of = f"{'slider' if kind == 'stroke' else 'link'} {name}"
     q = InputUnits.of(mechanics.scene).q
