@@ -3,7 +3,7 @@
 from fractions import Fraction
 
 import numpy as np
-from gear_samples import found_of
+from element_samples import results
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
@@ -73,7 +73,7 @@ def test_coupled_sets__have_exact_speeds_and_lose_what_their_meshes_lose(teeth, 
             rows.append(row)
     train = {"type": "gear_train", "wheels": wheels, "shafts": shafts, "meshes": meshes}
     try:
-        found, status = found_of(train)
+        found, errors, status = results(train)
     except SceneError:
         # Members joined in a way that locks or repeats: told in words, tested elsewhere.
         assume(False)
@@ -82,11 +82,11 @@ def test_coupled_sets__have_exact_speeds_and_lose_what_their_meshes_lose(teeth, 
         assert status == Verdict.NOT_FINITE
         return
     for name, speed in exact.items():
-        value, error = found[f"{name}.speed"]
+        value, error = found[f"{name}.speed"][0], errors[f"{name}.speed"][0]
         assert abs(Fraction(float(value)) - speed) <= Fraction(float(error))
     assume(status == Verdict.OK)
     given_power = sum(found[f"{name}.power"][0] for name in (driven, loaded))
-    figure = found["loss"][1] + 64 * EPS * found["input_power"][0]
+    figure = errors["loss"][0] + 64 * EPS * found["input_power"][0]
     lost = sum((1 - eta) * abs(found[f"{mesh}.rolling_power"][0]) for mesh in meshes)
     scale = sum(abs(found[f"{mesh}.rolling_power"][0]) for mesh in meshes)
     assert abs(given_power - found["loss"][0]) <= figure
@@ -94,5 +94,5 @@ def test_coupled_sets__have_exact_speeds_and_lose_what_their_meshes_lose(teeth, 
     if eta == 1.0:
         # Virtual power: what drives is the load's moment over the ratio of speeds.
         ratio = exact.get(loaded, Fraction(0)) / 100
-        value, error = found[f"{driven}.moment"]
+        value, error = found[f"{driven}.moment"][0], errors[f"{driven}.moment"][0]
         assert abs(Fraction(float(value)) + 10 * ratio) <= Fraction(float(error) + 64 * EPS * abs(float(value)))

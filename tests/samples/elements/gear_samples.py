@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-from element_samples import results
 
 STANDARD = math.radians(20)
 
@@ -66,10 +65,3 @@ def stepped_planetary(z1, z2, z3, z4, roles, internal=False, planets=None, mesh=
             "two": {"between": ["third", "fourth"], "module": 0.001 * module} | kind | (mesh or {}),
         },
     } | train
-
-
-def found_of(train, varied=None):
-    """All results of an element by their names, (value, error), and the status; arrays where numbers vary."""
-    values, errors, status = results(train, **(varied or {}))
-    pick = (lambda a: a) if varied else (lambda a: a[0])
-    return {name: (pick(values[name]), pick(errors[name])) for name in values}, pick(status)
