@@ -218,7 +218,7 @@ def test_stresses_of_the_spinning_wheel__carry_its_centrifugal_forces(bore, shar
         "parting_speed",
         "parts",
     )
-    (at_bore, _), (plain, _), (pressure, _), (layer, _), (energy, _), (parting, _), (parts, _) = figures(wheel, *names)
+    at_bore, plain, pressure, layer, energy, parting, parts = one(wheel, *names)
     a, c, b, rho = 0.5 * bore, 0.5 * winding, 0.31, 7850.0
 
     def hoop(r):
