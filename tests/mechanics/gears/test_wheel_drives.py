@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from element_samples import CHAIN, FRICTION, one, results, solved
+from element_samples import CHAIN, FRICTION, element, one, results, solved
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine import Scene, Verdict
+from engine import Verdict
 from sweeps.pictures.elements.element_pictures import element_sheet
 
 EPS = np.finfo(float).eps
@@ -103,7 +103,7 @@ def test_sprockets__have_whole_teeth_and_room():
 
 @pytest.mark.parametrize("speed", [50.0, -50.0])
 def test_drawn_chain__touches_both_pitch_circles_and_is_tight_where_it_is_drawn_in(speed):
-    drive = Scene(elements={"it": CHAIN | {"distance": 0.4, "speed": speed}}).elements["it"]
+    drive = element(CHAIN | {"distance": 0.4, "speed": speed})
     layout, _ = element_sheet(drive).axes
     tight = next(line for line in layout.get_lines() if line.get_label() == "tight strand")
     (x, y), radii = np.array(tight.get_data()), [0.5e3 * 0.0127 / math.sin(math.pi / z) for z in (17, 51)]
