@@ -368,9 +368,7 @@ def nodes_of(asked: object) -> Iterator[Node]:
 
 
 def evaluated(
-    expression: Expression,
-    measured: Callable[[Measurement], Measured],
-    known: dict[Measurement | int, Measured],
+    expression: Expression, measured: Callable[[Measurement], Measured], known: dict[Measurement | int, Measured]
 ) -> Measured:
     """Value and error estimate of an expression.
 

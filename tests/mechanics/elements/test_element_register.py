@@ -12,16 +12,7 @@ from governor_samples import EVERY_GOVERNOR
 from pydantic import Field
 
 import sweeps
-from engine import (
-    Element,
-    ElementsAlone,
-    PlainNumber,
-    Scene,
-    Verdict,
-    element_kinds,
-    is_warning,
-    scene_numbers,
-)
+from engine import Element, ElementsAlone, PlainNumber, Scene, Verdict, element_kinds, is_warning, scene_numbers
 from engine.elements import element as register
 from engine.words.quantity import main_result
 from sweeps.pictures.elements.element_pictures import LAYOUTS, SHEETS, element_sheets

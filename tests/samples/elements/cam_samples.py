@@ -30,35 +30,19 @@ FLAT = ROLLER | {
     "follower": {"type": "translating", "contact": "flat", "mass": "0.5 kg", "preload": "80 N", "stiffness": "8 N/mm"}
 }
 KNIFE = ROLLER | {"follower": {"type": "translating", "contact": "knife edge", "offset": "-3 mm"}}
-SWINGS = {name: {k: ("14 deg" if k == "lift" else v) for k, v in section.items()} for name, section in SECTIONS.items()}
-for _section in SWINGS.values():
-    if _section["type"] == "rise":
-        _section["swing"] = _section.pop("lift")
+SWINGING = {
+    "type": "oscillating",
+    "pivot_distance": "80 mm",
+    "inertia": "0.002 kg m2",
+    "preload": "6 N m",
+    "stiffness": "20 N m/rad",
+}
 ARM = ROLLER | {
-    "sections": SWINGS,
-    "follower": {
-        "type": "oscillating",
-        "contact": "roller",
-        "roller_radius": "8 mm",
-        "pivot_distance": "80 mm",
-        "arm": "70 mm",
-        "inertia": "0.002 kg m2",
-        "preload": "6 N m",
-        "stiffness": "20 N m/rad",
-    },
+    "sections": changed(SECTIONS, out__lift=None, out__swing="14 deg"),
+    "follower": SWINGING | {"contact": "roller", "roller_radius": "8 mm", "arm": "70 mm"},
 }
 ARM_WITH = ARM | {"follower": ARM["follower"] | {"opens": "with"}}
-FACE = ARM | {
-    "base_radius": "40 mm",
-    "follower": {
-        "type": "oscillating",
-        "contact": "flat",
-        "pivot_distance": "80 mm",
-        "inertia": "0.002 kg m2",
-        "preload": "6 N m",
-        "stiffness": "20 N m/rad",
-    },
-}
+FACE = ARM | {"base_radius": "40 mm", "follower": SWINGING | {"contact": "flat"}}
 FACE_WITH = FACE | {"follower": FACE["follower"] | {"opens": "with"}}
 CAMS = {
     "roller": ROLLER,
