@@ -18,21 +18,18 @@ from engine.warnings.rule import Rule, limit_of
 
 def transmission_rules(scene: Scene) -> Iterator[Rule]:
     """Transmission angles of dyads of two bars, or of a bar and a slider."""
+
+    def judge(n: Numbers, angle: Measured) -> tuple[object, object]:
+        return angle, limit_of(scene, "transmission_angle", n)
+
+    sentence = (
+        "its transmission angle falls to {value}, below limits.transmission_angle = {limit} (40° is usual, 30° "
+        "suffices for slow machines): forces grow, and little friction makes it jam; change its lengths or "
+        "move its joints"
+    )
     for name, group in scene.groups.items():
         if group.type in ("RRR", "RRP"):
-            sentence = (
-                "its transmission angle falls to {value}, below limits.transmission_angle = {limit} (40° is usual, 30° "
-                "suffices for slow machines): forces grow, and little friction makes it jam; change its lengths or "
-                "move its joints"
-            )
-            yield Rule(
-                f"groups.{name}",
-                "below",
-                "rad",
-                sentence,
-                lambda n, angle: (angle, limit_of(scene, "transmission_angle", n)),
-                (f"{name}.transmission_angle",),
-            )
+            yield Rule(f"groups.{name}", "below", "rad", sentence, judge, (f"{name}.transmission_angle",))
 
 
 def slenderness_rules(scene: Scene) -> Iterator[Rule]:

@@ -188,12 +188,5 @@ def steady_cycle(m: Mechanics, result: str) -> SteadyCycle:
         given = flywheel is not None and getattr(flywheel, key) is not None
         return m.graph.number(f"flywheel.{key}") if given else None
 
-    return SteadyCycle(
-        m.reduced.inertia,
-        m.moment_of(),
-        m.speed,
-        number("speed_fluctuation"),
-        m.reduced.first_kind,
-        number("inertia"),
-        result,
-    )
+    fluctuation, wheel = number("speed_fluctuation"), number("inertia")
+    return SteadyCycle(m.reduced.inertia, m.moment_of(), m.speed, fluctuation, m.reduced.first_kind, wheel, result)

@@ -7,6 +7,7 @@ import pytest
 from cam_samples import ARM, ROLLER, cam_answers
 from driving_cams import CIRCLE, SLIDING, SWINGING, asked, changed
 from each_case import refusals
+from machines import rpp, rrp
 
 from engine import AskError, Machine, Scene, Verdict
 from engine.scene.structure.ordering import order
@@ -28,13 +29,7 @@ YOKE = changed(
     guides__way__x=0,
     cams=None,
     springs__closing__free_length="260 mm",
-    groups={
-        "drive": {
-            "type": "RPP",
-            "first": {"link": "block", "joint": "A"},
-            "second": {"link": "tappet", "guide": "way", "slot_angle": "90 deg"},
-        }
-    },
+    groups={"drive": rpp(("block", "A"), ("tappet", "way"), math.pi / 2)},
 )
 
 
@@ -144,14 +139,7 @@ KINDS = {
         SWINGING,
         points__tip={"link": "arm", "x": "-40 mm", "y": "20 mm"},
         guides={"way": {"y": "-40 mm"}},
-        groups={
-            "out": {
-                "type": "RRP",
-                "inner": "B",
-                "first": {"link": "rod", "joint": "tip", "length": "90 mm"},
-                "second": {"link": "slider", "guide": "way"},
-            }
-        },
+        groups={"out": rrp("B", ("rod", "tip", "90 mm"), "slider", "way")},
         bodies__slider_body={"link": "slider", "mass": "0.5 kg"},
     ),
 }

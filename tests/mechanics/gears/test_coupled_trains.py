@@ -4,6 +4,7 @@ from fractions import Fraction
 
 import numpy as np
 from element_samples import results
+from gear_samples import toothed
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
@@ -58,11 +59,7 @@ def test_coupled_sets__have_exact_speeds_and_lose_what_their_meshes_lose(teeth, 
     for k, (s, p) in (("a", teeth[:2]), ("b", teeth[2:])):
         r = s + 2 * p
         sun, arm, ring = (shaft_of[f"{k}_{m}"] for m in MEMBERS)
-        wheels |= {
-            f"{k}_s": {"shaft": sun, "teeth": s},
-            f"{k}_p": {"shaft": f"{k}_idler", "teeth": p},
-            f"{k}_r": {"shaft": ring, "teeth": r},
-        }
+        wheels |= toothed(**{f"{k}_s": (sun, s), f"{k}_p": (f"{k}_idler", p), f"{k}_r": (ring, r)})
         shafts[f"{k}_idler"] = {"carrier": arm}
         meshes[f"{k}_outer"] = {"between": [f"{k}_s", f"{k}_p"], "efficiency": eta}
         meshes[f"{k}_inner"] = {"between": [f"{k}_p", f"{k}_r"], "type": "internal", "efficiency": eta}

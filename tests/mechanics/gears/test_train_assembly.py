@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 from element_samples import results, solved
-from gear_samples import simple_planetary, stepped_planetary, tips_keep_clear
+from gear_samples import simple_planetary, stepped_planetary, tips_keep_clear, toothed
 
 from engine import Verdict
 
@@ -82,12 +82,10 @@ def test_numbers_of_teeth_that_are_not_whole__do_not_fit():
 def test_two_stages_on_one_axis__need_equal_distances():
     train = {
         "type": "gear_train",
-        "wheels": {n: {"shaft": s, "teeth": z} for n, s, z in (
-            ("a", "input", 20), ("b", "lay", 60), ("c", "lay", 30), ("d", "output", 50)
-        )},
+        "wheels": toothed(a=("input", 20), b=("lay", 60), c=("lay", 30), d=("output", 50)),
         "shafts": {"input": {"axis": "main", "speed": 1.0}, "lay": {}, "output": {"axis": "main"}},
         "meshes": {"one": {"between": ["a", "b"]}, "two": {"between": ["c", "d"]}},
-    }  # fmt: skip
+    }
     varied = {"wheels.d.teeth": np.array([50.0, 51.0])}
     found, _, status = results(train, **varied)
     assert list(status) == [Verdict.OK, Verdict.AXES_APART]

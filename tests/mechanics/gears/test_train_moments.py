@@ -7,7 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from element_samples import results, solved
-from gear_samples import simple_planetary, stepped_planetary
+from gear_samples import simple_planetary, stepped_planetary, toothed
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -130,12 +130,7 @@ def test_mesh_that_carries_nothing__has_any_direction():
 def closed_train(a, b, c, d, load):
     """A planetary set whose arm and ring are both geared to the output: a, b from the arm, c, d from the ring."""
     train = simple_planetary(30, 30, 90, {"sun": {"speed": SPEED}})
-    train["wheels"] |= {
-        "on_arm": {"shaft": "arm", "teeth": a},
-        "to_arm": {"shaft": "out", "teeth": b},
-        "on_ring": {"shaft": "ring_shaft", "teeth": c},
-        "to_ring": {"shaft": "out", "teeth": d},
-    }
+    train["wheels"] |= toothed(on_arm=("arm", a), to_arm=("out", b), on_ring=("ring_shaft", c), to_ring=("out", d))
     train["shafts"]["out"] = {"moment": load}
     train["meshes"] |= {"by_arm": {"between": ["on_arm", "to_arm"]}, "by_ring": {"between": ["on_ring", "to_ring"]}}
     return train
@@ -192,7 +187,7 @@ def test_helical_teeth__push_along_the_axis():
     train = {
         "type": "gear_train",
         "module": 0.003,
-        "wheels": {"a": {"shaft": "s", "teeth": 20}, "b": {"shaft": "t", "teeth": 50}},
+        "wheels": toothed(a=("s", 20), b=("t", 50)),
         "shafts": {"s": {"speed": SPEED}, "t": {"moment": 300.0}},
         "meshes": {"m": {"between": ["a", "b"], "helix_angle": math.radians(15)}},
     }

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from each_case import refusals
 from element_samples import element, results, solved
-from gear_samples import simple_planetary, stepped_planetary
+from gear_samples import simple_planetary, stepped_planetary, toothed
 
 from engine import Verdict
 
@@ -47,13 +47,8 @@ def test_ravigneaux_set__agrees_with_its_two_basic_ratios():
     s1, s2, short, long, ring = 26, 32, 21, 20, 72
     train = {
         "type": "gear_train",
-        "wheels": {
-            "small": {"shaft": "small_shaft", "teeth": s1},
-            "large": {"shaft": "large_shaft", "teeth": s2},
-            "short": {"shaft": "short_shaft", "teeth": short},
-            "long": {"shaft": "long_shaft", "teeth": long},
-            "annulus": {"shaft": "out", "teeth": ring},
-        },
+        "wheels": toothed(small=("small_shaft", s1), large=("large_shaft", s2), annulus=("out", ring))
+        | toothed(short=("short_shaft", short), long=("long_shaft", long)),
         "shafts": {
             "small_shaft": {"speed": SPEED},
             "large_shaft": {"held": True},
@@ -84,12 +79,7 @@ def test_train_in_a_train__has_the_speeds_of_nested_willis_equations():
     """The planet of an outer stage is itself the carrier of an inner one."""
     train = {
         "type": "gear_train",
-        "wheels": {
-            "sun": {"shaft": "frame", "teeth": 40},
-            "wheel": {"shaft": "inner_arm", "teeth": 20},
-            "core": {"shaft": "core_shaft", "teeth": 30},
-            "moon": {"shaft": "moon_shaft", "teeth": 15},
-        },
+        "wheels": toothed(sun=("frame", 40), wheel=("inner_arm", 20), core=("core_shaft", 30), moon=("moon_shaft", 15)),
         "shafts": {
             "arm": {"speed": SPEED},
             "inner_arm": {"carrier": "arm"},
@@ -109,18 +99,17 @@ def test_train_in_a_train__has_the_speeds_of_nested_willis_equations():
 
 DEPENDENT = {
     "type": "gear_train",
-    "wheels": {n: {"shaft": s, "teeth": 20} for n, s in (("a", "s"), ("b", "t"), ("c", "u"), ("d", "v"))},
+    "wheels": toothed(a=("s", 20), b=("t", 20), c=("u", 20), d=("v", 20)),
     "shafts": {"s": {"speed": 1.0}, "t": {"speed": 2.0}, "u": {}, "v": {}},
     "meshes": {"m": {"between": ["a", "b"]}, "k": {"between": ["c", "d"]}},
 }
 TRAIN = simple_planetary(18, 24, 66, {"sun": {"speed": 1.0}, "ring": {"held": True}})
 LOOP = {
     "type": "gear_train",
-    "wheels": {n: {"shaft": n * 2, "teeth": 20} for n in "abc"},
+    "wheels": toothed(a=("aa", 20), b=("bb", 20), c=("cc", 20)),
     "shafts": {n * 2: {} for n in "abc"},
     "meshes": {f"{p}{q}x": {"between": [p, q]} for p, q in ("ab", "bc", "ca")},
 }
-AXLE = {"sun": {"shaft": "axle", "teeth": 9}, "planet": {"shaft": "idler", "teeth": 9}}
 ON_RING = TRAIN["shafts"] | {"sun_shaft": {"carrier": "ring_shaft", "speed": 1.0}}
 FREE = simple_planetary(18, 24, 66, {"sun": {"speed": 1.0}})
 
@@ -130,7 +119,7 @@ test_train_that_cannot_be__is_refused_in_words = refusals(
     (FREE, "those with a speed are 1: sun_shaft"),
     (DEPENDENT, "aren't independent"),
     (TRAIN | {"meshes": {"m": {"between": ["sun", "moon"]}}}, "there is no wheel 'moon'"),
-    (TRAIN | {"wheels": AXLE}, "no shaft 'axle'"),
+    (TRAIN | {"wheels": toothed(sun=("axle", 9), planet=("idler", 9))}, "no shaft 'axle'"),
     (TRAIN | {"meshes": {"m": {"between": ["sun", "sun"]}}}, "doesn't mesh with itself"),
     (TRAIN | {"meshes": {"m": {"between": ["sun", "ring"], "type": "internal"}}}, "no wheel in mesh"),
     (TRAIN | {"shafts": ON_RING}, "don't keep their distance"),

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from machines import slider_crank
+from machines import rrr, slider_crank
 
 from engine import (
     WARNING_KINDS,
@@ -77,12 +77,7 @@ def rubbing(coefficient):
 
 def four_bar(limit):
     """Crank 40 mm, coupler and rocker 100 mm, frame 120 mm."""
-    bars = {
-        "type": "RRR",
-        "inner": "B",
-        "first": {"link": "coupler", "joint": "A", "length": 0.1},
-        "second": {"link": "rocker", "joint": "D", "length": 0.1},
-    }
+    bars = rrr("B", ("coupler", "A", 0.1), ("rocker", "D", 0.1))
     points = {"O": {"x": 0.0, "y": 0.0}, "D": {"x": 0.12, "y": 0.0}}
     return scene(
         points=points, guides={}, drive={"length": 0.04}, groups={"bars": bars}, limits={"transmission_angle": limit}
