@@ -214,11 +214,6 @@ class EngineElement(Element):
         return _panels(self)
 
 
-def shaking_orders(engine: EngineElement) -> tuple[int, ...]:
-    """Orders of the forces, odd ones above the first only with offset gudgeon pins or a master rod."""
-    return (1, 2, 4, 6) if engine.gudgeon_offset is None and engine.master_index is None else tuple(_WORDS)
-
-
 def torque_name(order: float) -> str:
     """Name of the result for an order of the torque, such as "torque_order_2_5"."""
     return f"torque_order_{order:g}".replace(".", "_")
@@ -226,7 +221,9 @@ def torque_name(order: float) -> str:
 
 def _forces(engine: EngineElement, n: Numbers, made: Engine) -> NamedResults:
     """Forces and couples by orders, with counterweights, and the unbalance of these."""
-    weights, orders = crankshaft_counterweights(made, *(n[key] for key in _SHARES)), shaking_orders(engine)
+    weights = crankshaft_counterweights(made, *(n[key] for key in _SHARES))
+    # Odd orders above the first only with offset gudgeon pins or a master rod.
+    orders = (1, 2, 4, 6) if engine.gudgeon_offset is None and engine.master_index is None else tuple(_WORDS)
     left = remaining_shaking(engine_shaking(made, orders), [weights])
     square, listed = np.square(n["speed"]), ", ".join(map(str, orders))
     forces, couples = _settled(engine, n, made, left)
