@@ -56,7 +56,7 @@ class Powers(NamedTuple):
         return Powers(*map(operator.sub, self, other))
 
     def __pow__(self, exponent: int | Fraction) -> "Powers":
-        return Powers(*(exponent * power for power in self))
+        return Powers(*[exponent * power for power in self])
 
 
 DIMENSIONS: Mapping[str, Dimension] = MappingProxyType(

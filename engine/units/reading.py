@@ -340,8 +340,7 @@ def _factor(unit: str, dimension: str) -> Decimal:
     if dimension == "angular_speed" and powers == {"min": -1}:
         powers = {"rpm": 1}
     factor, kind = _factor_and_kind(powers)
-    target = {} if dimension == "number" else _read_unit(described(dimension).unit, expected)
-    _, wanted = _factor_and_kind(target)
+    wanted = dimension_of_unit(described(dimension).unit)
     if kind == wanted:
         return factor
     # "lb in" of torque, "lb/in" of a spring: nobody means a mass there.
