@@ -164,5 +164,6 @@ test_train_that_cannot_be__says_what_to_mend = refusals(
     (DAMPED_PARTS, "shafts.s0.parts.p.parts.c.damping changes nothing"),
     ({"speed": 1.0, "excitations": {"e": {"on": "x", "order": 1, "amplitude": 1.0}}}, "there is no mass 'x'"),
     ({"cylinders_at": ["m0"]}, "give engine"),
+    ({"cylinders_at": ["x"]}, "cylinders_at: there is no mass 'x'"),
     ({"load": "x"}, "there is no mass 'x'"),
 )
