@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from element_samples import results, solved
+from element_samples import element, results, solved
 from gear_samples import simple_planetary, stepped_planetary, tips_keep_clear, toothed
 
 from engine import Verdict
@@ -90,6 +90,17 @@ def test_two_stages_on_one_axis__need_equal_distances():
     found, _, status = results(train, **varied)
     assert list(status) == [Verdict.OK, Verdict.AXES_APART]
     np.testing.assert_allclose(found["two.distance_error"], [0, 1 / 80], atol=1e-15)
+
+
+def test_central_shafts_of_joined_sets__are_all_on_one_axis():
+    train = simple_planetary(24, 30, 84, ROLES)
+    train["wheels"] |= toothed(second_sun=("arm", 24), second_planet=("second", 30), second_ring=("ring_shaft", 84))
+    train["shafts"] |= {"second": {"carrier": "out"}, "out": {}}
+    train["meshes"] |= {"m1": {"between": ["second_sun", "second_planet"]}}
+    train["meshes"] |= {"m2": {"between": ["second_planet", "second_ring"], "type": "internal"}}
+    axes = element(train).structure.axes
+    assert len({axes[shaft] for shaft in ("sun_shaft", "ring_shaft", "arm", "out")}) == 1
+    assert len(set(axes.values())) == 3
 
 
 def test_wheel_in_a_smaller_ring__does_not_fit():
