@@ -86,7 +86,6 @@ from engine.parts.formulas.by_formula import FormulaNumber
 from engine.parts.formulas.dimension_check import (
     check_yields,
     dimension_of,
-    dimension_of_unit,
     dimensions_by_unit,
     unit_of_dimension,
 )
@@ -151,9 +150,9 @@ from engine.units.display import (
 from engine.units.reading import (
     UnitError,
     any_quantity,
-    base_powers,
     column_in_text,
     comma_advice,
+    dimension_of_unit,
     even_steps,
     first_last_count,
     in_text,
@@ -285,7 +284,6 @@ __all__ = [
     "balance",
     "balance_shafts",
     "bare_annotation",
-    "base_powers",
     "body_ellipsoid",
     "boxer_engine",
     "cam_curves",

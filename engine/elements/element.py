@@ -16,9 +16,8 @@ from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, get_args, get_origin
 
 import numpy as np
-from pydantic import SerializeAsAny, ValidationError, ValidationInfo, WrapValidator
-from pydantic_core import InitErrorDetails, PydanticCustomError, PydanticKnownError
-from pydantic_core.core_schema import ErrorType
+from pydantic import SerializeAsAny, TypeAdapter, ValidationInfo, WrapValidator
+from pydantic_core import PydanticKnownError
 
 from engine.cycle.measured import Measured
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, bounded
@@ -226,25 +225,18 @@ def _of_its_kind(data: object, handler: Callable, info: ValidationInfo) -> Eleme
         return handler(data)
     if "type" not in data:
         raise PydanticKnownError("union_tag_not_found", {"discriminator": "'type'"})
-    kind = element_kind(str(data["type"]))
+    tag = str(data["type"])
+    kind = element_kind(tag)
     if kind is None:
         known = ", ".join(map(repr, element_kinds()))
-        tags = {"discriminator": "'type'", "tag": str(data["type"]), "expected_tags": known}
-        raise PydanticKnownError("union_tag_invalid", tags)
-    try:
-        return kind.model_validate(data, context=info.context)
-    except ValidationError as refused:
-        tag = str(data["type"])
-        problems = [_with_tag(problem, tag) for problem in refused.errors(include_url=False)]
-        raise ValidationError.from_exception_data(refused.title, problems) from None
+        raise PydanticKnownError("union_tag_invalid", {"discriminator": "'type'", "tag": tag, "expected_tags": known})
+    return _tagged(kind).validate_python({tag: data}, context=info.context)[tag]
 
 
-def _with_tag(problem: Mapping[str, Any], tag: str) -> InitErrorDetails:
-    """A problem whose location starts with the kind of element, as in a union."""
-    custom = problem["type"] not in get_args(ErrorType)
-    kind = PydanticCustomError(problem["type"], problem["msg"]) if custom else problem["type"]
-    place, ctx = (tag, *problem["loc"]), dict(problem.get("ctx", {}))
-    return InitErrorDetails(type=kind, loc=place, input=problem["input"], ctx=ctx)
+@cache
+def _tagged(kind: type[Element]) -> TypeAdapter[dict[str, Element]]:
+    """Reader of an element by its tag, with which locations of its errors begin, as in a union."""
+    return TypeAdapter(dict[str, kind])
 
 
 MachineElement = SerializeAsAny[Annotated[Element, WrapValidator(_of_its_kind)]]

@@ -11,9 +11,7 @@ _APART = 1e-5
 
 
 def sampled_peak(
-    f: Callable[[np.ndarray], np.ndarray],
-    places: np.ndarray,
-    slope: Callable[[np.ndarray], np.ndarray] | None = None,
+    f: Callable[[np.ndarray], np.ndarray], places: np.ndarray, slope: Callable[[np.ndarray], np.ndarray] | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Peak of a function next to its highest sample, and its position.
 

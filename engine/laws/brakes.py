@@ -15,20 +15,21 @@ from engine.compiling.decorators import scalar
 
 
 @scalar
-def block_brake(normal_force: float, friction: float, radius: float, blocks: float) -> float:
-    """Torque of equal blocks pressed on a drum: n f N R.
+def pressed_brake(force: float, friction: float, radius: float, faces: float) -> float:
+    """Torque of equal blocks pressed on a drum, or of the faces of a disc: n f P R.
 
     Parameters
     ----------
-    normal_force, friction, radius, blocks : float
-        N on each block [N], f, radius of the drum R [m], number of blocks n.
+    force, friction, radius, faces : float
+        P on each block or face [N], f, radius of the drum, or effective radius of the disc by `uniform_wear_radius` or
+        `uniform_pressure_radius` [m], number n of blocks or faces.
 
     Returns
     -------
     float
         [N·m].
     """
-    return blocks * friction * _pressing(normal_force) * radius
+    return faces * friction * _pressing(force) * radius
 
 
 @scalar
@@ -51,24 +52,6 @@ def long_block_factor(half_angle: float) -> float:
     if half_angle == 0.0:
         return 1.0
     return 4 * math.sin(half_angle) / (2 * half_angle + math.sin(2 * half_angle))
-
-
-@scalar
-def disc_brake(force: float, friction: float, mean_radius: float, faces: float) -> float:
-    """Torque of a disc brake: n f P r_m.
-
-    Parameters
-    ----------
-    force, friction, mean_radius, faces : float
-        P, axial force on each face [N], f, effective radius by `uniform_wear_radius` or `uniform_pressure_radius` [m],
-        number n of friction faces.
-
-    Returns
-    -------
-    float
-        [N·m].
-    """
-    return faces * friction * _pressing(force) * mean_radius
 
 
 @scalar

@@ -150,7 +150,7 @@ class Kinematics(Assembly):
         ratio = self.number(f"shafts.{name}.ratio")
         w, e = ratio * driver.w, ratio * driver.e
         if shaft.carrier is not None:
-            carrier, willis = self.links[shaft.carrier], laws.kinematics.planetary_trains.willis
+            carrier, willis = self.links[shaft.carrier], laws.kinematics.geared_links.willis
             w, e = willis(ratio, driver.w, carrier.w), willis(ratio, driver.e, carrier.e)
         if shaft.pivot is None:
             nowhere = self.links[FRAME]
@@ -169,7 +169,7 @@ class Kinematics(Assembly):
             angle_of = mechanism.higher_pairs.rack_motion.angle_of_link
             driver, carried = (angle_of(self, link) for link in (shaft.geared_to, shaft.carrier or FRAME))
             ratio = self.number(f"shafts.{name}.ratio")
-            self.angles[name] = laws.kinematics.planetary_trains.willis(ratio, driver, carried) + phase
+            self.angles[name] = laws.kinematics.geared_links.willis(ratio, driver, carried) + phase
         else:
             driver = self.links[shaft.geared_to].u
             swing = (carrier.u.dot(driver), carrier.u.cross(driver))

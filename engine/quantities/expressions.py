@@ -6,6 +6,7 @@ and its error estimate are computed together, as measured numbers propagate thei
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import reduce
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -305,18 +306,12 @@ def sqrt(x: Expression) -> Expression:
 
 def maximum(*of: Expression) -> Expression:
     """Maximum of some numbers."""
-    found = of[0]
-    for other in of[1:]:
-        found = Formula(numbers.maximum, (found, other))
-    return found
+    return reduce(lambda found, other: Formula(numbers.maximum, (found, other)), of)
 
 
 def minimum(*of: Expression) -> Expression:
     """Minimum of some numbers."""
-    found = of[0]
-    for other in of[1:]:
-        found = Formula(numbers.minimum, (found, other))
-    return found
+    return reduce(lambda found, other: Formula(numbers.minimum, (found, other)), of)
 
 
 def hypot(x: Expression, y: Expression) -> Expression:
@@ -373,9 +368,7 @@ def nodes_of(asked: object) -> Iterator[Node]:
 
 
 def evaluated(
-    expression: Expression,
-    measured: Callable[[Measurement], Measured],
-    known: dict[Measurement | int, Measured],
+    expression: Expression, measured: Callable[[Measurement], Measured], known: dict[Measurement | int, Measured]
 ) -> Measured:
     """Value and error estimate of an expression.
 

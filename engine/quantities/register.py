@@ -104,7 +104,7 @@ class Field(NamedTuple):
     @property
     def quantity(self) -> Quantity:
         """Its description."""
-        return Quantity(self.name, self.long_name, self.units, symbol=self.symbol, rank=self.rank)
+        return Quantity(*self[:3], symbol=self.symbol, rank=self.rank)
 
 
 class Summary(NamedTuple):
@@ -133,9 +133,7 @@ class Summary(NamedTuple):
     @property
     def quantity(self) -> Quantity:
         """Its description."""
-        return Quantity(
-            self.name, self.long_name, self.units, self.may_be_undefined, symbol=self.symbol, rank=self.rank
-        )
+        return Quantity(*self[:3], self.may_be_undefined, symbol=self.symbol, rank=self.rank)
 
 
 Declared = Iterator[Field | Summary]

@@ -37,7 +37,7 @@ from engine.scene.attachments import sliders
 from engine.scene.names import definitions
 from engine.scene.scene import Numbers, Problem, Scene, scene_numbers
 from engine.units.dimensions import Powers, described
-from engine.units.reading import UNIT_NAMES, any_quantity
+from engine.units.reading import UNIT_NAMES, any_quantity, dimension_of_unit
 from engine.words.glossary import unknown_name_message
 
 TIME = "t"
@@ -179,8 +179,8 @@ def _problems(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem
     if taken or unknown:
         return
     try:
-        known: Mapping[str, Powers] = {n: check.dimension_of_unit(units[n]) for n in expression.names}
-        wanted = check.dimension_of_unit("N" if isinstance(formula.action, FormulaForce) else "N m")
+        known: Mapping[str, Powers] = {n: dimension_of_unit(units[n]) for n in expression.names}
+        wanted = dimension_of_unit("N" if isinstance(formula.action, FormulaForce) else "N m")
         check.check_yields(expression, wanted, known)
         _check_curves(expression)
         _check_finite(expression, expression.tree)

@@ -4,6 +4,7 @@ The plane angle counts as a separate dimension, so "N m" and "N m/rad" are diffe
 not a speed of rotation.
 """
 
+import operator
 import re
 from collections.abc import Mapping
 from fractions import Fraction
@@ -29,32 +30,33 @@ class Dimension(NamedTuple):
 class Powers(NamedTuple):
     """Powers of the base units in a quantity; quantities multiply and divide, so do their powers."""
 
-    mass: Fraction = Fraction(0)
-    length: Fraction = Fraction(0)
-    time: Fraction = Fraction(0)
-    angle: Fraction = Fraction(0)
-
-    @classmethod
-    def of(cls, powers: Mapping[str, int]) -> "Powers":
-        """Powers by the names of their bases, such as {"[mass]": 1, "[length]": 2}."""
-        return cls(**{base.strip("[]"): Fraction(power) for base, power in powers.items()})
+    mass: int | Fraction = 0
+    length: int | Fraction = 0
+    time: int | Fraction = 0
+    angle: int | Fraction = 0
 
     @property
     def plain(self) -> "Powers":
         """The powers without that of the angle."""
-        return self._replace(angle=Fraction(0))
+        return self._replace(angle=0)
+
+    @property
+    def spelled(self) -> str:
+        """The SI unit as the CF conventions spell it, "kg m2"; they have none for fractions, such as "m1/2"."""
+        powers = zip(("kg", "m", "s", "rad"), self, strict=True)
+        return " ".join(symbol if power == 1 else f"{symbol}{power}" for symbol, power in powers if power)
 
     def __bool__(self) -> bool:
         return any(self)
 
     def __mul__(self, other: "Powers") -> "Powers":
-        return Powers(*map(Fraction.__add__, self, other))
+        return Powers(*map(operator.add, self, other))
 
     def __truediv__(self, other: "Powers") -> "Powers":
-        return Powers(*map(Fraction.__sub__, self, other))
+        return Powers(*map(operator.sub, self, other))
 
-    def __pow__(self, exponent: Fraction) -> "Powers":
-        return Powers(*(exponent * power for power in self))
+    def __pow__(self, exponent: int | Fraction) -> "Powers":
+        return Powers(*[exponent * power for power in self])
 
 
 DIMENSIONS: Mapping[str, Dimension] = MappingProxyType(

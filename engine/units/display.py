@@ -22,7 +22,7 @@ from typing import Any, Literal, NamedTuple, get_args
 import numpy as np
 
 from engine.units.dimensions import DIMENSIONS
-from engine.units.reading import UnitError, base_powers, in_any_unit, unit_in, units_in
+from engine.units.reading import UnitError, dimension_of_unit, in_any_unit, unit_in, units_in
 
 UnitSystem = Literal["mm", "SI", "US"]
 
@@ -155,14 +155,14 @@ def _written(data: object) -> Iterator[str]:
             left += [item for item in here if not isinstance(item, str)]
         elif isinstance(here, str) and (unit := unit_in(here)):
             with suppress(UnitError, ArithmeticError):
-                base_powers(unit)
+                dimension_of_unit(unit)
                 yield unit
 
 
 def _si_unit(unit: str) -> str:
     """The SI unit of a named dimension, "" if there is none."""
-    powers = base_powers(unit)
-    return next((d.unit for d in DIMENSIONS.values() if d.unit != "1" and base_powers(d.unit) == powers), "")
+    powers = dimension_of_unit(unit)
+    return next((d.unit for d in DIMENSIONS.values() if d.unit != "1" and dimension_of_unit(d.unit) == powers), "")
 
 
 def units_shown() -> dict[str, Any]:

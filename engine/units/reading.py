@@ -21,7 +21,7 @@ from decimal import Context, Decimal, localcontext
 
 import numpy as np
 
-from engine.units.dimensions import DIMENSIONS, common_units, described, in_words, with_example
+from engine.units.dimensions import DIMENSIONS, Powers, common_units, described, in_words, with_example
 
 # Whole numbers up to this are numbers of float64.
 COUNTED = 2**53
@@ -110,7 +110,6 @@ _FACTOR = re.compile(r"([A-Za-z]+)(?:(?:\^|\*\*)?(-?[1-9]))?")
 _TOKEN = re.compile(rf"\s*({_FACTOR.pattern}(?![0-9A-Za-z^])|[*/()]|1(?=\s*/))\s*")
 # Characters of numbers in columns.
 _OF_NUMBERS = frozenset("0123456789+-.eE \t")
-_SYMBOLS = {"[mass]": "kg", "[length]": "m", "[time]": "s", "[angle]": "rad"}
 # Units of mass that people write for forces, and words between hyphens.
 _AS_FORCES = {"lb": "lbf", "lbs": "lbf", "oz": "ozf"}
 _HYPHEN = re.compile(r"(?<=[A-Za-z0-9])-(?=[A-Za-z])")
@@ -341,8 +340,7 @@ def _factor(unit: str, dimension: str) -> Decimal:
     if dimension == "angular_speed" and powers == {"min": -1}:
         powers = {"rpm": 1}
     factor, kind = _factor_and_kind(powers)
-    target = {} if dimension == "number" else _read_unit(described(dimension).unit, expected)
-    _, wanted = _factor_and_kind(target)
+    wanted = dimension_of_unit(described(dimension).unit)
     if kind == wanted:
         return factor
     # "lb in" of torque, "lb/in" of a spring: nobody means a mass there.
@@ -350,41 +348,42 @@ def _factor(unit: str, dimension: str) -> Decimal:
         force, kind_of_force = _factor_and_kind({_AS_FORCES.get(name, name): p for name, p in powers.items()})
         if kind_of_force == wanted:
             return force
-    if "[angle]" in wanted and kind == {base: power for base, power in wanted.items() if base != "[angle]"}:
+    if wanted.angle and kind == wanted.plain:
         units = " or ".join(common_units(dimension))
         raise UnitError(f"{unit!r} is ambiguous for {in_words(dimension, article=True)}: write {units}")
     raise UnitError(f"expected {expected}, got {unit!r}")
 
 
-def _factor_and_kind(powers: Mapping[str, int]) -> tuple[Decimal, dict[str, int]]:
-    """Return the SI value of a product of units and its powers of length, mass, time and angle."""
+def _factor_and_kind(powers: Mapping[str, int]) -> tuple[Decimal, Powers]:
+    """Return the SI value of a product of units and its powers of the base units."""
     return _product((_units()[name], power) for name, power in powers.items())
 
 
-def _product(factors: Iterable[tuple[tuple[Decimal, dict[str, int]], int]]) -> tuple[Decimal, dict[str, int]]:
+def _product(factors: Iterable[tuple[tuple[Decimal, Powers], int]]) -> tuple[Decimal, Powers]:
     """Product of powers of units."""
-    value, kind = Decimal(1), {}
+    value, kind = Decimal(1), Powers()
     for (factor, own), power in factors:
         value *= factor**power
-        kind = {base: kind.get(base, 0) + power * own.get(base, 0) for base in {**kind, **own}}
-    return value, {base: power for base, power in kind.items() if power}
+        kind *= own**power
+    return value, kind
 
 
 @functools.cache
-def _units() -> dict[str, tuple[Decimal, dict[str, int]]]:
-    """The SI value of each unit and its powers of length, mass, time and angle."""
-    known: dict[str, tuple[Decimal, dict[str, int]]] = {}
+def _units() -> dict[str, tuple[Decimal, Powers]]:
+    """The SI value of each unit and its powers of the base units."""
+    known: dict[str, tuple[Decimal, Powers]] = {}
     with localcontext(Context(prec=_DIGITS)):
         for line in _DEFINITIONS:
             names, _, text = line.partition(" = ")
             if text.startswith("["):
-                value, kind = Decimal(1), {text: 1}
+                value, kind = Decimal(1), Powers(**{text.strip("[]"): 1})
             else:
                 # A number or a unit after each stroke is divided by, all others are multiplied.
                 words = text.replace("/ ", "/").split()
                 parts = [(word.lstrip("/").partition("**"), -1 if word.startswith("/") else 1) for word in words]
                 value, kind = _product(
-                    (known.get(base) or (Decimal(base), {}), sign * int(power or 1)) for (base, _, power), sign in parts
+                    (known.get(base) or (Decimal(base), Powers()), sign * int(power or 1))
+                    for (base, _, power), sign in parts
                 )
             first, *others = names.split()
             known[first] = value, kind
@@ -482,26 +481,16 @@ def units_in(unit: str) -> dict[str, int]:
     return _read_unit(unit, "a unit such as 'N m'")
 
 
-def base_powers(unit: str) -> dict[str, int]:
-    """Powers of length, mass, time and angle in a unit.
-
-    Parameters
-    ----------
-    unit : str
-        As texts or the CF conventions spell it: "N m", "kg m2 rad-1", "1" for plain numbers.
-
-    Returns
-    -------
-    dict of str to int
-        For instance {"[mass]": 1, "[length]": 2, "[time]": -2}; empty for plain numbers.
+@functools.cache
+def dimension_of_unit(unit: str) -> Powers:
+    """Dimension of a unit in the spelling of texts or of the CF conventions: "N m", "kg m2 rad-1", "1" for none.
 
     Raises
     ------
     UnitError
-        The unit is not known.
+        The unit is unknown.
     """
-    powers = {} if unit == "1" else units_in(unit)
-    return {base: int(power) for base, power in _factor_and_kind(powers)[1].items()}
+    return _factor_and_kind({} if unit == "1" else units_in(unit))[1]
 
 
 def recognised(value: float | str) -> tuple[float, str]:
@@ -523,11 +512,11 @@ def recognised(value: float | str) -> tuple[float, str]:
         number, powers = in_any_unit(value)
     except UnitError as error:
         raise UnitError(f"{value!r} is not a quantity with a known unit: {error}") from None
-    return number, " ".join(f"{_SYMBOLS[base]}{'' if power == 1 else power}" for base, power in powers.items())
+    return number, powers.spelled
 
 
-def in_any_unit(text: str) -> tuple[float, dict[str, int]]:
-    """SI value of a quantity in any unit, and its powers of length, mass, time and angle.
+def in_any_unit(text: str) -> tuple[float, Powers]:
+    """SI value of a quantity in any unit, and its dimension.
 
     Parameters
     ----------
@@ -537,8 +526,7 @@ def in_any_unit(text: str) -> tuple[float, dict[str, int]]:
     Returns
     -------
     value : float
-    powers : dict of str to int
-        As from `base_powers`.
+    powers : Powers
 
     Raises
     ------
@@ -550,13 +538,13 @@ def in_any_unit(text: str) -> tuple[float, dict[str, int]]:
     with localcontext(Context(prec=_DIGITS)):
         try:
             if (fraction := _FRACTION.fullmatch(stripped)) is not None:
-                number, kind = Decimal(fraction[1]) / Decimal(fraction[2]), {}
+                number, kind = Decimal(fraction[1]) / Decimal(fraction[2]), Powers()
             else:
                 number, unit = _number_and_unit(stripped, expected)
                 powers = _read_unit(unit, expected) if unit else {}
                 factor, kind = _factor_and_kind({"rpm": 1} if powers == {"min": -1} else powers)
                 number *= factor
-            return _in_range(number, f"{text!r}", "quantity"), {base: int(power) for base, power in kind.items()}
+            return _in_range(number, f"{text!r}", "quantity"), kind
         except ArithmeticError:
             raise UnitError(f"{text!r} is not a finite quantity") from None
 

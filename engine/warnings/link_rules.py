@@ -18,21 +18,18 @@ from engine.warnings.rule import Rule, limit_of
 
 def transmission_rules(scene: Scene) -> Iterator[Rule]:
     """Transmission angles of dyads of two bars, or of a bar and a slider."""
+
+    def judge(n: Numbers, angle: Measured) -> tuple[object, object]:
+        return angle, limit_of(scene, "transmission_angle", n)
+
+    sentence = (
+        "its transmission angle falls to {value}, below limits.transmission_angle = {limit} (40° is usual, 30° "
+        "suffices for slow machines): forces grow, and little friction makes it jam; change its lengths or "
+        "move its joints"
+    )
     for name, group in scene.groups.items():
         if group.type in ("RRR", "RRP"):
-            sentence = (
-                "its transmission angle falls to {value}, below limits.transmission_angle = {limit} (40° is usual, 30° "
-                "suffices for slow machines): forces grow, and little friction makes it jam; change its lengths or "
-                "move its joints"
-            )
-            yield Rule(
-                f"groups.{name}",
-                "below",
-                "rad",
-                sentence,
-                lambda n, angle: (angle, limit_of(scene, "transmission_angle", n)),
-                (f"{name}.transmission_angle",),
-            )
+            yield Rule(f"groups.{name}", "below", "rad", sentence, judge, (f"{name}.transmission_angle",))
 
 
 def slenderness_rules(scene: Scene) -> Iterator[Rule]:
@@ -137,18 +134,15 @@ def undercut_rules(scene: Scene) -> Iterator[Rule]:
             meshes = [mesh for mesh, part in train.meshes.items() if wheel in part.between]
             if wheel in rings or not meshes:
                 continue
+
+            def judge(n: Numbers, wheel: str = f"{at}.wheels.{wheel}", mesh: str = f"{at}.meshes.{meshes[0]}") -> tuple:
+                helix = n[f"{mesh}.helix_angle"]
+                angle = transverse_angle(n[f"{mesh}.pressure_angle"], helix)
+                least = 2.0 * (1.0 - n[f"{wheel}.profile_shift"]) * np.cos(helix) / np.sin(angle) ** 2
+                return n[f"{wheel}.teeth"], least
+
             sentence = (
                 "{value} teeth, below {limit}: a rack-type cutter undercuts them; choose more teeth, a larger "
                 "profile_shift or pressure_angle"
             )
-            yield Rule(f"{at}.wheels.{wheel}", "below", "1", sentence, _teeth(at, wheel, meshes[0]))
-
-
-def _teeth(at: str, wheel: str, mesh: str) -> object:
-    def judge(n: Numbers) -> tuple[object, object]:
-        helix = n[f"{at}.meshes.{mesh}.helix_angle"]
-        angle = transverse_angle(n[f"{at}.meshes.{mesh}.pressure_angle"], helix)
-        shift = n[f"{at}.wheels.{wheel}.profile_shift"]
-        return n[f"{at}.wheels.{wheel}.teeth"], 2.0 * (1.0 - shift) * np.cos(helix) / np.sin(angle) ** 2
-
-    return judge
+            yield Rule(f"{at}.wheels.{wheel}", "below", "1", sentence, judge)

@@ -5,7 +5,6 @@ Source: K. L. Johnson, Contact Mechanics, chapter 4 (Hertz's pressure between cy
 
 import math
 from collections.abc import Iterator
-from enum import IntEnum
 from functools import cached_property
 from typing import Annotated, ClassVar, Literal, NamedTuple
 
@@ -34,23 +33,18 @@ _DIP, _LOW_ANGLE, _HIGH_ANGLE = Sought("s", -1), Sought("low angle", 1), Sought(
 Extremes = dict[Sought, np.ndarray]
 
 
-class Lasting(IntEnum):
-    """When a result of a faulty cam is still valid."""
-
-    ALWAYS = 0
-    UNLESS_UNDERCUT = 1
-    WHILE_TOUCHING = 2
+# Faults of a cam that leave some of its results undefined; the velocity jumps at an impact.
+_MADE, _SMOOTH, _TOUCHING = ("undercut",), ("undercut", "impact"), ("undercut", "impact", "lifting")
 
 
 class Result(NamedTuple):
-    """A result of a cam, when it stays valid, whether it is defined where the velocity jumps, and its extremes.
+    """A result of a cam, the faults that leave it undefined, and its extremes.
 
     It is the maximum of these, or follows from it.
     """
 
     result: Quantity
-    lasting: Lasting
-    with_impact: bool = True
+    lost: tuple[str, ...] = ()
     of: tuple[Sought, ...] = ()
 
 
@@ -107,7 +101,7 @@ class CamElement(CamProgram, Element):
         if "face_length" in values:
             # Both ends are rounded separately; changing a number moves them together.
             errors["face_length"] = errors["face_from"] + errors["face_to"]
-        for result, _, _, of in made:
+        for result, _, of in made:
             at = f"{result.name}_at"
             if at in values:
                 k = np.argmax([values[sought] for sought in of], axis=0)
@@ -164,7 +158,7 @@ class CamElement(CamProgram, Element):
         """Extremes and results by name, regardless of the verdict."""
         x, at = self._extremes(n, places)
         found, roller = {**x}, n.get("follower.roller_radius", 0.0)
-        for result, _, _, of in _results(self):
+        for result, _, of in _results(self):
             if of:
                 rows = [x[sought] for sought in of]
                 found[result.name] = np.max(rows, axis=0)
@@ -233,14 +227,11 @@ class CamElement(CamProgram, Element):
             lifts = ~(values["least_contact_force"] > 0.0) & ~impact
             verdicts[(verdicts == Verdict.OK) & lifts] = Verdict.LIFTS_OFF
         whole = np.isin(verdicts, (Verdict.OK, Verdict.UNDERCUT, Verdict.LIFTS_OFF))
+        faults = {"undercut": verdicts == Verdict.UNDERCUT, "lifting": verdicts == Verdict.LIFTS_OFF}
+        faults |= {"impact": impact, "jerk": values["acceleration_jump"] > 0.0}
         kept, off = {}, {}
-        for result, lasting, with_impact, _ in _results(self):
-            name, gone = result.name, ~whole
-            gone = gone | ((verdicts == Verdict.UNDERCUT) & (lasting >= Lasting.UNLESS_UNDERCUT))
-            gone = gone | ((verdicts == Verdict.LIFTS_OFF) & (lasting == Lasting.WHILE_TOUCHING))
-            gone = gone | (impact & (not with_impact))
-            if name == "greatest_jerk":
-                gone = gone | (values["acceleration_jump"] > 0.0)
+        for result, lost, _ in _results(self):
+            name, gone = result.name, np.any([~whole, *(faults[fault] for fault in lost)], axis=0)
             kept[name] = np.where(gone, np.nan, values[name])
             off[name] = np.where(np.isfinite(kept[name]), errors[name], 0.0)
         return Answers(kept, off, verdicts)
@@ -268,8 +259,7 @@ def _results(cam: CamElement) -> Iterator[Result]:
     if cam.line_contact is not None:
         words = "peak Hertzian pressure between cam and follower"
         sides = ("inner", "outer") if cam.closure == "form" else ("inner",)
-        when = Lasting.WHILE_TOUCHING, False
-        yield _result("contact_pressure", words, "Pa", when, tuple(Sought(side, 1) for side in sides))
+        yield _result("contact_pressure", words, "Pa", _TOUCHING, tuple(Sought(side, 1) for side in sides))
     if cam.limits is not None:
         words = "minimum base radius that meets the limits; none if no base circle does"
         yield _result("least_base_radius", words, "m", of=_limiting(cam))
@@ -289,19 +279,17 @@ def _both_ways(quantity: str, direction: int = 0) -> tuple[Sought, Sought]:
     return Sought(quantity, 1, direction), Sought(quantity, -1, direction)
 
 
-def _result(
-    name: str, words: str, unit: str, when: tuple[Lasting, bool] = (Lasting.ALWAYS, True), of: tuple[Sought, ...] = ()
-) -> Result:
+def _result(name: str, words: str, unit: str, lost: tuple[str, ...] = (), of: tuple[Sought, ...] = ()) -> Result:
     rank = Rank.FURTHER if name in _FURTHER or name.endswith("_at") else Rank.ANSWER
-    return Result(main_result(name, words, unit, True, rank=rank), *when, of)
+    return Result(main_result(name, words, unit, True, rank=rank), lost, of)
 
 
 def _with_angle(
-    name: str, words: str, unit: str, of: tuple[Sought, ...], when: tuple[Lasting, bool] = (Lasting.ALWAYS, True)
+    name: str, words: str, unit: str, of: tuple[Sought, ...], lost: tuple[str, ...] = ()
 ) -> Iterator[Result]:
     """A result and the cam angle at which it occurs."""
-    yield _result(name, words, unit, when, of)
-    yield _result(f"{name}_at", f"cam angle of the {words.partition(';')[0]}", "rad", when)
+    yield _result(name, words, unit, lost, of)
+    yield _result(f"{name}_at", f"cam angle of the {words.partition(';')[0]}", "rad", lost)
 
 
 def _shape() -> Iterator[Result]:
@@ -318,14 +306,14 @@ def _shape() -> Iterator[Result]:
 
 def _flat_shape(cam: CamElement) -> Iterator[Result]:
     """Curvature under a flat face, and the part of the face in contact."""
-    origin, made = "off the axis" if cam.translating else "from the pivot", (Lasting.UNLESS_UNDERCUT, True)
+    origin = "off the axis" if cam.translating else "from the pivot"
     least, (end, start) = Sought("radius", -1), _both_ways("face")
     found = (
         _result("convex_radius", "minimum radius of curvature of the profile", "m", of=(least,)),
         _result("convex_radius_at", "cam angle of the minimum radius of curvature", "rad"),
-        _result("face_from", f"minimum distance of the contact {origin}", "m", made, (start,)),
-        _result("face_to", f"maximum distance of the contact {origin}", "m", made, (end,)),
-        _result("face_length", "length of the face in contact over a turn", "m", made),
+        _result("face_from", f"minimum distance of the contact {origin}", "m", _MADE, (start,)),
+        _result("face_to", f"maximum distance of the contact {origin}", "m", _MADE, (end,)),
+        _result("face_length", "length of the face in contact over a turn", "m", _MADE),
     )
     for made in found:
         yield made._replace(result=made.result._replace(may_be_undefined=False))
@@ -334,36 +322,36 @@ def _flat_shape(cam: CamElement) -> Iterator[Result]:
 def _motion(cam: CamElement) -> Iterator[Result]:
     """The follower's motion."""
     unit, (faster, slower) = "m" if cam.translating else "rad", _both_ways("acceleration")
-    for name, words, power, of in (
-        ("greatest_velocity", "peak velocity of the follower", 1, _both_ways("velocity")),
-        ("greatest_acceleration", "peak acceleration of the follower, away from the cam", 2, (faster,)),
-        ("greatest_deceleration", "peak acceleration of the follower, towards the cam", 2, (slower,)),
-        ("greatest_jerk", "peak jerk of the follower; none where the acceleration jumps", 3, _both_ways("jerk")),
-        ("velocity_jump", "maximum jump of the follower's velocity", 1, ()),
-        ("acceleration_jump", "maximum jump of the follower's acceleration", 2, ()),
+    jerk, of_jerk = (*_SMOOTH, "jerk"), "peak jerk of the follower; none where the acceleration jumps"
+    for name, words, power, lost, of in (
+        ("greatest_velocity", "peak velocity of the follower", 1, _MADE, _both_ways("velocity")),
+        ("greatest_acceleration", "peak acceleration of the follower, away from the cam", 2, _SMOOTH, (faster,)),
+        ("greatest_deceleration", "peak acceleration of the follower, towards the cam", 2, _SMOOTH, (slower,)),
+        ("greatest_jerk", of_jerk, 3, jerk, _both_ways("jerk")),
+        ("velocity_jump", "maximum jump of the follower's velocity", 1, _MADE, ()),
+        ("acceleration_jump", "maximum jump of the follower's acceleration", 2, _MADE, ()),
     ):
-        smooth = name in ("greatest_velocity", "velocity_jump", "acceleration_jump")
-        yield _result(name, words, f"{unit} s-{power}", (Lasting.UNLESS_UNDERCUT, smooth), of)
+        yield _result(name, words, f"{unit} s-{power}", lost, of)
 
 
 def _forces(cam: CamElement) -> Iterator[Result]:
     """Contact force, spring, drive torque."""
-    touching, spring = (Lasting.WHILE_TOUCHING, False), cam.closure == "spring"
+    spring = cam.closure == "spring"
     (pressed, slack), (driven, driving) = _both_ways("force"), _both_ways("moment")
     of = (pressed,) if spring else (pressed, slack)
-    yield from _with_angle("greatest_contact_force", "peak force between cam and follower", "N", of, touching)
+    yield from _with_angle("greatest_contact_force", "peak force between cam and follower", "N", of, _TOUCHING)
     if spring:
         words = "minimum force between cam and follower"
-        yield from _with_angle("least_contact_force", words, "N", (slack,), touching)
+        yield from _with_angle("least_contact_force", words, "N", (slack,), _TOUCHING)
     for name, words, of in (
         ("greatest_moment", "peak torque that turns the cam", (driven,)),
         ("least_moment", "minimum torque that turns the cam; negative where it is driven", (driving,)),
         ("mean_moment", "mean torque that turns the cam", ()),
     ):
-        yield _result(name, words, "N m", touching, of)
+        yield _result(name, words, "N m", _TOUCHING, of)
     if spring:
-        unit, shaped = "N" if cam.translating else "N m", (Lasting.UNLESS_UNDERCUT, False)
+        unit = "N" if cam.translating else "N m"
         words = "preload at which the follower just doesn't lift off"
-        yield _result("needed_preload", words, unit, shaped, (Sought("shortfall", 1),))
+        yield _result("needed_preload", words, unit, _SMOOTH, (Sought("shortfall", 1),))
         words = "speed of the cam at which the follower lifts off; none if it never does"
-        yield _result("lift_off_speed", words, "rad s-1", shaped, (Sought("growth", 1),))
+        yield _result("lift_off_speed", words, "rad s-1", _SMOOTH, (Sought("growth", 1),))

@@ -1,7 +1,6 @@
 """Elastic parts of a drive in series: stiffness and damping reduced to one shaft, and the contribution of each part."""
 
 import math
-from collections.abc import Iterator
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
@@ -10,11 +9,11 @@ from pydantic import Field
 from engine.elements.compliances.elastic_parts import ElasticPart
 from engine.elements.compliances.reduction import in_series, reduced_part
 from engine.elements.compliances.stiffnesses import damping_of_absorption
-from engine.elements.element import Element, Numbers
+from engine.elements.element import Element, NamedRows, Numbers
 from engine.elements.panels import Curve, Panel, PanelAxis
 from engine.parts.skeleton import Moment, Name, quantity
 from engine.units.display import quantity_text
-from engine.words.quantity import Quantity, main_result
+from engine.words.quantity import main_result
 
 
 class ComplianceElement(Element):
@@ -30,7 +29,7 @@ class ComplianceElement(Element):
     moment: Annotated[Moment, Field(gt=0)] | None = None
     frequency: Annotated[quantity("angular_speed"), Field(gt=0)] | None = None
 
-    def named(self, n: Numbers) -> Iterator[tuple[Quantity, np.ndarray]]:
+    def named(self, n: Numbers) -> NamedRows:
         """Results of the whole and of every part."""
         whole = in_series({name: reduced_part(part, n, f"parts.{name}") for name, part in self.parts.items()})
         damping, absorption = None, whole.absorption

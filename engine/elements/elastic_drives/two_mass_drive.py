@@ -7,12 +7,7 @@ from pydantic import Field
 
 from engine.elements.elastic_drives.elastic_shaft import ElasticShaft, drive_shaft
 from engine.elements.elastic_drives.shaft_touch import touching_moment
-from engine.elements.elastic_drives.two_masses import (
-    Beginning,
-    DriveNumbers,
-    FollowedDrives,
-    follow_drives,
-)
+from engine.elements.elastic_drives.two_masses import Beginning, DriveNumbers, FollowedDrives, follow_drives
 from engine.elements.element import ROUNDING, Answers, Columns, Element, Numbers, named_in_order, nudged
 from engine.elements.panels import SPEED, TIME, Curve, Mark, Panel, PanelAxis
 from engine.laws.motor_characteristics import straight_motor

@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import Field
 
 from engine.cycle.measured import Measured
-from engine.elements.element import Answers, Element, Numbers
+from engine.elements.element import Answers, Element, NamedRows, Numbers
 from engine.elements.engines.engine_layout import (
     Engine,
     EngineLayout,
@@ -42,7 +42,6 @@ from engine.parts.skeleton import Angle, AngularSpeed, Faults, Inertia, Length, 
 from engine.units.display import quantity_text
 from engine.words.quantity import Quantity, Rank, main_result
 
-NamedResults = Iterator[tuple[Quantity, Measured]]
 MassOrNone = Annotated[Mass, Field(ge=0)]
 Pressure = Annotated[quantity("pressure"), Field(gt=0)]
 Exponent = Annotated[Number, Field(gt=0)]
@@ -198,7 +197,7 @@ class EngineElement(Element):
         positions = POSITIONS * self.cylinders if self.master_index is not None else 256
         return max(1, _BLOCK // positions)
 
-    def named(self, n: Numbers) -> NamedResults:
+    def named(self, n: Numbers) -> NamedRows:
         """Results by orders, couples if `spacing` is given, and the torque if `gas` is given."""
         yield from _forces(self, n, made_engine(self, n))
         if self.gas is not None:
@@ -214,19 +213,16 @@ class EngineElement(Element):
         return _panels(self)
 
 
-def shaking_orders(engine: EngineElement) -> tuple[int, ...]:
-    """Orders of the forces, odd ones above the first only with offset gudgeon pins or a master rod."""
-    return (1, 2, 4, 6) if engine.gudgeon_offset is None and engine.master_index is None else tuple(_WORDS)
-
-
 def torque_name(order: float) -> str:
     """Name of the result for an order of the torque, such as "torque_order_2_5"."""
     return f"torque_order_{order:g}".replace(".", "_")
 
 
-def _forces(engine: EngineElement, n: Numbers, made: Engine) -> NamedResults:
+def _forces(engine: EngineElement, n: Numbers, made: Engine) -> NamedRows:
     """Forces and couples by orders, with counterweights, and the unbalance of these."""
-    weights, orders = crankshaft_counterweights(made, *(n[key] for key in _SHARES)), shaking_orders(engine)
+    weights = crankshaft_counterweights(made, *(n[key] for key in _SHARES))
+    # Odd orders above the first only with offset gudgeon pins or a master rod.
+    orders = (1, 2, 4, 6) if engine.gudgeon_offset is None and engine.master_index is None else tuple(_WORDS)
     left = remaining_shaking(engine_shaking(made, orders), [weights])
     square, listed = np.square(n["speed"]), ", ".join(map(str, orders))
     forces, couples = _settled(engine, n, made, left)
@@ -275,7 +271,7 @@ def _couples_carry(
     return _carried(engine, n, made, left.couple_terms, orders) + left.force_terms * longest[..., None]
 
 
-def _torques(engine: EngineElement, n: Numbers) -> NamedResults:
+def _torques(engine: EngineElement, n: Numbers) -> NamedRows:
     """Torque of all cylinders by orders."""
     one, all_together, angles = engine_torque(engine, n)
     count, steps, sums = engine.cylinders, np.array(TORQUE_ORDERS), np.abs(all_together)
@@ -291,7 +287,7 @@ def _torques(engine: EngineElement, n: Numbers) -> NamedResults:
         yield result, _rounded(sums[..., i], carried[..., i])
 
 
-def _at_angle(forces: Hodograph, terms: np.ndarray, carried: np.ndarray, n: Numbers) -> NamedResults:
+def _at_angle(forces: Hodograph, terms: np.ndarray, carried: np.ndarray, n: Numbers) -> NamedRows:
     """Components of the primary and the total force at the element's crank angle."""
     steps, square = np.array(forces.orders) * n["crank_angle"][..., None], np.square(n["speed"])
     orders = forces.forward * np.exp(1j * steps) + forces.backward * np.exp(-1j * steps)

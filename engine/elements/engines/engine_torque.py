@@ -67,13 +67,9 @@ def _by_quadrature(
     engine: Engine, gas: Numbers, speed: np.ndarray, orders: Sequence[float], nodes: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Mean, harmonics and their sizes by Gauss quadrature with this number of nodes per stroke."""
-    r, rod, offset, mass, correction, speed = (
-        np.asarray(x, float)[..., None, None]
-        for x in (
-            *(engine.radius, engine.rod, engine.offset),
-            *(engine.reciprocating_mass[..., 0], engine.rod_correction, speed),
-        )
-    )
+    inertias = engine.reciprocating_mass[..., 0], engine.rod_correction
+    given = engine.radius, engine.rod, engine.offset, *inertias, speed
+    r, rod, offset, mass, correction, speed = (np.asarray(x, float)[..., None, None] for x in given)
     gas = {key: x[..., None, None] for key, x in gas.items()}
     outer = np.sqrt((rod + r) ** 2 - offset**2)
     stroke = outer - np.sqrt((rod - r) ** 2 - offset**2)

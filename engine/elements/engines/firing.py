@@ -115,7 +115,8 @@ def even_firing_order(layout: EngineLayout) -> tuple[int, ...] | None:
         fitting = [c for c, angle in zip(waiting, off, strict=True) if abs(angle) < _SAME]
         if not fitting:
             return None
-        order.append(_farthest(fitting, order[-1] if order else fitting[0]))
+        # The cylinder farthest from the last one to fire, to spare the bearing between them.
+        order.append(max(fitting, key=lambda c: abs(c - order[-1])) if order else fitting[0])
         waiting.remove(order[-1])
     return tuple(c + 1 for c in order)
 
@@ -138,11 +139,6 @@ def firing_sums(orders: Sequence[float], angles: ArrayLike) -> np.ndarray:
     """
     angles = np.asarray(angles, float)
     return np.exp(-1j * angles[..., None, :] * np.asarray(orders, float)[:, None]).sum(axis=-1)
-
-
-def _farthest(fitting: list[int], last: int) -> int:
-    """The cylinder farthest from the last one to fire, to spare the bearing between them; the first one starts."""
-    return fitting[0] if last == fitting[0] else max(fitting, key=lambda c: abs(c - last))
 
 
 def _order_text(order: Sequence[int]) -> str:

@@ -66,17 +66,6 @@ def piston_harmonics(ratio: ArrayLike, orders: Sequence[int], offset: ArrayLike 
     ndarray of complex (..., orders)
         NaN if the crank cannot rotate, or λ + |ε| is too close to 1 (`MOST`).
     """
-    return _transformed(ratio, offset, orders) * np.square(orders)
-
-
-def _piston(cosine: np.ndarray, sine: np.ndarray, ratio: np.ndarray, offset: np.ndarray) -> np.ndarray:
-    """x/r minus a constant; the rod's part is a quotient, which avoids cancellation for long rods."""
-    root, middle = np.sqrt(1 - (ratio * sine - offset) ** 2), np.sqrt(1 - offset**2)
-    return cosine - sine * (ratio * sine - 2 * offset) / (root + middle)
-
-
-def _transformed(ratio: ArrayLike, offset: ArrayLike, orders: Sequence[int]) -> np.ndarray:
-    """Complex amplitudes of x/r, with the number of positions that each variant needs."""
     ratio, offset = np.broadcast_arrays(np.asarray(ratio, float), np.asarray(offset, float))
     flat_ratio, flat_offset = ratio.ravel(), offset.ravel()
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -89,12 +78,15 @@ def _transformed(ratio: ArrayLike, offset: ArrayLike, orders: Sequence[int]) -> 
         here = left & (needed <= positions)
         left &= ~here
         theta = math.tau * np.arange(positions) / positions
-        for some in _blocks(np.flatnonzero(here), positions):
+        blocks = -(-here.sum() * positions // _BLOCK)
+        for some in np.array_split(np.flatnonzero(here), blocks) if blocks else ():
             rows = _piston(np.cos(theta), np.sin(theta), flat_ratio[some, None], flat_offset[some, None])
             found[some] = (np.fft.rfft(rows, axis=-1) * (2 / positions))[:, list(orders)]
         positions *= 2
-    return found.reshape(*ratio.shape, len(orders))
+    return found.reshape(*ratio.shape, len(orders)) * np.square(orders)
 
 
-def _blocks(variants: np.ndarray, positions: int) -> list[np.ndarray]:
-    return np.array_split(variants, -(-variants.size * positions // _BLOCK)) if variants.size else []
+def _piston(cosine: np.ndarray, sine: np.ndarray, ratio: np.ndarray, offset: np.ndarray) -> np.ndarray:
+    """x/r minus a constant; the rod's part is a quotient, which avoids cancellation for long rods."""
+    root, middle = np.sqrt(1 - (ratio * sine - offset) ** 2), np.sqrt(1 - offset**2)
+    return cosine - sine * (ratio * sine - 2 * offset) / (root + middle)

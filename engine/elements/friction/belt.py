@@ -14,9 +14,9 @@ import numpy as np
 from pydantic import Field
 
 from engine.elements.element import NamedRows, Numbers
-from engine.elements.friction.friction_element import FORCE, RATIO, FrictionElement, Load, Positive
+from engine.elements.friction.friction_element import FORCE, RATIO, FrictionElement, Load
 from engine.laws.friction.inclines import in_groove
-from engine.parts.skeleton import Angle, Moment, Number, Speed, quantity
+from engine.parts.skeleton import Angle, Moment, Number, Positive, Speed, quantity
 from engine.words.quantity import main_result
 
 

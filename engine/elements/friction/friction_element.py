@@ -8,9 +8,7 @@ from pydantic import Field
 from engine.elements.element import PLACES, Element, Numbers
 from engine.elements.panels import Panel, PanelAxis
 from engine.parts.actions import Force
-from engine.parts.skeleton import Number, Positive
-
-__all__ = ["BEYOND", "DRY", "Friction", "FrictionElement", "Load", "Positive"]
+from engine.parts.skeleton import Number
 
 # Range of the diagrams relative to the given coefficient, but at least up to dry steel on steel.
 BEYOND, DRY = 2.0, 0.3

@@ -7,12 +7,12 @@ import numpy as np
 from pydantic import Field
 
 from engine.elements.element import NamedRows, Numbers
-from engine.elements.friction.friction_element import EFFICIENCY, FORCE, Friction, FrictionElement, Load, Positive
+from engine.elements.friction.friction_element import EFFICIENCY, FORCE, Friction, FrictionElement, Load
 from engine.laws.friction.coefficients import BUSHES
 from engine.laws.friction.guides import edge_forces
 from engine.laws.friction.inclines import in_groove
 from engine.parts.actions import Force
-from engine.parts.skeleton import Angle, Length
+from engine.parts.skeleton import Angle, Length, Positive
 from engine.words.quantity import main_result
 
 
@@ -50,11 +50,9 @@ class GuideElement(FrictionElement):
         yield main_result("front_edge_force", "force on the front edge of the slider", "N"), front
         words = "force on the rear edge of the slider, negative on the opposite face"
         yield main_result("rear_edge_force", words, "N"), rear
+        tilts = np.abs(drive * overhang) > np.abs(load) * half
         words = "whether the slider bears on opposite faces of the guide (1 or 0)"
-        yield (
-            main_result("tilts", words, "1", exact=True),
-            (np.abs(drive * overhang) > np.abs(load) * half).astype(float),
-        )
+        yield main_result("tilts", words, "1", exact=True), tilts.astype(float)
         words = "overhang at which the slider jams"
         yield main_result("jamming_overhang", words, "m", may_be_undefined=True), half / mu
         words = "work on the resistance over that of the force that moves the slider"

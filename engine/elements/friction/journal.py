@@ -14,10 +14,10 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from engine.elements.element import PLACES, Element, NamedRows, Numbers
-from engine.elements.friction.friction_element import BEYOND, DRY, Friction, Load, Positive
+from engine.elements.friction.friction_element import BEYOND, DRY, Friction, Load
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, circle, path, plan
 from engine.laws.friction.coefficients import BUSHES
-from engine.parts.skeleton import AngularSpeed
+from engine.parts.skeleton import AngularSpeed, Positive
 from engine.words.quantity import main_result
 
 

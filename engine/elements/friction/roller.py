@@ -13,9 +13,9 @@ import numpy as np
 from pydantic import Field
 
 from engine.elements.element import PLACES, Element, NamedRows, Numbers
-from engine.elements.friction.friction_element import BEYOND, Friction, Load, Positive
+from engine.elements.friction.friction_element import BEYOND, Friction, Load
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, circle, path, plan
-from engine.parts.skeleton import Length
+from engine.parts.skeleton import Length, Positive
 from engine.words.quantity import main_result
 
 

@@ -15,9 +15,9 @@ import numpy as np
 from pydantic import Field
 
 from engine.elements.element import NamedRows, Numbers
-from engine.elements.friction.friction_element import EFFICIENCY, TORQUE, Friction, FrictionElement, Load, Positive
+from engine.elements.friction.friction_element import EFFICIENCY, TORQUE, Friction, FrictionElement, Load
 from engine.laws.friction.inclines import push_down, push_up
-from engine.parts.skeleton import Angle, Faults, Length
+from engine.parts.skeleton import Angle, Faults, Length, Positive
 from engine.words.quantity import main_result
 
 THREAD_ANGLES = {"square": 0.0, "trapezoidal": math.radians(30.0), "metric": math.radians(60.0)}

@@ -165,7 +165,7 @@ def gear_structure(wheels: Mapping[str, Part], shafts: Mapping[str, Part], meshe
         same += [(distances[between], j)] if between in distances else []
         distances.setdefault(between, j)
         if place.central is not None:
-            pins.setdefault(names[(place.second, place.first)[place.central]], j)
+            pins.setdefault(names[_planet_of(place)], j)
     held = tuple(name for name, shaft in shafts.items() if shaft.held)
     driven = tuple(name for name, shaft in shafts.items() if shaft.speed is not None)
     unknown = tuple(name for name, shaft in shafts.items() if shaft.moment_follows)
@@ -240,26 +240,14 @@ def _axes(
     """Name of the axis of every shaft and wheel; coaxial ones share it."""
     # A wheel fixed to the frame has its own axis unless a planet rolls about it.
     node = {wheel: shaft if shaft != FRAME else f"{FRAME} {wheel}" for wheel, shaft in wheels.items()}
-    root: dict[str, str] = {}
-
-    def found(name: str) -> str:
-        while name in root:
-            name = root[name]
-        return name
-
-    def join(one: str, other: str) -> None:
-        one, other = found(one), found(other)
-        if one != other:
-            root[one] = other
-
     names = {i: name for name, i in number.items()}
-    for place in places:
-        if place.central is not None:
-            join(node[place.wheels[place.central]], names[place.carrier])
-    for name, shaft in shafts.items():
-        if shaft.axis is not None:
-            join(name, f"axis {shaft.axis} in {shaft.carrier or FRAME}")
-    return {wheel: found(name) for wheel, name in node.items()} | {name: found(name) for name in shafts}
+    joined = [(node[p.wheels[p.central]], names[p.carrier]) for p in places if p.central is not None]
+    joined += [(name, f"axis {s.axis} in {s.carrier or FRAME}") for name, s in shafts.items() if s.axis is not None]
+    axis = {name: name for name in (*node.values(), *shafts, *(end for ends in joined for end in ends))}
+    for one, other in joined:
+        old, new = axis[one], axis[other]
+        axis = {name: new if own == old else own for name, own in axis.items()}
+    return {wheel: axis[name] for wheel, name in node.items()} | {name: axis[name] for name in shafts}
 
 
 def _central_paths(names: tuple[str, ...], places: Sequence[MeshPlace]) -> tuple[PlanetaryPath, ...]:

@@ -1,14 +1,12 @@
 """Gear trains as machine elements: speeds and ratios, assembly, torques, losses, tooth forces, inertia."""
 
 import math
-from collections.abc import Iterator
 from functools import cached_property
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from engine.cycle.measured import Measured
-from engine.elements.element import Answers, Element, Numbers
+from engine.elements.element import Answers, Element, NamedRows, Numbers
 from engine.elements.gears.gear_structure import GearStructure, gear_structure
 from engine.elements.gears.train_results import named_results, train_answers
 from engine.parts.skeleton import (
@@ -25,7 +23,6 @@ from engine.parts.skeleton import (
     Number,
     Part,
 )
-from engine.words.quantity import Quantity
 
 MOST_TEETH = 100_000
 # With more meshes, the possible patterns of power flow are too many to try.
@@ -211,7 +208,7 @@ class GearTrain(Element):
         heavy = any(shaft.mass is not None or shaft.inertia is not None for shaft in self.shafts.values())
         return heavy or any(wheel.width is not None for wheel in self.wheels.values())
 
-    def named(self, n: Numbers) -> Iterator[tuple[Quantity, Measured]]:
+    def named(self, n: Numbers) -> NamedRows:
         """Results of its members."""
         return named_results(self, n)
 

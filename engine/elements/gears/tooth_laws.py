@@ -181,14 +181,9 @@ def minimum_teeth(teeth: TeethInMesh) -> np.ndarray:
     internal mesh one below that of the ring.
     """
     is_first = (teeth.first <= teeth.second) | (teeth.sense < 0)
-    large, small_shift, large_shift = (
-        np.where(is_first, one, other)
-        for one, other in (
-            (teeth.second, teeth.first),
-            (teeth.first_shift, teeth.second_shift),
-            (teeth.second_shift, teeth.first_shift),
-        )
-    )
+    large = np.where(is_first, teeth.second, teeth.first)
+    small_shift = np.where(is_first, teeth.first_shift, teeth.second_shift)
+    large_shift = np.where(is_first, teeth.second_shift, teeth.first_shift)
 
     def clear(count: np.ndarray) -> np.ndarray:
         """Whether the tips of the larger wheel clear the roots of a wheel with this number of teeth."""

@@ -1,12 +1,11 @@
 """Effects of external torques on a gear train: powers, losses, efficiency in both directions, tooth and pin forces."""
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from engine.cycle.measured import Measured, maximum, minimum, where
-from engine.elements.element import Element
+from engine.elements.element import Element, NamedRows
 from engine.elements.gears.gear_structure import STANDS_STILL
 from engine.elements.gears.tooth_laws import ToothForces, mesh_efficiency, tooth_forces
 from engine.elements.gears.train_inertia import mass_and_inertia
@@ -58,7 +57,7 @@ def equilibria(v: TrainVariants) -> Equilibria:
     return Equilibria(*(train_moments(v, efficiencies, backwards) for backwards in (False, True)), efficiencies)
 
 
-def load_results(v: TrainVariants, states: Equilibria) -> Iterator[tuple[Quantity, Measured]]:
+def load_results(v: TrainVariants, states: Equilibria) -> NamedRows:
     """All results that depend on torques."""
     train, structure, speeds, state = v.train, v.structure, v.speeds, states.forwards
     power = state.moments * speeds[:-1]

@@ -22,7 +22,7 @@ _NOTHING = 64 * EPS
 
 
 class TrainMoments(NamedTuple):
-    """Equilibrium of a train (shafts or meshes, variants); NaN if it does not move.
+    """Equilibrium of a train for assumed directions of power flow.
 
     Attributes
     ----------
@@ -32,21 +32,30 @@ class TrainMoments(NamedTuple):
         Torque of the mesh on each of its wheels [N·m].
     rolling_powers : Measured (meshes, variants)
         Power from the first wheel to the second, as seen from the carrier [W].
-    moves : ndarray (variants,) of bool
-        Whether the given torques move the train, so that it has output power.
+    senses : ndarray (meshes, variants)
+        Signs of these powers.
+    agrees, gives : ndarray (variants,) of bool
+        Whether these are the assumed directions, and whether there is output power.
     """
 
     moments: Measured
     tooth_moments: Measured
     rolling_powers: Measured
-    moves: np.ndarray
+    senses: np.ndarray
+    agrees: np.ndarray
+    gives: np.ndarray
+
+    @property
+    def moves(self) -> np.ndarray:
+        """Whether the given torques move the train."""
+        return self.agrees & self.gives
 
 
 def train_moments(v: TrainVariants, efficiencies: np.ndarray, backwards: bool = False) -> TrainMoments:
     """Torques from equilibrium, with the directions of power flow.
 
     With large losses several sets of directions may be consistent: take the one with output power; if there is none,
-    the train does not move.
+    the train does not move, and its torques are NaN.
 
     Parameters
     ----------
@@ -71,25 +80,12 @@ def train_moments(v: TrainVariants, efficiencies: np.ndarray, backwards: bool = 
             break
         senses = np.where(again, found.senses, senses)
         found = equilibrium.solved(senses)
-    doubtful = np.flatnonzero(~(found.agrees & found.gives))
+    doubtful = np.flatnonzero(~found.moves)
     if doubtful.size and (efficiencies[:, doubtful] < 1.0).any():
         put(found, doubtful, some(equilibrium, doubtful).best())
-    moves = found.agrees & found.gives
-    with np.errstate(invalid="ignore"):
-        hidden = np.where(moves, 1.0, np.nan)
-        known = (found.moments, found.tooth_moments, found.powers)
-        return TrainMoments(*(Measured(part.value * hidden, part.error) for part in known), moves)
-
-
-class _Solved(NamedTuple):
-    """Equilibrium for assumed directions; the resulting directions, whether they agree, whether power is output."""
-
-    moments: Measured
-    tooth_moments: Measured
-    powers: Measured
-    senses: np.ndarray
-    agrees: np.ndarray
-    gives: np.ndarray
+    for part in (found.moments, found.tooth_moments, found.rolling_powers):
+        part.value[..., ~found.moves] = np.nan
+    return found
 
 
 class _Equilibrium(NamedTuple):
@@ -101,7 +97,7 @@ class _Equilibrium(NamedTuple):
     loads: np.ndarray
     efficiencies: np.ndarray
 
-    def solved(self, senses: np.ndarray) -> _Solved:
+    def solved(self, senses: np.ndarray) -> TrainMoments:
         """Equilibrium if first wheels drive where `senses` is 1, second wheels where −1, without losses where 0."""
         structure = self.train.structure
         count = len(structure.shafts)
@@ -136,9 +132,10 @@ class _Equilibrium(NamedTuple):
         # Without input power none is required at the output: torques that do no work are in equilibrium.
         gives = (out < 0) | (into <= 0)
         pulls = ends * force[:, None]
-        return _Solved(all_moments, Measured(pulls, np.abs(pulls) * shares[:, None]), rolling, follows, agrees, gives)
+        tooth_moments = Measured(pulls, np.abs(pulls) * shares[:, None])
+        return TrainMoments(all_moments, tooth_moments, rolling, follows, agrees, gives)
 
-    def best(self) -> _Solved:
+    def best(self) -> TrainMoments:
         """The solution of maximum output power among all consistent directions."""
         found = None
         for signs in product((1.0, -1.0), repeat=len(self.teeth)):
@@ -152,9 +149,9 @@ class _Equilibrium(NamedTuple):
         return found
 
 
-def _quality(equilibrium: _Equilibrium, solved: _Solved) -> np.ndarray:
+def _quality(equilibrium: _Equilibrium, solved: TrainMoments) -> np.ndarray:
     """Output power over input power; −1 if directions are inconsistent or there is no output power."""
     with np.errstate(invalid="ignore", divide="ignore"):
         given = solved.moments.value * equilibrium.speeds.value[:-1]
         share = -np.minimum(given, 0.0).sum(axis=0) / np.maximum(given, 0.0).sum(axis=0)
-    return np.where(solved.agrees & solved.gives, np.nan_to_num(share, nan=1.0), -1.0)
+    return np.where(solved.moves, np.nan_to_num(share, nan=1.0), -1.0)

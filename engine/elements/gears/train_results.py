@@ -3,12 +3,10 @@
 Each result is named where it is computed, so a train's own numbers decide which results it has.
 """
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from engine.cycle.measured import Measured
-from engine.elements.element import Answers, Element, Numbers
+from engine.elements.element import Answers, Element, NamedRows, Numbers
 from engine.elements.gears.assembly_conditions import assembly_conditions, tooth_contact
 from engine.elements.gears.tooth_laws import minimum_teeth
 from engine.elements.gears.train_inertia import kinetic_energy
@@ -18,10 +16,8 @@ from engine.laws.rounding import EPS
 from engine.words.quantity import Quantity, check_result, main_result
 from engine.words.verdicts import Verdict
 
-NamedResults = Iterator[tuple[Quantity, Measured]]
 
-
-def _of_teeth(v: TrainVariants) -> NamedResults:
+def _of_teeth(v: TrainVariants) -> NamedRows:
     """Results of the meshing of teeth."""
     for place in v.structure.meshes:
         name, (a, b), size = place.name, place.wheels, v.sizes[place.name]
@@ -40,7 +36,7 @@ def _of_teeth(v: TrainVariants) -> NamedResults:
         yield least, Measured(minimum_teeth(teeth))
 
 
-def _of_motion(v: TrainVariants) -> NamedResults:
+def _of_motion(v: TrainVariants) -> NamedRows:
     """Speeds, ratios, energy."""
     train, structure = v.train, v.structure
     mobility = np.full(v.count, float(structure.mobility))
@@ -99,7 +95,7 @@ def train_results(train: Element, n: Numbers) -> tuple[list[tuple[Quantity, Meas
     return found, verdicts
 
 
-def named_results(train: Element, n: Numbers) -> NamedResults:
+def named_results(train: Element, n: Numbers) -> NamedRows:
     """All results of a train, whether or not its wheels fit."""
     v, ((mobility, *others), _) = train_variants(train, n), train_results(train, n)
     yield from (mobility, *assembly_conditions(v).results, *_of_teeth(v), *others)

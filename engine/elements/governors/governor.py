@@ -80,11 +80,6 @@ class Governor(Element):
         return self.engine is not None and self.engine.duration is not None
 
     @property
-    def governs_machine(self) -> bool:
-        """Whether the engine is the scene's mechanism."""
-        return self.engine is not None and self.engine.machine
-
-    @property
     def has_valve(self) -> bool:
         """Whether the throttle is an on-off valve."""
         return self.engine is not None and isinstance(self.engine.throttle, FullAndShutThrottle)
@@ -140,7 +135,7 @@ class Governor(Element):
 
     def machine_needed(self) -> tuple[str, str]:
         """The scene needs a fully turning crank if the engine is its mechanism."""
-        if not self.governs_machine:
+        if self.engine is None or not self.engine.machine:
             return "", ""
         mend = "give it one, or leave machine out and give the engine's inertia"
         return ".engine.machine", f"the scene has no crank that turns fully; {mend}"

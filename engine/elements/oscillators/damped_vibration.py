@@ -8,30 +8,25 @@ _NEVER = math.inf
 
 
 @inlined
-def _parts(w: float, beta: float, time: float) -> tuple[float, float]:
-    """e^(−βt) cos ω_d t and e^(−βt) sin(ω_d t)/ω_d, up to slightly above critical damping."""
-    square = (w - beta) * (w + beta)
-    x_square, decay = square * time * time, math.exp(-beta * time)
-    if x_square > 0.01:
-        root = math.sqrt(square)
-        return decay * math.cos(root * time), decay * math.sin(root * time) / root
-    cosine = 1.0 - x_square / 2.0 * (1.0 - x_square / 12.0 * (1.0 - x_square / 30.0 * (1.0 - x_square / 56.0)))
-    sine = 1.0 - x_square / 6.0 * (1.0 - x_square / 20.0 * (1.0 - x_square / 42.0 * (1.0 - x_square / 72.0)))
-    return decay * cosine, decay * time * sine
-
-
-@inlined
 def damped_vibration(w: float, beta: float, u: float, v: float, time: float) -> tuple[float, float]:
     """Displacement and velocity of a free vibration ü + 2βu̇ + w²u = 0, a time after they were u and v."""
-    square = (beta - w) * (beta + w)
-    if square * time * time > 0.01:
+    square = (w - beta) * (w + beta)
+    x_square, decay = square * time * time, math.exp(-beta * time)
+    if x_square < -0.01:
         # Far above critical damping, separate exponentials avoid the cancellation in the rate.
-        root = math.sqrt(square)
+        root = math.sqrt(-square)
         slow, fast = -w * w / (beta + root), -(beta + root)
         first, second = (v - fast * u) / (2.0 * root), (slow * u - v) / (2.0 * root)
         first, second = first * math.exp(slow * time), second * math.exp(fast * time)
         return first + second, slow * first + fast * second
-    cosine, sine = _parts(w, beta, time)
+    # e^(−βt) cos ω_d t and e^(−βt) sin(ω_d t)/ω_d.
+    if x_square > 0.01:
+        root = math.sqrt(square)
+        cosine, sine = decay * math.cos(root * time), decay * math.sin(root * time) / root
+    else:
+        cosine = 1.0 - x_square / 2.0 * (1.0 - x_square / 12.0 * (1.0 - x_square / 30.0 * (1.0 - x_square / 56.0)))
+        sine = 1.0 - x_square / 6.0 * (1.0 - x_square / 20.0 * (1.0 - x_square / 42.0 * (1.0 - x_square / 72.0)))
+        cosine, sine = decay * cosine, decay * time * sine
     return u * cosine + (v + beta * u) * sine, v * cosine - (beta * v + w * w * u) * sine
 
 

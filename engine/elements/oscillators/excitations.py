@@ -13,7 +13,7 @@ from engine.parts.formulas.by_formula import ByFormula, FormulaText
 from engine.parts.formulas.expressions import ExpressionError, TextExpression, parse
 from engine.parts.skeleton import AngularSpeed, Faults, Length, Mass, NonZero, Part, Positive, Speed, quantity
 from engine.units.dimensions import described
-from engine.units.reading import any_quantity
+from engine.units.reading import any_quantity, dimension_of_unit
 from engine.words.glossary import unknown_name_message
 
 AngularAcceleration = quantity("angular_acceleration")
@@ -104,8 +104,7 @@ class OverTime(ByFormula):
             if name not in units:
                 yield f"formula: {unknown_name_message(name, units)}; it can use t and numbers"
         try:
-            dimensions = {n: check.dimension_of_unit(u) for n, u in units.items()}
-            check.check_yields(expression, check.dimension_of_unit(unit), dimensions)
+            check.check_yields(expression, dimension_of_unit(unit), check.dimensions_by_unit(units))
         except ExpressionError as error:
             raise ValueError(f"formula: {error}") from None
 

@@ -50,10 +50,8 @@ def _followed(
     none = np.zeros_like(stiffness)
     start = n.get("start.displacement", none), n.get("start.velocity", none)
     numbers = (np.array(np.broadcast_to(a, none.shape)) for a in (stiffness, n["mass"], ratio, *start, horizon))
-    found, states = (
-        Response(*np.empty((len(Response._fields), none.size))),
-        np.empty((none.size, rows.shape[2] if instants else 0, 3)),
-    )
+    found = Response(*np.empty((len(Response._fields), none.size)))
+    states = np.empty((none.size, rows.shape[2] if instants else 0, 3))
     oscillators, moves_support = Oscillators(*numbers), isinstance(excitation, SupportOverTime)
     follow_pieces(none.size, moves_support, oscillators, np.ascontiguousarray(rows), found, states)
     return found, states, rows, oscillators.horizon

@@ -126,13 +126,11 @@ class TorsionalTrain(Element):
                 yield f"masses.{name}.inertia is missing; only the mass that is machine_at takes the machine's own"
 
     def _faults_of_excitations(self) -> Faults:
-        for key, mass in (("load", self.load), ("machine_at", self.machine_at)):
+        asked = [("load", self.load), ("machine_at", self.machine_at)]
+        asked += [(f"excitations.{name}.on", excitation.on) for name, excitation in self.excitations.items()]
+        for key, mass in (*asked, *(("cylinders_at", mass) for mass in self.cylinders_at)):
             if mass is not None and mass not in self.masses:
                 yield f"{key}: there is no mass {mass!r}; masses are {', '.join(self.masses)}"
-        for name, excitation in self.excitations.items():
-            if excitation.on not in self.masses:
-                known = ", ".join(self.masses)
-                yield f"excitations.{name}.on: there is no mass {excitation.on!r}; masses are {known}"
         given = [key for key in ("speed", "engine", "machine_at") if getattr(self, key) is not None]
         if len(given) > 1:
             yield f"{' and '.join(given)}: each of them gives the train's speed; leave all but one out"
@@ -167,9 +165,6 @@ class TorsionalTrain(Element):
             yield f"engine.{lost[0]} affects the shaking forces of the engine, not its torque; leave it out"
         if len(self.cylinders_at) != engine.cylinders:
             yield f"cylinders_at: give a mass for each of the {engine.cylinders} cylinders, in their order"
-        unknown = [mass for mass in self.cylinders_at if mass not in self.masses]
-        if unknown:
-            yield f"cylinders_at: there is no mass {unknown[0]!r}; masses are {', '.join(self.masses)}"
 
     @cached_property
     def layout(self) -> TrainLayout:

@@ -53,18 +53,6 @@ def oscillating_place(arm: float, distance: float, psi: float, s1: float, s2: fl
 
 
 @scalar
-def translating_pressure(offset: float, y: float, s1: float) -> tuple[float, float]:
-    """Components of the normal across a translating follower's motion and along it; their ratio is tan α."""
-    return s1 - offset, y
-
-
-@scalar
-def oscillating_pressure(arm: float, distance: float, psi: float, s1: float, sense: float) -> tuple[float, float]:
-    """Components of the normal along an oscillating follower's arm and across it; their ratio is tan α."""
-    return arm * (1.0 + sense * s1) - distance * math.cos(psi), distance * math.sin(psi)
-
-
-@scalar
 def rolled_back(place: Place, sense: float) -> tuple[float, float, float, float]:
     """Derivatives z', z'' of the pitch curve, in axes that coincide with the frame's; the cam turns by `sense` × φ."""
     x, y, x1, y1, x2, y2 = place
@@ -129,18 +117,23 @@ def contact_normal(x: float, y: float, x1: float, y1: float, sense: float) -> tu
 
 @scalar
 def sliding_roller(offset: float, y: float, s1: float, s2: float) -> tuple[float, float, float]:
-    """Components of the normal across and along a translating follower's motion, and curvature of the pitch curve."""
-    across, along = translating_pressure(offset, y, s1)
-    return across, along, pitch_curvature(translating_place(offset, y, s1, s2), 1.0)
+    """Components of the normal across and along a translating follower's motion, and curvature of the pitch curve.
+
+    The ratio of the components is tan α.
+    """
+    return s1 - offset, y, pitch_curvature(translating_place(offset, y, s1, s2), 1.0)
 
 
 @scalar
 def swinging_roller(
     arm: float, distance: float, psi: float, s1: float, s2: float, sense: float
 ) -> tuple[float, float, float]:
-    """Components of the normal along and across an oscillating follower's arm, and curvature of the pitch curve."""
-    across, along = oscillating_pressure(arm, distance, psi, s1, sense)
-    return across, along, pitch_curvature(oscillating_place(arm, distance, psi, s1, s2), sense)
+    """Components of the normal along and across an oscillating follower's arm, and curvature of the pitch curve.
+
+    The ratio of the components is tan α.
+    """
+    along, across = arm * (1.0 + sense * s1) - distance * math.cos(psi), distance * math.sin(psi)
+    return along, across, pitch_curvature(oscillating_place(arm, distance, psi, s1, s2), sense)
 
 
 @scalar

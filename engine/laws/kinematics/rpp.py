@@ -11,8 +11,7 @@ The conventions are those of `engine.laws.kinematics`.
 
 from engine.compiling.decorators import scalar
 from engine.laws.kinematics.closure import direction_gap, greater, guide_gap
-from engine.laws.kinematics.links import arm
-from engine.laws.kinematics.vectors import Line, Load, Vector, oblique_components
+from engine.laws.kinematics.vectors import Line, Load, Vector, arm, oblique_components
 
 
 @scalar

@@ -22,6 +22,20 @@ def distance(a: Vector, b: Vector) -> float:
 
 
 @scalar
+def arm(along: float, across: float, c: float, s: float) -> Vector:
+    """Vector, in frame axes [m], from a link's origin to its point (along, across).
+
+    Parameters
+    ----------
+    along, across : float
+        Coordinates in the link's axes, x along the link and y to its left [m].
+    c, s : float
+        Cosine and sine of the link's angle.
+    """
+    return along * c - across * s, along * s + across * c
+
+
+@scalar
 def oblique_components(gap: Vector, u1: Vector, u2: Vector) -> tuple[float, float]:
     """Components p, q of a vector along two oblique directions: p u1 + q u2 = gap.
 

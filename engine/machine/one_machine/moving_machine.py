@@ -51,7 +51,7 @@ from engine.quantities.expressions import (
     nodes_of,
 )
 from engine.scene.scene import Numbers, Scene, scene_numbers
-from engine.units.reading import base_powers
+from engine.units.reading import dimension_of_unit
 from engine.words.verdicts import Verdict
 
 # Positions between which angles are unwrapped, and at which failures are searched.
@@ -236,8 +236,7 @@ class MovingMachine:
 
     def without_rounding(self, name: str, row: np.ndarray) -> np.ndarray:
         """A field, zero where it is only rounding of the machine's lengths, speed and energy."""
-        powers = base_powers(self.register.fields[name].units)
-        mass, length, time = (powers.get(f"[{base}]", 0) for base in ("mass", "length", "time"))
+        mass, length, time, _ = dimension_of_unit(self.register.fields[name].units)
         longest, speed, energy = self._own_sizes
         with np.errstate(all="ignore"):
             # Masses enter only through the energy m (l/t)².

@@ -5,9 +5,8 @@ import numpy as np
 from engine.laws.brakes import (
     band_and_block_grip,
     band_brake,
-    block_brake,
-    disc_brake,
     long_block_factor,
+    pressed_brake,
     uniform_pressure_radius,
     uniform_wear_radius,
 )
@@ -36,7 +35,7 @@ def braking_moment(brake: Brake, at: str, numbers: Numbers) -> float | np.ndarra
     force, friction = numbers[f"{at}.force"], numbers[f"{at}.friction"]
     if isinstance(brake, BlockBrake):
         factor = long_block_factor(0.5 * numbers[f"{at}.embrace"])
-        return block_brake(force, friction * factor, numbers[f"{at}.radius"], float(brake.blocks))
+        return pressed_brake(force, friction * factor, numbers[f"{at}.radius"], float(brake.blocks))
     mean_radius = uniform_wear_radius if brake.linings == "worn in" else uniform_pressure_radius
     radius = mean_radius(numbers[f"{at}.inner_radius"], numbers[f"{at}.outer_radius"])
-    return disc_brake(force, friction, radius, float(brake.faces))
+    return pressed_brake(force, friction, radius, float(brake.faces))

@@ -19,27 +19,14 @@ from engine.parts.formulas.expressions import (
     pointed_out,
 )
 from engine.units.dimensions import DIMENSIONS, Powers, common_units
-from engine.units.reading import base_powers, in_any_unit
+from engine.units.reading import dimension_of_unit, in_any_unit
 
-_SYMBOLS = {"mass": "kg", "length": "m", "time": "s"}
 # Roots of powers of roots have small denominators; any other fraction is a rounded number such as 0.333.
 _LARGEST_DENOMINATOR = 1000
 _COMPARISONS = {"<", "<=", ">", ">=", "==", "!="}
 _ALIKE = {"+", "-", "min", "max", "atan2"} | _COMPARISONS
 _KEPT = {"negative", "abs", "min", "max", "+", "-"}
 _TO_ANGLE = {"asin", "acos", "atan", "atan2", "radians"}
-
-
-@functools.cache
-def dimension_of_unit(unit: str) -> Powers:
-    """Dimension of a unit in the spelling of texts or of the CF conventions, such as "N m" or "kg m2 rad-1".
-
-    Raises
-    ------
-    UnitError
-        The unit is unknown.
-    """
-    return Powers.of(base_powers(unit))
 
 
 def unit_of_dimension(dimension: Powers) -> str:
@@ -51,14 +38,14 @@ def unit_of_dimension(dimension: Powers) -> str:
     if names:
         return DIMENSIONS[names[0]].unit
     whole = all(power.denominator == 1 for power in dimension.plain)
-    return _spelled(dimension) if whole else ""
+    return dimension.plain.spelled if whole else ""
 
 
 def dimension_in_words(dimension: Powers) -> str:
     """A dimension in words, such as "a length" or "a plain number"."""
     names = [name.replace("_", " ") for name in _names(dimension)]
     if not names:
-        return f"a quantity in {_spelled(dimension)}"
+        return f"a quantity in {dimension.plain.spelled}"
     words = "plain number" if names == ["number"] else " or ".join(names)
     return f"{'an' if words[0] in 'aei' else 'a'} {words}"
 
@@ -116,13 +103,8 @@ def _names(dimension: Powers) -> list[str]:
     return exact or [name for name, other in units.items() if other.plain == dimension.plain]
 
 
-def _spelled(dimension: Powers) -> str:
-    powers = ((symbol, getattr(dimension, base)) for base, symbol in _SYMBOLS.items())
-    return " ".join(symbol if power == 1 else f"{symbol}{power}" for symbol, power in powers if power)
-
-
 _NUMBER = Powers()
-_AN_ANGLE = Powers(angle=Fraction(1))
+_AN_ANGLE = Powers(angle=1)
 
 
 def _bare_number(tree: Tree) -> float | None:
@@ -152,7 +134,7 @@ class _Checker:
 
     def dimension(self, tree: Tree) -> Powers:
         if isinstance(tree, TextQuantity):
-            return Powers.of(in_any_unit(tree.text)[1])
+            return in_any_unit(tree.text)[1]
         if isinstance(tree, str):
             return self.known[tree]
         if isinstance(tree, float):

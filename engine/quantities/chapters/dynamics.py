@@ -6,8 +6,6 @@ flywheels.
 
 from functools import partial
 
-import numpy as np
-
 from engine import mechanism
 from engine.graph.nodes import Node
 from engine.mechanism.input_motion import multiple_angle
@@ -39,7 +37,6 @@ from engine.quantities.register import (
     ranked_summary,
 )
 from engine.scene.pairs import has_friction
-from engine.scene.scene import Numbers
 from engine.words.quantity import called, ordinal
 
 _USEFUL = frozenset({"useful"})
@@ -76,7 +73,8 @@ def declare(mechanics: Mechanics) -> Declared:
         for name in m.loads.motors:
             if getattr(scene.moments[name], "rated_speed", None) is None:
                 continue
-            rated = graph.derived(f"rated torque of {name}", partial(_rated_torque, name))
+            power, speed = f"moments.{name}.power", f"moments.{name}.rated_speed"
+            rated = graph.derived(f"rated torque of {name}", lambda n, p=power, w=speed: n[p] / n[w])
             words = f"rated torque of {called('motor', name)}, at its own shaft"
             yield answer_summary(f"{name}.rated_moment", words, "N m", partial(VariantNumber, rated))
         moment_of = mechanism.actions.motors.motor_moment
@@ -87,11 +85,6 @@ def declare(mechanics: Mechanics) -> Declared:
         yield from _orders(m, u.moment)
         yield from _drive(m)
         yield from _flywheel(m)
-
-
-def _rated_torque(motor: str, n: Numbers) -> np.ndarray:
-    """Torque of a motor at its rated power and speed [N·m]."""
-    return n[f"moments.{motor}.power"] / n[f"moments.{motor}.rated_speed"]
 
 
 def _orders(m: Mechanics, units: str) -> Declared:
@@ -188,12 +181,5 @@ def steady_cycle(m: Mechanics, result: str) -> SteadyCycle:
         given = flywheel is not None and getattr(flywheel, key) is not None
         return m.graph.number(f"flywheel.{key}") if given else None
 
-    return SteadyCycle(
-        m.reduced.inertia,
-        m.moment_of(),
-        m.speed,
-        number("speed_fluctuation"),
-        m.reduced.first_kind,
-        number("inertia"),
-        result,
-    )
+    fluctuation, wheel = number("speed_fluctuation"), number("inertia")
+    return SteadyCycle(m.reduced.inertia, m.moment_of(), m.speed, fluctuation, m.reduced.first_kind, wheel, result)

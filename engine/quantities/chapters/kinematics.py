@@ -19,24 +19,16 @@ _WORDS = (
     "second derivative of the {} with respect to the input",
 )
 _SUFFIXES = ("", "_phi", "_phiphi")
-_RATES = {
-    "x": ("vx", "ax"),
-    "y": ("vy", "ay"),
-    "angle": ("angular_velocity", "angular_acceleration"),
-    "slide": ("velocity", "acceleration"),
-}
-_RATES_IN_WORDS = {
-    "x": "x component of the {rate} of point {owner}",
-    "y": "y component of the {rate} of point {owner}",
-    "angle": "angular {rate} of link {owner}",
-    "slide": "{rate} of slider {owner}",
-}
-# Symbols of the coordinate and of its time derivatives.
-_SYMBOLS = {
-    "x": ("x_{owner}", "v_{owner}x", "a_{owner}x"),
-    "y": ("y_{owner}", "v_{owner}y", "a_{owner}y"),
-    "angle": ("φ_{owner}", "ω_{owner}", "ε_{owner}"),
-    "slide": ("s_{owner}", "v_{owner}", "a_{owner}"),
+# Symbols of a coordinate and of its time derivatives, and the words and names of these.
+_KINDS = {
+    "x": (("x_{owner}", "v_{owner}x", "a_{owner}x"), "x component of the {rate} of point {owner}", ("vx", "ax")),
+    "y": (("y_{owner}", "v_{owner}y", "a_{owner}y"), "y component of the {rate} of point {owner}", ("vy", "ay")),
+    "angle": (
+        ("φ_{owner}", "ω_{owner}", "ε_{owner}"),
+        "angular {rate} of link {owner}",
+        ("angular_velocity", "angular_acceleration"),
+    ),
+    "slide": (("s_{owner}", "v_{owner}", "a_{owner}"), "{rate} of slider {owner}", ("velocity", "acceleration")),
 }
 
 
@@ -107,18 +99,16 @@ def _coordinate(
 ) -> Declared:
     """A coordinate, its derivatives with respect to the input, and its time derivatives at constant input speed."""
     q, graph = InputUnits.of(mechanics.scene).q, mechanics.graph
-    symbol, of_first, of_second = (text.format(owner=owner) for text in _SYMBOLS[kind])
+    symbols, rates, (first, second) = _KINDS[kind]
+    symbol, of_first, of_second = (text.format(owner=owner) for text in symbols)
     for order, (suffix, word, node) in enumerate(zip(_SUFFIXES, _WORDS, nodes, strict=True)):
         units = f"{unit} {q}-{order}" if order else unit
         field = detail if order else Field
         yield field(f"{owner}.{kind}{suffix}", word.format(words), units, known(node), symbol + "′" * order)
-    first, second = _RATES[kind]
     guided = kind in ("angle", "slide") and owner in held_by_frame(mechanics.scene) and nodes[2] is not graph.zero
     answers = ("peak",) if guided else ()
     speed, squared = mechanics.speed, mechanics.speed_squared
-    velocity, acceleration = (
-        _RATES_IN_WORDS[kind].format(rate=rate, owner=owner) for rate in ("velocity", "acceleration")
-    )
+    velocity, acceleration = (rates.format(rate=rate, owner=owner) for rate in ("velocity", "acceleration"))
     timed = partial(graph.combination, [(speed, nodes[1])])
     field = detail if kind in "xy" else Field
     yield field(f"{owner}.{first}", velocity, f"{unit} s-1", timed, of_first, answers)

@@ -27,8 +27,9 @@ def declare(mechanics: Mechanics) -> Declared:
     m, groups = mechanics, tuple(mechanics.scene.groups)
     words = "displacement of the joint or block per unit error of a length or offset, worst position"
     for group in groups:
-        least, of_least = f"minimum transmission angle of group {group} over the cycle", partial(_least_angle, m, group)
-        yield answer_summary(f"{group}.transmission_angle", least, "rad", of_least, "γ")
+        least = f"minimum transmission angle of group {group} over the cycle"
+        angle = partial(Formula, _angle_of, (least_sine(m, group),))
+        yield answer_summary(f"{group}.transmission_angle", least, "rad", angle, "γ")
         magnification = f"error magnification of group {group}: {words}"
         yield Summary(f"{group}.{MAGNIFICATION}", magnification, "1", lambda group=group: 1.0 / least_sine(m, group))
     if groups and not m.scene.links:
@@ -37,10 +38,6 @@ def declare(mechanics: Mechanics) -> Declared:
     if groups or m.scene.links:
         words, closures = "loop-closure residual, relative to the links' lengths", m.kinematics.closures
         yield check_summary(RESIDUAL, words, "1", lambda: maximum(*(unresolved_peak(c) for c in closures.values())))
-
-
-def _least_angle(m: Mechanics, group: str) -> Expression:
-    return Formula(_angle_of, (least_sine(m, group),))
 
 
 def least_sine(m: Mechanics, group: str) -> Expression:

@@ -11,15 +11,7 @@ from engine.cycle.measured import Measured
 from engine.graph.nodes import Node, reached
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.skeleton import FRAME
-from engine.quantities.expressions import (
-    Angle,
-    Expression,
-    Extreme,
-    ExtremePosition,
-    Formula,
-    Integral,
-    StrokeEnd,
-)
+from engine.quantities.expressions import Angle, Expression, Extreme, ExtremePosition, Formula, Integral, StrokeEnd
 from engine.quantities.register import Declared, InputUnits, Summary, ranked_summary
 from engine.scene import structure
 from engine.scene.pairs import held_by_frame
@@ -60,18 +52,8 @@ def _unless_turning(value: Measured, turned: Measured) -> Measured:
     return Measured(np.where(turns, np.nan, value.value), np.where(turns, np.nan, value.error))
 
 
-def _repeats_each_turn(mechanics: Mechanics, motion: Iterable[Node]) -> bool:
-    """Whether a motion is known to repeat with each turn of the crank, not only with the cycle."""
-    return mechanics.scene.input.revolutions == 1 or mechanics.graph.q not in reached(motion)
-
-
 def _ends(
-    mechanics: Mechanics,
-    name: str,
-    kind: str,
-    unit: str,
-    end: Callable[[str], Expression],
-    motion: Iterable[Node],
+    mechanics: Mechanics, name: str, kind: str, unit: str, end: Callable[[str], Expression], motion: Iterable[Node]
 ) -> Declared:
     of = f"{'slider' if kind == 'stroke' else 'link'} {name}"
     q = InputUnits.of(mechanics.scene).q
@@ -83,7 +65,8 @@ def _ends(
         yield Summary(f"{name}.{kind}_{side}", words, unit, partial(end, side), may_be_undefined=swings)
         words = f"input position at the {side} end of the {kind} of {name}"
         yield Summary(f"{name}.{kind}_{side}_at", words, q, partial(end, f"{side}_at"), may_be_undefined=swings)
-    if mechanics.has_cycle and _repeats_each_turn(mechanics, motion):
+    # The motion has to repeat with each turn of the crank, not only with the cycle.
+    if mechanics.has_cycle and (mechanics.scene.input.revolutions == 1 or mechanics.graph.q not in reached(motion)):
         words = f"quick-return ratio of the {kind} of {name}"
         ratio = partial(_time_ratio, end)
         yield summary(f"{name}.{kind}_time_ratio", words, "1", ratio, "K", True)

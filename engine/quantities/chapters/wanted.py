@@ -24,7 +24,8 @@ def declare(mechanics: Mechanics) -> Declared:
             rms, most = Formula(_rms, squared), sqrt(maximum(*squared))
         else:
             what, units = f"deviation of {wanted.of} from {name}", "rad" if isinstance(wanted, WantedAngle) else "m"
-            inside = rows_over_angle(mechanics.kinematics, _from_to(wanted), [1.0, 1.0], "linear", "zero")
+            ends = [wanted.over_angle[0], wanted.over_angle[-1]]
+            inside = rows_over_angle(mechanics.kinematics, ends, [1.0, 1.0], "linear", "zero")
             curve = inside * _deviation(mechanics, name, wanted)
             yield Field(f"{name}.deviation", f"{what}, 0 outside its rows", units, known(curve), "Δ")
             rms, most = sqrt(Integral(curve * curve) / Integral(inside)), peak(curve)
@@ -44,10 +45,6 @@ def _squared_distances(mechanics: Mechanics, wanted: WantedPath) -> tuple[Expres
         away = at - place
         found.append(Extreme(away.dot(away), "least"))
     return tuple(found)
-
-
-def _from_to(wanted: WantedSlide | WantedAngle) -> list[float]:
-    return [wanted.over_angle[0], wanted.over_angle[-1]]
 
 
 def _deviation(mechanics: Mechanics, name: str, wanted: WantedSlide | WantedAngle) -> Node:

@@ -64,10 +64,8 @@ def _sizes_of(form: object, paths: list[str]) -> Callable[..., Measured]:
             return np.array(elements.flywheel_wheels.make_wheel(form, of, at, known))
 
         value = made(inertia.value, speed.value)
-        heavier, faster = (
-            made(inertia.value + inertia.error, speed.value),
-            made(inertia.value, speed.value + speed.error),
-        )
+        heavier = made(inertia.value + inertia.error, speed.value)
+        faster = made(inertia.value, speed.value + speed.error)
         return Measured(value, np.abs(heavier - value) + np.abs(faster - value) + 1e-15 * np.abs(value))
 
     return sizes

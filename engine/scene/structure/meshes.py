@@ -161,5 +161,5 @@ def net_turns(scene: Scene, link: str, numbers: Numbers | None = None) -> float 
         shaft = scene.shafts[link]
         ratio = shaft.ratio if numbers is None else numbers[f"shafts.{link}.ratio"]
         carried = net_turns(scene, shaft.carrier or FRAME, numbers)
-        return laws.kinematics.planetary_trains.willis(ratio, net_turns(scene, shaft.geared_to, numbers), carried)
+        return laws.kinematics.geared_links.willis(ratio, net_turns(scene, shaft.geared_to, numbers), carried)
     return 1.0 if link == scene.input.link and isinstance(scene.input, CrankInput) else 0.0

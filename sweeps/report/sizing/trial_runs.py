@@ -247,7 +247,7 @@ def _common_unit(path: Path, columns: dict[str, TableColumn], names: Iterable[st
         raise InputError.of(str(path), f"all sensors must use one unit; these use {', '.join(sorted(units))}", 1)
     (unit,) = units
     try:
-        engine.base_powers(unit or "1")
+        engine.dimension_of_unit(unit or "1")
     except engine.UnitError as error:
         raise InputError.of(str(path), str(error), 1) from None
     return unit

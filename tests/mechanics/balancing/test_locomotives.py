@@ -4,11 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from element_samples import asked, figures, one
+from element_samples import figures, one, solved
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from engine import Verdict
 
 EPS = np.finfo(float).eps
 few = settings(deadline=None, max_examples=25)
@@ -50,9 +48,7 @@ def test_masses_one_by_one__give_forces_at_every_angle(cylinders, apart, track, 
     names = ["left_balance_mass", "right_balance_mass", "left_balance_angle", "right_balance_angle", "tractive_force"]
     names += ["swaying_moment", "left_rail_force", "right_rail_force", "primary_force", *GREATEST]
     phis = np.arange(0.0, 6.3, 0.7)
-    columns, outcome = asked({"it": {**element, "crank_angle": 0.0}}, *(f"it.{n}" for n in names), it__crank_angle=phis)
-    assert (outcome.status == Verdict.OK).all()
-    found = dict(zip(names, columns, strict=True))
+    found = {n: value for n, (value, _) in solved(element | {"crank_angle": 0.0}, *names, crank_angle=phis).items()}
     square, unit = (10 * math.pi) ** 2, (180.0 + rotating) * 4 * 0.3 * (10 * math.pi) ** 2
     places = [(k - (cylinders - 1) / 2) * apart for k in range(cylinders)]
     throws = [phis + k * between for k in range(cylinders)]

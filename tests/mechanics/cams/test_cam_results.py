@@ -6,6 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 from cam_samples import ARM, CAMS, FACE, FLAT, KNIFE, ROLLER, cam_answers, cam_of, cam_scene
+from element_samples import results
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -388,10 +389,9 @@ def test_peak_next_to_a_sample__is_not_that_of_the_sample(growth):
 
 
 def test_sections_of_variants__that_make_no_turn_are_outside_limits():
-    scene = cam_scene(ROLLER)
-    alone = ElementsAlone(scene, ["cam.greatest_velocity"], varied=["elements.cam.sections.out.angle"])
-    outcome = alone.evaluate({"elements.cam.sections.out.angle": np.radians([100.0, 209.0, 210.0, 300.0])})
-    assert outcome.status.tolist() == [Verdict.OK, Verdict.OK, Verdict.OUTSIDE_LIMITS, Verdict.OUTSIDE_LIMITS]
+    angles = np.radians([100.0, 209.0, 210.0, 300.0])
+    status = results(ROLLER, "greatest_velocity", sections__out__angle=angles)[2]
+    assert status.tolist() == [Verdict.OK, Verdict.OK, Verdict.OUTSIDE_LIMITS, Verdict.OUTSIDE_LIMITS]
 
 
 FRICTION = {"follower__friction": 0.3, "follower__guide_length": "60 mm", "follower__overhang": "40 mm"}

@@ -7,8 +7,9 @@ import pytest
 from cam_samples import ARM, ROLLER, cam_answers
 from driving_cams import CIRCLE, SLIDING, SWINGING, asked, changed
 from each_case import refusals
+from machines import rpp, rrp
 
-from engine import AskError, Machine, MovingMachine, Scene, Verdict
+from engine import AskError, Machine, Scene, Verdict
 from engine.scene.structure.ordering import order
 
 EPS = np.finfo(float).eps
@@ -28,13 +29,7 @@ YOKE = changed(
     guides__way__x=0,
     cams=None,
     springs__closing__free_length="260 mm",
-    groups={
-        "drive": {
-            "type": "RPP",
-            "first": {"link": "block", "joint": "A"},
-            "second": {"link": "tappet", "guide": "way", "slot_angle": "90 deg"},
-        }
-    },
+    groups={"drive": rpp(("block", "A"), ("tappet", "way"), math.pi / 2)},
 )
 
 
@@ -78,16 +73,23 @@ def element_like(cam: dict, **changes: object) -> dict:
     return {name: (values[name], errors[name]) for name in values}
 
 
-def test_follower_that_slides__has_the_angles_and_forces_of_the_element():
-    sections = {name: dict(section) for name, section in SLIDING["cams"]["cam"]["sections"].items()}
-    # The spring is 190 − (200 − d) mm long at d, and weight presses too.
-    least = math.sqrt(0.038**2 - 0.005**2)
-    preload = 8e3 * (least - 0.010)
-    known = element_like(ROLLER, sections=sections, follower__preload=preload, follower__load=0.5 * 9.81)
-    wanted = "cam.pressure_angle.max cam.contact_force.max cam.contact_force.min input_moment_by_power.max"
-    wanted += " cam.curvature.max tappet.stroke"
-    found = answers(SLIDING, wanted)
+def assert_agree(data: dict, true: dict[str, tuple[float, float]]) -> None:
+    """A machine's results and some values, each with its error estimate."""
+    found = answers(data, " ".join(true))
     assert found.status[0] == Verdict.OK
+    for name, (value, error) in true.items():
+        apart = abs(found.summaries[name][0] - value)
+        assert apart <= found.errors[name][0] + error + 8 * EPS * abs(value), name
+
+
+# The spring is 190 − (200 − d) mm long at d.
+PRELOAD = 8e3 * (math.sqrt(0.038**2 - 0.005**2) - 0.010)
+
+
+def test_follower_that_slides__has_the_angles_and_forces_of_the_element():
+    # Weight presses too.
+    sections = SLIDING["cams"]["cam"]["sections"]
+    known = element_like(ROLLER, sections=sections, follower__preload=PRELOAD, follower__load=0.5 * 9.81)
     true = {
         "cam.pressure_angle.max": known["rise_pressure_angle"],
         "cam.contact_force.max": known["greatest_contact_force"],
@@ -96,38 +98,20 @@ def test_follower_that_slides__has_the_angles_and_forces_of_the_element():
         "cam.curvature.max": (1 / known["convex_radius"][0], 1e-12 / known["convex_radius"][0]),
         "tappet.stroke": (0.02, 0.0),
     }
-    for name, (value, error) in true.items():
-        apart = abs(found.summaries[name][0] - value)
-        assert apart <= found.errors[name][0] + error + 8 * EPS * abs(value), name
+    assert_agree(SLIDING, true)
 
 
 def test_follower_that_swings__has_the_angles_and_forces_of_the_element():
-    data = changed(SWINGING, moments=None, shafts__camshaft__ratio=1, bodies__own__x=0)
-    data["springs"] = {}
-    sections = {name: dict(section) for name, section in data["cams"]["cam"]["sections"].items()}
-    distance = math.hypot(0.07, 0.04)
-    known = element_like(
-        ARM,
-        sections=sections,
-        follower__pivot_distance=distance,
-        follower__preload=0,
-        follower__stiffness=0,
-        follower__load=6,
-    )
-    data["moments"] = {"load": {"type": "constant", "on": "arm", "moment": "6 N m"}}
-    wanted = "cam.pressure_angle.max cam.contact_force.max cam.contact_force.min input_moment_by_power.max"
-    found = answers(data, wanted)
-    assert found.status[0] == Verdict.OK
-    for name, key in zip(
-        wanted.split(),
-        ["return_pressure_angle", "greatest_contact_force", "least_contact_force", "greatest_moment"],
-        strict=True,
-    ):
-        value, error = known[key]
-        if key == "return_pressure_angle":
-            value = max(value, known["rise_pressure_angle"][0])
-        apart = abs(found.summaries[name][0] - value)
-        assert apart <= found.errors[name][0] + error + 8 * EPS * abs(value), name
+    load = {"load": {"type": "constant", "on": "arm", "moment": "6 N m"}}
+    follower = ARM["follower"] | {"pivot_distance": math.hypot(0.07, 0.04), "preload": 0, "stiffness": 0, "load": 6}
+    known = element_like(ARM, sections=SWINGING["cams"]["cam"]["sections"], follower=follower)
+    true = {
+        "cam.pressure_angle.max": max(known["rise_pressure_angle"], known["return_pressure_angle"]),
+        "cam.contact_force.max": known["greatest_contact_force"],
+        "cam.contact_force.min": known["least_contact_force"],
+        "input_moment_by_power.max": known["greatest_moment"],
+    }
+    assert_agree(changed(SWINGING, moments=load, shafts__camshaft__ratio=1, bodies__own__x=0), true)
 
 
 # What must balance, whatever the cam
@@ -155,14 +139,7 @@ KINDS = {
         SWINGING,
         points__tip={"link": "arm", "x": "-40 mm", "y": "20 mm"},
         guides={"way": {"y": "-40 mm"}},
-        groups={
-            "out": {
-                "type": "RRP",
-                "inner": "B",
-                "first": {"link": "rod", "joint": "tip", "length": "90 mm"},
-                "second": {"link": "slider", "guide": "way"},
-            }
-        },
+        groups={"out": rrp("B", ("rod", "tip", "90 mm"), "slider", "way")},
         bodies__slider_body={"link": "slider", "mass": "0.5 kg"},
     ),
 }
@@ -170,13 +147,10 @@ KINDS = {
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_kind__balances(kind):
-    """Input moments by equilibrium, by virtual power and by the energy agree."""
-    machine = MovingMachine(Scene.model_validate(KINDS[kind]), positions=48)
-    names = ["input_moment", "input_moment_by_equilibrium", "input_moment_by_power"]
-    assert machine.verdict(names) == Verdict.OK
-    energy, *others = machine.fields(names).values()
-    for row in others:
-        np.testing.assert_allclose(row, energy, rtol=0, atol=1e-13 * np.abs(energy).max())
+    """Input moments by virtual power, which are those by equilibrium, and by the energy agree."""
+    _, rows = asked(KINDS[kind], ["input_moment", "input_moment_by_power"], 48)
+    energy, power = rows.values()
+    np.testing.assert_allclose(power, energy, rtol=0, atol=1e-13 * np.abs(energy).max())
 
 
 def test_motion_on_a_half_speed_shaft__begins_where_it_is_told():
@@ -206,8 +180,7 @@ def test_motion_on_a_half_speed_shaft__begins_where_it_is_told():
 
 
 def test_follower__lifts_off_beyond_the_speed_of_the_element():
-    least = math.sqrt(0.038**2 - 0.005**2)
-    known = element_like(ROLLER, sections=SLIDING["cams"]["cam"]["sections"], follower__preload=8e3 * (least - 0.010))
+    known = element_like(ROLLER, sections=SLIDING["cams"]["cam"]["sections"], follower__preload=PRELOAD)
     limit = known["lift_off_speed"][0]
     outcome = answers(
         changed(SLIDING, gravity=0),

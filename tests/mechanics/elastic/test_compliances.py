@@ -6,7 +6,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from each_case import refusals
-from element_samples import asked, element, one
+from element_samples import element, figures, one, results
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -94,12 +94,10 @@ def test_parts_together__twist_store_and_dissipate_as_each_of_them_does(part, fr
     data = drive({"all": part}, moment=100.0, frequency=frequency)
     twist, energy, lost = loaded(part, Fraction(100))
     names = ["twist", "stiffness", "damping", "energy_absorption"]
-    _, outcome = asked({"it": data}, *(f"it.{n}" for n in names))
-    assert outcome.status[0] == Verdict.OK
     # What a cycle of this amplitude dissipates at the frequency, over the greatest energy.
     absorbed = Fraction(math.pi) * Fraction(frequency) * lost / energy
-    for name, exact in zip(names, [twist, 100 / twist, lost / twist**2, absorbed], strict=True):
-        value, error = outcome.summaries[f"it.{name}"][0], outcome.errors[f"it.{name}"][0]
+    exacts = [twist, 100 / twist, lost / twist**2, absorbed]
+    for (value, error), exact in zip(figures(data, *names), exacts, strict=True):
         assert abs(Fraction(value) - exact) <= Fraction(error) + Fraction(1e-16) * exact
         assert error <= 1e-12 * abs(value)
 
@@ -114,9 +112,8 @@ def test_energy_absorption__of_equal_parts_is_that_of_each():
 
 def test_parts_vary_by_their_paths():
     pair = {"type": "parallel", "parts": {"left": COUPLING, "right": COUPLING}}
-    path = "elements.it.parts.pair.parts.left.stiffness"
-    values, _ = asked({"it": drive({"pair": pair})}, "it.stiffness", **{path[9:].replace(".", "__"): [2e4, 6e4]})
-    assert values[0] == pytest.approx([4e4, 8e4])
+    ((value, _),) = figures(drive({"pair": pair}), "stiffness", parts__pair__parts__left__stiffness=[2e4, 6e4])
+    assert value == pytest.approx([4e4, 8e4])
 
 
 test_part_that_cannot_be__says_what_to_mend = refusals(
@@ -130,9 +127,9 @@ test_part_that_cannot_be__says_what_to_mend = refusals(
 
 
 def test_bore_that_varies_beyond_the_diameter__is_a_status():
-    values, outcome = asked({"it": drive({"a": SHAFT})}, "it.stiffness", it__parts__a__bore=[0.01, 0.05, 0.06])
-    assert list(outcome.status) == [Verdict.OK, Verdict.OUTSIDE_LIMITS, Verdict.OUTSIDE_LIMITS]
-    assert np.isnan(values[0][1:]).all()
+    values, _, status = results(drive({"a": SHAFT}), "stiffness", parts__a__bore=[0.01, 0.05, 0.06])
+    assert list(status) == [Verdict.OK, Verdict.OUTSIDE_LIMITS, Verdict.OUTSIDE_LIMITS]
+    assert np.isnan(values["stiffness"][1:]).all()
 
 
 def test_bars_of_a_shaft_line__are_shares_of_the_work_of_its_parts():

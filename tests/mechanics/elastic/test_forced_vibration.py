@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from element_samples import asked, element
+from element_samples import element, results, solved
 from engine_samples import EPS
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from train_samples import BRANCHED, chain, matrices, solved
+from train_samples import BRANCHED, chain, matrices
 
 from engine import Verdict, engine_torque
 from engine.elements.torsional_trains.order_sums import extremes_of_orders
@@ -116,9 +116,9 @@ def test_figures_of_amplitudes_and_moments__hold_against_50_digits(inertias, sti
 def test_resonance_without_damping__is_a_status_and_with_damping_a_number():
     # ω² = 1e4 · (1 + 1)/(1 · 1) / 2: the order's frequency is exactly 100.
     train = chain([1.0, 1.0], [5e3], speed=50.0, excitations={"e": harmonic("m0", 2, 1.0)})
-    values, outcome = asked({"it": train}, "it.s0.alternating_moment", it__speed=[49.0, 50.0, 51.0])
-    assert list(outcome.status) == [Verdict.OK, Verdict.RESONANCE, Verdict.OK]
-    assert np.isnan(values[0][1])
+    values, _, status = results(train, "s0.alternating_moment", speed=[49.0, 50.0, 51.0])
+    assert list(status) == [Verdict.OK, Verdict.RESONANCE, Verdict.OK]
+    assert np.isnan(values["s0.alternating_moment"][1])
     train["shafts"]["s0"]["damping"] = 0.5
     # At resonance the damper carries all: amplitude of the twist m/(w b) · share, moment with the damper's part.
     twist = 0.5 / (0.5 * 100.0)

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import scipy.linalg
 from each_case import refusals
-from element_samples import asked, element
+from element_samples import element, results, solved
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from train_samples import BRANCHED, chain, free, frequencies_of, matrices, solved
+from train_samples import BRANCHED, chain, free, frequencies_of, matrices
 
 from engine import Scene, Verdict
 from engine.elements.torsional_trains import torsional_train
@@ -132,10 +132,10 @@ def test_shaft_without_a_wall__is_a_status_never_a_number():
     for place in (0, 1):
         train = chain([1.0, 2.0, 0.5], [1e4, 1e4])
         train["shafts"][f"s{place}"] = {"between": [f"m{place}", f"m{place + 1}"], "parts": {"tube": wall}}
-        path = f"it__shafts__s{place}__parts__tube__bore"
-        values, outcome = asked({"it": train}, "it.frequency_1", "it.frequency_2", **{path: [0.05, 0.1, 0.11]})
-        assert list(outcome.status) == [Verdict.OK, Verdict.OUTSIDE_LIMITS, Verdict.OUTSIDE_LIMITS]
-        assert np.isnan([v[1:] for v in values]).all()
+        path = f"shafts.s{place}.parts.tube.bore"
+        values, _, status = results(train, "frequency_1", "frequency_2", **{path: [0.05, 0.1, 0.11]})
+        assert list(status) == [Verdict.OK, Verdict.OUTSIDE_LIMITS, Verdict.OUTSIDE_LIMITS]
+        assert np.isnan([v[1:] for v in values.values()]).all()
 
 
 SERIES = {"type": "series", "parts": {"c": {"type": "coupling", "stiffness": 1.0, "damping": 1.0}}}
@@ -164,5 +164,6 @@ test_train_that_cannot_be__says_what_to_mend = refusals(
     (DAMPED_PARTS, "shafts.s0.parts.p.parts.c.damping changes nothing"),
     ({"speed": 1.0, "excitations": {"e": {"on": "x", "order": 1, "amplitude": 1.0}}}, "there is no mass 'x'"),
     ({"cylinders_at": ["m0"]}, "give engine"),
+    ({"cylinders_at": ["x"]}, "cylinders_at: there is no mass 'x'"),
     ({"load": "x"}, "there is no mass 'x'"),
 )

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from element_samples import element, scene
-from train_samples import BRANCHED, chain, free, solved
+from element_samples import element, scene, solved
+from train_samples import BRANCHED, chain, free
 
 from sweeps.pictures.elements.element_pictures import element_sheets, element_tables
 from sweeps.pictures.elements.train_sheet import train_sheet, train_table

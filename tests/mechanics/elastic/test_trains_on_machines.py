@@ -5,10 +5,11 @@ import math
 import numpy as np
 import pytest
 from each_case import refusals
+from element_samples import element
 from machines import slider_crank
 from train_samples import matrices
 
-from engine import Machine, Scene, SceneError, Verdict
+from engine import Machine, Scene, Verdict
 from sweeps.pictures.elements.train_sheet import numbers_of_machine, train_sheet, train_table
 
 TRAIN = {
@@ -85,12 +86,6 @@ def test_mass_without_inertia__has_the_mean_of_the_machine_and_its_flywheel():
     assert f"{mean + 0.3:.5g}" in text
 
 
-def test_mass_without_inertia__must_be_the_machines():
-    masses = {"motor": {}, "crank_end": {"inertia": 0.1}}
-    with pytest.raises(SceneError, match=r"masses\.motor\.inertia is missing; only the mass that is machine_at"):
-        scene(TRAIN | {"masses": masses})
-
-
 def test_sheet__is_drawn_with_the_machines_orders():
     figure = train_sheet(scene(), "train")
     assert len(figure.axes) == 3
@@ -101,14 +96,13 @@ def test_sheet__is_drawn_with_the_machines_orders():
 test_train_on_a_machine_that_cannot_be__says_what_to_mend = refusals(
     lambda change, drive: scene(TRAIN | change, drive),
     ({"machine_at": "x"}, None, "there is no mass 'x'"),
+    ({"masses": {"motor": {}, "crank_end": {}}}, None, "motor.inertia is missing; only the mass that is machine_at"),
     ({"speed": 3.0}, None, "leave all but one out"),
     ({}, {"start": 0.1, "stop": 1.0}, "only a crank that turns fully"),
 )
 
 
-def test_train_on_a_machine_without_a_mechanism__is_refused():
-    with pytest.raises(SceneError, match="only a crank that turns fully"):
-        Scene.model_validate({"elements": {"train": TRAIN}})
+test_train_on_a_machine_without_a_mechanism__is_refused = refusals(element, (TRAIN, "only a crank that turns fully"))
 
 
 def test_elements_of_a_machine_that_cannot_be_assembled__have_no_numbers():

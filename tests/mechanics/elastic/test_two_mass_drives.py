@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from each_case import refusals
-from element_samples import element, figures, one
+from element_samples import TWO_MASSES, element, figures, one
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
@@ -13,16 +13,7 @@ from engine.elements.elastic_drives.two_mass_drive import drive_history
 from engine.elements.elastic_drives.two_masses import TOLERANCE
 from engine.stepping.walk_task import COARSER
 
-DRIVE = {
-    "type": "two_mass_drive",
-    "motor_inertia": 0.5,
-    "load_inertia": 3.0,
-    "stiffness": 2e4,
-    "backlash": 0.02,
-    "motor_moment": 100.0,
-    "load_moment": 60.0,
-    "time": 0.05,
-}
+DRIVE = TWO_MASSES | {"motor_moment": 100.0}
 KEYS = ("motor_inertia", "load_inertia", "stiffness", "damping", "backlash", "motor_moment", "load_moment")
 
 

@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 from each_case import refusals
-from element_samples import LEVER, TIE, WOUND, asked, figures, one
+from element_samples import LEVER, TIE, WOUND, element, figures, one, results
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
@@ -101,8 +101,7 @@ def test_ellipsoid__has_its_moments_and_a_disc_askew_on_its_shaft_the_textbooks_
 
 def test_moments_that_no_body_has__are_not_answered():
     wrong = {"type": "tilted_body", "mass": 1.0, "inertia_x": 1.0, "inertia_y": 1.0, "inertia_z": 3.0}
-    _, outcome = asked({"it": wrong}, "it.fixed_inertia_x")
-    assert outcome.status[0] == Verdict.NOT_FINITE
+    assert results(wrong, "fixed_inertia_x")[2] == Verdict.NOT_FINITE
 
 
 # A body on a turning lever
@@ -219,7 +218,7 @@ def test_stresses_of_the_spinning_wheel__carry_its_centrifugal_forces(bore, shar
         "parting_speed",
         "parts",
     )
-    (at_bore, _), (plain, _), (pressure, _), (layer, _), (energy, _), (parting, _), (parts, _) = figures(wheel, *names)
+    at_bore, plain, pressure, layer, energy, parting, parts = one(wheel, *names)
     a, c, b, rho = 0.5 * bore, 0.5 * winding, 0.31, 7850.0
 
     def hoop(r):
@@ -251,7 +250,7 @@ def test_stresses_of_the_spinning_wheel__carry_its_centrifugal_forces(bore, shar
 
 
 test_wrong_body__is_refused_with_the_mend = refusals(
-    lambda element: asked({"it": element}),
+    element,
     ({"type": "tilted_body", "mass": 1.0}, "all three of one"),
     ({"type": "tilted_body", "mass": 1.0, "semi_axis_x": 1.0, "inertia_x": 1.0}, "all three of one"),
     (LEVER | {"start_radius": 0.5}, "is not above start_radius"),
@@ -282,17 +281,15 @@ def test_impulse__stretches_the_tie_as_far_as_the_motion_followed_over_time(stif
 def test_tie__bursts_at_the_speeds_at_which_its_force_is_its_strength():
     mass, length, stiffness, strength = 10.0 ** np.random.default_rng(5).uniform(-4, 4, (4, 400))
     keys = ("mass", "length", "stiffness", "strength")
-    ties = {f"it__{key}": v for key, v in zip(keys, (mass, length, stiffness, strength), strict=True)}
+    ties = dict(zip(keys, (mass, length, stiffness, strength), strict=True))
 
     def of(*names, **speed):
-        values, outcome = asked({"it": TIE}, *(f"it.{name}" for name in names), **ties, **speed)
-        assert (outcome.status == Verdict.OK).all()
-        return values
+        return [value for value, _ in figures(TIE, *names, **ties, **speed)]
 
     by_impulse, by_spin_up = of("impulse_burst_speed", "spin_up_burst_speed")
     # A few roundings; the force changes at most as the square of the speed.
-    assert of("impulse_force", it__speed=by_impulse)[0] == pytest.approx(strength, rel=1e-14)
-    assert of("spin_up_force", it__speed=by_spin_up)[0] == pytest.approx(strength, rel=1e-14)
-    impulse, spin_up = of("bursts_by_impulse", "bursts_by_spin_up", it__speed=0.5 * (by_impulse + by_spin_up))
+    assert of("impulse_force", speed=by_impulse)[0] == pytest.approx(strength, rel=1e-14)
+    assert of("spin_up_force", speed=by_spin_up)[0] == pytest.approx(strength, rel=1e-14)
+    impulse, spin_up = of("bursts_by_impulse", "bursts_by_spin_up", speed=0.5 * (by_impulse + by_spin_up))
     assert impulse.all()
     assert not spin_up.any()

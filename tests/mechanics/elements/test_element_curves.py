@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from element_samples import DISC, LEVER, TIE, WOUND, one, scene
+from element_samples import CAR, DISC, LEVER, TIE, WOUND, element, one
 
 from engine import body_ellipsoid
 from sweeps.pictures.elements.element_pictures import element_sheet
@@ -18,7 +18,7 @@ def axes_of(figure, label):
 
 
 def test_lever__shows_the_hyperbolic_cosine_and_the_coriolis_force_on_it():
-    figure = element_sheet(scene(it=LEVER).elements["it"], "lever")
+    figure = element_sheet(element(LEVER), "lever")
     time, distance = axes_of(figure, "distance").get_lines()[0].get_data()
     assert distance == pytest.approx(100.0 * np.cosh(20.0 * time), rel=1e-12)
     assert (time[-1], distance[-1]) == pytest.approx((math.acosh(5.0) / 20.0, 500.0), rel=1e-12)
@@ -28,18 +28,18 @@ def test_lever__shows_the_hyperbolic_cosine_and_the_coriolis_force_on_it():
 
 def test_curves_of_a_wound_flywheel__are_its_results():
     parting, bore, layer = one(WOUND, "parting_speed", "bore_stress", "layer_stress")
-    figure = element_sheet(scene(it=WOUND).elements["it"], "tape")
+    figure = element_sheet(element(WOUND), "tape")
     drawn = {line.get_label(): line.get_ydata() for line in axes_of(figure, "hoop").get_lines()}
     assert parting > WOUND["speed"]
     assert drawn["at its speed"][0] * 1e6 == pytest.approx(bore, rel=1e-12)
     assert drawn["at its speed"].max() * 1e6 == pytest.approx(layer, rel=1e-6)
-    faster = scene(it=WOUND | {"speed": 1.1 * parting}).elements["it"]
+    faster = element(WOUND | {"speed": 1.1 * parting})
     loose = element_sheet(faster, "tape")
     assert "at its speed" not in {line.get_label() for line in axes_of(loose, "hoop").get_lines()}
 
 
 def test_polygon_of_a_flat_rotor__is_closed_by_the_mass_that_balances_it():
-    (ax,) = element_sheet(scene(it=DISC).elements["it"], "disc").axes
+    (ax,) = element_sheet(element(DISC), "disc").axes
     drawn = {line.get_label(): np.array(line.get_data()) for line in ax.get_lines()}
     start, end = drawn["balance mass, added"].T
     unbalance, angle = one(DISC, "unbalance", "correction_angle")
@@ -52,7 +52,7 @@ def test_moments_of_an_ellipsoid__give_it_back():
     a, b, c = 0.1, 0.06, 0.02
     moments = {"inertia_x": 1.6 * (b**2 + c**2), "inertia_y": 1.6 * (c**2 + a**2), "inertia_z": 1.6 * (a**2 + b**2)}
     turned = {"type": "tilted_body", "mass": 8.0, "yaw": 0.4, "pitch": -1.1, "roll": 2.0}
-    semi_axes, axes = body_ellipsoid(scene(it=turned | moments).elements["it"])
+    semi_axes, axes = body_ellipsoid(element(turned | moments))
     assert semi_axes == pytest.approx([a, b, c], rel=1e-12)
     # The longest one lies where yaw and pitch turn x to.
     along = [math.cos(0.4) * math.cos(1.1), math.sin(0.4) * math.cos(1.1), math.sin(1.1)]
@@ -60,8 +60,8 @@ def test_moments_of_an_ellipsoid__give_it_back():
 
 
 def test_outline_of_a_tilted_body__goes_as_far_as_the_ellipsoid():
-    element = scene(it=PLATE | {"pitch": 0.5, "x": 0.012, "z": 0.03}).elements["it"]
-    front = element_sheet(element, "plate").axes[0]
+    plate = element(PLATE | {"pitch": 0.5, "x": 0.012, "z": 0.03})
+    front = element_sheet(plate, "plate").axes[0]
     x, z = next(line for line in front.get_lines() if line.get_label() == "outline").get_data()
     # The farthest point in a direction n is √(nᵀ R diag(a², b², c²) Rᵀ n) away.
     high = 1e3 * math.hypot(0.1 * math.sin(0.5), 0.02 * math.cos(0.5))
@@ -72,13 +72,12 @@ def test_outline_of_a_tilted_body__goes_as_far_as_the_ellipsoid():
 
 def test_moments_that_no_body_has__are_not_drawn():
     moments = {"inertia_x": 1.0, "inertia_y": 1.0, "inertia_z": 3.0}
-    element = scene(it={"type": "tilted_body", "mass": 8.0} | moments).elements["it"]
     with pytest.raises(PictureError, match="no results"):
-        element_sheet(element, "none")
+        element_sheet(element({"type": "tilted_body", "mass": 8.0} | moments), "none")
 
 
 def test_way_on_an_elastic_tie__stretches_it_as_far_as_energy_and_moment_of_momentum_allow():
-    plan, pull = element_sheet(scene(it=TIE).elements["it"], "tie").axes
+    plan, pull = element_sheet(element(TIE), "tie").axes
     x, y = next(line for line in plan.get_lines() if line.get_label() == "after the impulse").get_data()
     (stretch,) = one(TIE, "impulse_stretch")
     # The way is followed to 1e-8 a step, and drawn at places between which its distance stays within 1e-5 of its peak.
@@ -92,17 +91,6 @@ def test_way_on_an_elastic_tie__stretches_it_as_far_as_energy_and_moment_of_mome
 
 # Cars
 
-CAR = {
-    "type": "car",
-    "speed": 15.0,
-    "friction": 0.6,
-    "wheelbase": 2.8,
-    "rear_distance": 1.2,
-    "height": 0.6,
-    "gravity": 9.81,
-    "reaction_time": 0.8,
-}
-
 
 def curves(ax) -> dict:
     return {line.get_label(): np.array(line.get_data()) for line in ax.get_lines()}
@@ -110,7 +98,7 @@ def curves(ax) -> dict:
 
 @pytest.mark.parametrize("brakes", ["front", "rear", "all"])
 def test_car__comes_to_rest_where_its_results_say(brakes):
-    figure = element_sheet(scene(car=CAR | {"brakes": brakes}).elements["car"], "car")
+    figure = element_sheet(element(CAR | {"speed": 15.0, "reaction_time": 0.8, "brakes": brakes}), "car")
     over_speed, along = figure.axes
     speed, way = curves(over_speed)[f"brakes: {brakes}"]
     (thick,) = (line for line in along.get_lines() if line.get_linewidth() > 1.0)

@@ -7,21 +7,12 @@ from typing import Annotated, Literal
 import numpy as np
 import pytest
 from cam_samples import ROLLER
-from element_samples import EVERY, TIE
+from element_samples import CAR, EVERY, TIE
 from governor_samples import EVERY_GOVERNOR
 from pydantic import Field
 
 import sweeps
-from engine import (
-    Element,
-    ElementsAlone,
-    PlainNumber,
-    Scene,
-    Verdict,
-    element_kinds,
-    is_warning,
-    scene_numbers,
-)
+from engine import Element, ElementsAlone, PlainNumber, Scene, Verdict, element_kinds, is_warning, scene_numbers
 from engine.elements import element as register
 from engine.words.quantity import main_result
 from sweeps.pictures.elements.element_pictures import LAYOUTS, SHEETS, element_sheets
@@ -153,9 +144,8 @@ def test_new_kind__is_told_of_where_a_text_is_wrong(hoist):
 
 
 def test_element_without_results__is_not_drawn(tmp_path):
-    stuck = {"type": "car", "speed": 15.0, "friction": 0.1, "wheelbase": 2.8, "rear_distance": 1.2, "height": 0.6}
     with pytest.raises(PictureError, match="no results to draw"):
-        save_beside(tmp_path / "it.svg", element_sheets(Scene(elements={"it": stuck | {"slope": -0.5}})))
+        save_beside(tmp_path / "it.svg", element_sheets(Scene(elements={"it": CAR | {"friction": 0.1, "slope": -0.5}})))
 
 
 def test_elements_named_after_the_file__have_pictures_of_their_own(tmp_path):

@@ -2,28 +2,26 @@
 
 import numpy as np
 import pytest
-from gear_samples import scene_with, simple_planetary
+from element_samples import element
+from gear_samples import simple_planetary
 
 from engine import velocity_picture
 from sweeps.pictures.elements.gear_sheet import gear_sheet, gear_table
 from sweeps.text.scene_text import read_scene
 from sweeps.text.templates import bundled_templates
 
-
-def train_of(scene):
-    return next(iter(scene.elements.values()))
+TRAIN = element(simple_planetary(24, 30, 84, {"sun": {"speed": 10.0}, "ring": {"speed": -3.0}}))
 
 
 def test_template__makes_a_train_that_fits():
     scene = read_scene(bundled_templates()["planetary_train"])
-    told = gear_table(train_of(scene))
+    told = gear_table(next(iter(scene.elements.values())))
     assert "W = 3·3 − 2·3 − 2 = 1" in told
     assert "1450" in told
 
 
 def test_picture_of_linear_velocities__has_one_velocity_at_every_contact():
-    train = train_of(scene_with(simple_planetary(24, 30, 84, {"sun": {"speed": 10.0}, "ring": {"speed": -3.0}})))
-    picture = velocity_picture(train)
+    picture = velocity_picture(TRAIN)
     assert picture.axes == {"sun_shaft": 0.0, "idler": 27.0, "arm": 0.0, "ring_shaft": 0.0}
     for mesh, height, shafts in (("outer", 12, ("sun_shaft", "idler")), ("inner", 42, ("idler", "ring_shaft"))):
         assert picture.contacts[mesh][0] == pytest.approx(height)
@@ -37,8 +35,7 @@ def test_picture_of_linear_velocities__has_one_velocity_at_every_contact():
 
 
 def test_rays_of_angular_velocities__are_parallel_to_lines_of_linear_ones():
-    train = train_of(scene_with(simple_planetary(24, 30, 84, {"sun": {"speed": 10.0}, "ring": {"speed": -3.0}})))
-    figure = gear_sheet(train)
+    figure = gear_sheet(TRAIN)
     figure.draw_without_rendering()
     _, linear, angular = figure.axes
 

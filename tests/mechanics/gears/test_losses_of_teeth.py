@@ -80,11 +80,9 @@ def test_planet__loses_power_of_its_motion_against_the_carrier():
 @pytest.mark.parametrize(("teeth", "speed"), [(None, 12.0), ("20 deg", -12.0)])
 def test_wheel_on_a_rocker__loses_in_both_senses_of_its_swing(teeth, speed):
     """Powers of drive, inertia and losses balance at every position; the loss is that share of what rolls through."""
-    shafts = {"counter": WATT["shafts"]["counter"] | {"efficiency": 0.92, "pressure_angle": teeth}}
-    shafts["counter"] = {key: value for key, value in shafts["counter"].items() if value is not None}
-    points = {key: value for key, value in WATT["points"].items() if key != "G"}
-    bodies = {key: value for key, value in WATT["bodies"].items() if key != "idler_body"}
-    data = WATT | {"shafts": shafts, "points": points, "bodies": bodies, "input": WATT["input"] | {"speed": speed}}
+    gone = dict.fromkeys(("shafts__sun", "shafts__idler", "points__G", "bodies__idler_body"))
+    counter = {"shafts__counter__efficiency": 0.92, "shafts__counter__pressure_angle": teeth}
+    data = changed(WATT, **gone, **counter, input__speed=speed)
     wheel = ["counter.angle_phi", "counter.angle_phiphi", "counter.angle"]
     moments = ["input_moment_with_friction", "input_moment", "counter.mesh_loss"]
     _, rows = asked(data, [*wheel, *moments], 48)

@@ -1,16 +1,17 @@
-"""Teeth in mesh against tooth thicknesses, published examples, and flanks moved past each other."""
+"""Teeth in mesh against tooth thicknesses, published examples, flanks moved past each other, and sliding."""
 
+import itertools
 import math
 
 import numpy as np
 import pytest
-from gear_samples import found_of
+from element_samples import results, solved
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from engine import Verdict
-from engine.elements.gears.tooth_laws import TeethInMesh, mesh_geometry, minimum_teeth
+from engine.elements.gears.tooth_laws import TeethInMesh, mesh_efficiency, mesh_geometry, minimum_teeth
 
 
 def teeth(z1, z2, sense=1, angle=20.0, helix=0.0, shifts=(0.0, 0.0)):
@@ -144,6 +145,54 @@ def test_interference__is_where_flanks_cut_into_each_other(z1, more, sense, angl
         assert deepest > -1e-9
 
 
+def lost_share(mesh, tips, angle, friction):
+    """Work of friction over work passed on, module 1: pairs of teeth share the load equally, one pitch of contact.
+
+    Between places where a pair comes or goes, or the pitch point is passed, what is lost goes linearly along the path.
+    Helical teeth press along the normal of their flanks, which leans by β_b, tan β_b = tan β cos α_t.
+    """
+    z, sense, beta = (float(mesh.first), float(mesh.second)), mesh.sense, float(mesh.helix_angle)
+    alpha = math.atan(math.tan(float(mesh.pressure_angle)) / math.cos(beta))
+    base = [n / math.cos(beta) * math.cos(alpha) / 2 for n in z]
+    # Lengths of contact on both sides of the pitch point, along the line of action.
+    first, second = (
+        side * (math.sqrt(tip**2 - b**2) - b * math.tan(angle))
+        for side, tip, b in zip((1, sense), tips, base, strict=True)
+    )
+    pitch = math.pi / math.cos(beta) * math.cos(alpha)
+    steps = range(-8, 9)
+    ends = {-second, first, 0.0, *(end + k * pitch for k in steps for end in (-second, first))}
+    places = sorted(end for end in ends if -second <= end <= first)
+    work = 0.0
+    for a, b in itertools.pairwise(places):
+        middle = (a + b) / 2
+        pairs = sum(-second < middle + k * pitch < first for k in steps)
+        work += abs(middle) * (b - a) / pairs
+    sliding, lean = 1 / base[0] + sense / base[1], math.atan(math.tan(beta) * math.cos(alpha))
+    return friction / math.cos(lean) * work * sliding / pitch, first / pitch, second / pitch
+
+
+@given(
+    z1=st.integers(18, 80),
+    more=st.integers(0, 80),
+    sense=st.sampled_from([1, -1]),
+    angle=st.floats(15.0, 27.0),
+    helix=st.sampled_from([0.0, 20.0, 35.0]),
+    shifts=st.tuples(st.floats(-0.3, 0.9), st.floats(-0.3, 0.9)),
+)
+@settings(max_examples=40, deadline=None)
+def test_mesh_loss_and_contact_ratio__are_lengths_and_work_along_the_line_of_action(
+    z1, more, sense, angle, helix, shifts
+):
+    mesh = teeth(z1, z1 + more + (15 if sense < 0 else 0), sense, angle, helix, shifts)
+    found = mesh_geometry(mesh)
+    assume(np.isfinite(found.distance) and not found.interferes and sum(found.contact) >= 1)
+    tips = [float(d) / 2 for d in found.tips]
+    exact, *shares = lost_share(mesh, tips, float(found.angle), 0.05)
+    assert [float(e) for e in found.contact] == pytest.approx(shares, abs=1e-10)
+    assert 1 - float(mesh_efficiency(mesh, found.contact, np.asarray(0.05))) == pytest.approx(exact, rel=1e-9)
+
+
 def pair(sun, wheel, **keys):
     shifts = keys.pop("shifts", (0.0, 0.0))
     return {
@@ -160,7 +209,7 @@ def pair(sun, wheel, **keys):
 
 @pytest.mark.parametrize("z", [1, 6, 14])
 def test_small_pinion__has_its_verdict_and_says_why(z):
-    found, status = found_of(pair(z, 40))
+    found, _, status = results(pair(z, 40))
     assert status == Verdict.INTERFERES
     assert found["m.minimum_teeth"][0] == 15
     assert np.isfinite(found["m.contact_ratio"][0])
@@ -170,16 +219,15 @@ def test_small_pinion__has_its_verdict_and_says_why(z):
 def test_profile_shift__lets_a_small_pinion_run_at_the_standard_distance():
     """x₁ = −x₂ leaves distance and operating angle; ten teeth at 20° need x₁ of some (17 − 10)/17."""
     varied = {"wheels.a.profile_shift": [0.0, 0.45], "wheels.b.profile_shift": [0.0, -0.45]}
-    found, status = found_of(pair(10, 40), varied)
+    found, _, status = results(pair(10, 40), **varied)
     assert list(status) == [Verdict.INTERFERES, Verdict.OK]
-    np.testing.assert_allclose(found["m.centre_distance"][0], 0.05, rtol=1e-15)
-    np.testing.assert_allclose(found["m.operating_pressure_angle"][0], math.radians(20), rtol=1e-15)
-    assert found["m.contact_ratio"][0][1] > 1.2
+    np.testing.assert_allclose(found["m.centre_distance"], 0.05, rtol=1e-15)
+    np.testing.assert_allclose(found["m.operating_pressure_angle"], math.radians(20), rtol=1e-15)
+    assert found["m.contact_ratio"][1] > 1.2
 
 
 def test_forces_of_shifted_wheels__act_at_the_operating_pitch_point():
-    found, status = found_of(pair(20, 30, shifts=(0.5, 0.4), friction=0.0))
-    assert status == Verdict.OK
+    found = solved(pair(20, 30, shifts=(0.5, 0.4), friction=0.0))
     base = 0.002 * 30 * math.cos(math.radians(20))
     # The normal force turns the wheel about its base circle.
     assert found["m.normal_force"][0] == pytest.approx(5.0 / (base / 2), rel=1e-12)
@@ -189,12 +237,12 @@ def test_forces_of_shifted_wheels__act_at_the_operating_pitch_point():
 
 def test_contact_ratio_below_one__has_its_verdict_but_for_helical_teeth_whose_overlap_suffices():
     short = {"shifts": (0.9, 0.9), "pressure_angle": math.radians(25)}
-    found, status = found_of(pair(12, 13, **short))
+    found, _, status = results(pair(12, 13, **short))
     assert found["m.contact_ratio"][0] < 1
     assert status == Verdict.CONTACT_BREAKS
     helical = pair(12, 13, **short, helix_angle=0.3)
-    assert found_of(helical)[1] == Verdict.OK
+    assert results(helical)[2] == Verdict.OK
     helical["wheels"]["a"]["width"] = 0.0005
-    assert found_of(helical)[1] == Verdict.CONTACT_BREAKS
+    assert results(helical)[2] == Verdict.CONTACT_BREAKS
     helical["wheels"]["a"]["width"] = 0.05
-    assert found_of(helical)[1] == Verdict.OK
+    assert results(helical)[2] == Verdict.OK

@@ -5,7 +5,8 @@ import math
 
 import numpy as np
 import pytest
-from gear_samples import found_of, simple_planetary, stepped_planetary, tips_keep_clear
+from element_samples import element, results, solved
+from gear_samples import simple_planetary, stepped_planetary, tips_keep_clear, toothed
 
 from engine import Verdict
 
@@ -40,8 +41,8 @@ def test_stepped_planets__are_set_in_as_their_two_wheels_allow(internal):
         roles = {"first": {"speed": 100.0}, "fourth": {"held": True}}
         train = stepped_planetary(20, 30, 25, 75, roles, internal=internal, planets=count)
         grid = (first, second, third, fourth)
-        found, _ = found_of(train, {f"wheels.{n}.teeth": z for n, z in zip(names, grid, strict=True)})
-        fits = found["arm.spacing_remainder"][0] == 0
+        found, _, _ = results(train, **{f"wheels.{n}.teeth": z for n, z in zip(names, grid, strict=True)})
+        fits = found["arm.spacing_remainder"] == 0
         assert 0.05 < fits.mean() < 0.95
         for i, z in enumerate(zip(*map(np.ndarray.tolist, grid), strict=True)):
             assert fits[i] == can_be_set_in((z[0], z[3]), (z[1], z[2]), internal, count)
@@ -52,7 +53,8 @@ def test_all_conditions__over_all_small_integers():
     axes = (range(12, 22), range(12, 22), range(36, 66), range(1, 6))
     grid = np.array(list(itertools.product(*axes)), float)
     keys = ("wheels.sun.teeth", "wheels.planet.teeth", "wheels.ring.teeth", "shafts.arm.planets")
-    found, status = found_of(simple_planetary(18, 24, 66, ROLES, planets=3), dict(zip(keys, grid.T, strict=True)))
+    train = simple_planetary(18, 24, 66, ROLES, planets=3)
+    found, errors, status = results(train, **dict(zip(keys, grid.T, strict=True)))
     sun, planet, ring, k = grid.T
     neighbours = (k == 1) | ((sun + planet) * np.sin(np.pi / k) > planet + 2)
     fits = (ring == sun + 2 * planet) & ((sun + ring) % k == 0) & neighbours
@@ -65,8 +67,8 @@ def test_all_conditions__over_all_small_integers():
     assert (status[~fits] == why[~fits]).all()
     assert (status[fits] == np.where(clear, Verdict.OK, Verdict.INTERFERES)[fits]).all()
     fits &= clear
-    assert np.isnan(found["arm.ratio"][0][~fits]).all()
-    ratio, error = (a[fits] for a in found["arm.ratio"])
+    assert np.isnan(found["arm.ratio"][~fits]).all()
+    ratio, error = found["arm.ratio"][fits], errors["arm.ratio"][fits]
     assert (np.abs(ratio - (1 + ring / sun)[fits]) <= error + 4 * EPS * ratio).all()
 
 
@@ -74,34 +76,43 @@ def test_numbers_of_teeth_that_are_not_whole__do_not_fit():
     varied = {"wheels.sun.teeth": np.array([18, 18.5, 19, 20])}
     train = simple_planetary(18, 24, 66, ROLES)
     # 20 + 2·24 is no longer 66; nor is 19 + 2·24.
-    assert list(found_of(train, varied)[1]) == [Verdict.OK, Verdict.FRACTION_OF_A_TOOTH, *[Verdict.AXES_APART] * 2]
+    assert list(results(train, **varied)[2]) == [Verdict.OK, Verdict.FRACTION_OF_A_TOOTH, *[Verdict.AXES_APART] * 2]
 
 
 def test_two_stages_on_one_axis__need_equal_distances():
     train = {
         "type": "gear_train",
-        "wheels": {n: {"shaft": s, "teeth": z} for n, s, z in (
-            ("a", "input", 20), ("b", "lay", 60), ("c", "lay", 30), ("d", "output", 50)
-        )},
+        "wheels": toothed(a=("input", 20), b=("lay", 60), c=("lay", 30), d=("output", 50)),
         "shafts": {"input": {"axis": "main", "speed": 1.0}, "lay": {}, "output": {"axis": "main"}},
         "meshes": {"one": {"between": ["a", "b"]}, "two": {"between": ["c", "d"]}},
-    }  # fmt: skip
+    }
     varied = {"wheels.d.teeth": np.array([50.0, 51.0])}
-    found, status = found_of(train, varied)
+    found, _, status = results(train, **varied)
     assert list(status) == [Verdict.OK, Verdict.AXES_APART]
-    np.testing.assert_allclose(found["two.distance_error"][0], [0, 1 / 80], atol=1e-15)
+    np.testing.assert_allclose(found["two.distance_error"], [0, 1 / 80], atol=1e-15)
+
+
+def test_central_shafts_of_joined_sets__are_all_on_one_axis():
+    train = simple_planetary(24, 30, 84, ROLES)
+    train["wheels"] |= toothed(second_sun=("arm", 24), second_planet=("second", 30), second_ring=("ring_shaft", 84))
+    train["shafts"] |= {"second": {"carrier": "out"}, "out": {}}
+    train["meshes"] |= {"m1": {"between": ["second_sun", "second_planet"]}}
+    train["meshes"] |= {"m2": {"between": ["second_planet", "second_ring"], "type": "internal"}}
+    axes = element(train).structure.axes
+    assert len({axes[shaft] for shaft in ("sun_shaft", "ring_shaft", "arm", "out")}) == 1
+    assert len(set(axes.values())) == 3
 
 
 def test_wheel_in_a_smaller_ring__does_not_fit():
     train = simple_planetary(18, 24, 20, ROLES)
-    assert found_of(train)[1] == Verdict.DOES_NOT_FIT
+    assert results(train)[2] == Verdict.DOES_NOT_FIT
 
 
 def test_bore_up_to_the_teeth__does_not_fit():
     train = simple_planetary(24, 30, 84, ROLES, module=0.002)
     train["wheels"]["sun"] |= {"width": 0.02, "bore": 0.01}
     # The root circle has 2 mm · (24 - 2.5) = 43 mm.
-    assert list(found_of(train, {"wheels.sun.bore": [0.042, 0.0431]})[1]) == [Verdict.OK, Verdict.BORE_TOO_LARGE]
+    assert list(results(train, wheels__sun__bore=[0.042, 0.0431])[2]) == [Verdict.OK, Verdict.BORE_TOO_LARGE]
 
 
 # Inertia
@@ -113,8 +124,7 @@ def test_reduced_inertia__is_that_of_lagrange_for_a_simple_planetary():
     train = simple_planetary(sun, planet, ring, ROLES | {"arm": {"inertia": 0.02}}, planets=k, module=m)
     train["wheels"]["sun"] |= {"width": b, "bore": 0.01}
     train["wheels"]["planet"] |= {"width": b}
-    found, status = found_of(train)
-    assert status == Verdict.OK
+    found = solved(train)
     arm = sun / (sun + ring)
     spin = arm - sun / planet * (1 - arm)
     d_s, d_p = m * sun, m * planet

@@ -6,7 +6,8 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from gear_samples import found_of, simple_planetary, stepped_planetary
+from element_samples import results, solved
+from gear_samples import simple_planetary, stepped_planetary, toothed
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -42,8 +43,7 @@ def test_basic_ratio_next_to_one__loses_nearly_all_and_locks_backwards(eta):
     assert i0 > 1
     roles = {"arm": {"speed": SPEED}, "first": {"moment": LOAD}, "fourth": {"held": True}}
     roles["first"]["moment"] = math.copysign(LOAD, i0 - 1)  # arm ahead, first turns by 1 − i₀ < 0
-    found, status = found_of(stepped_planetary(*DAVID, roles, mesh={"efficiency": eta}))
-    assert status == Verdict.OK
+    found = solved(stepped_planetary(*DAVID, roles, mesh={"efficiency": eta}))
     # T_first given, so T_arm = −T_first (1 − i₀ η^w): efficiencies of both ways, that below one holds.
     shares = [(1 - i0) / (1 - i0 * both**w) for w in (1, -1)]
     near(found["efficiency"], float(next(s for s in shares if 0 < s < 1)))
@@ -52,13 +52,13 @@ def test_basic_ratio_next_to_one__loses_nearly_all_and_locks_backwards(eta):
     balanced(found, ("first_shaft", "arm", "fourth_shaft"), ("one", "two"))
     # Loss exceeds what the load could put in: driven by its load the train stays where it is.
     roles["first"]["moment"] *= -1
-    found, status = found_of(stepped_planetary(*DAVID, roles, mesh={"efficiency": eta}))
+    found, _, status = results(stepped_planetary(*DAVID, roles, mesh={"efficiency": eta}))
     assert status == Verdict.SELF_LOCKS
     assert np.isnan(found["efficiency"][0])
     assert np.isnan(found["arm.moment"][0])
     # Driven from the side of the wheel, with its moment given, it stands.
     roles = {"first": {"speed": SPEED, "moment": -LOAD}, "arm": {"loaded": True}, "fourth": {"held": True}}
-    _, status = found_of(stepped_planetary(*DAVID, roles, mesh={"efficiency": eta}))
+    _, _, status = results(stepped_planetary(*DAVID, roles, mesh={"efficiency": eta}))
     assert status == Verdict.STANDS
 
 
@@ -75,10 +75,10 @@ def all_directions(teeth_, eta, omega, moments, unknown):
             acts[rows[b], j] += zb * kb
             acts[rows["arm"], j] -= za * ka + zb * kb
         system = np.hstack([acts, np.array([[float(name == u) for u in unknown] for name in rows])])
-        solved = np.linalg.solve(system, [-moments.get(name, 0.0) for name in rows])
-        rolling = [-solved[0] * z1 * (omega["first"] - omega["arm"]), -solved[1] * z3 * (omega["block"] - omega["arm"])]
+        forces = np.linalg.solve(system, [-moments.get(name, 0.0) for name in rows])
+        rolling = [-forces[0] * z1 * (omega["first"] - omega["arm"]), -forces[1] * z3 * (omega["block"] - omega["arm"])]
         if all(r * s >= 0 for r, s in zip(rolling, senses, strict=True)):
-            found.append(moments | dict(zip(unknown, solved[2:], strict=True)))
+            found.append(moments | dict(zip(unknown, forces[2:], strict=True)))
     return found
 
 
@@ -104,27 +104,24 @@ def test_directions__are_those_in_which_power_comes_out_or_the_train_stands(z, e
     roles = {drive: {"speed": SPEED}, held: {"held": True}, third: {"loaded": True} if drive_given else {}}
     (given_at,) = moments
     roles[given_at] = {"moment": moments[given_at]} | ({"speed": SPEED} if drive_given else {})
-    found, status = found_of(stepped_planetary(*z, roles, mesh={"efficiency": eta}))
-    candidates = all_directions(z, eta, omega, moments, unknown)
-    shares = []
-    for m in candidates:
+    train, shares = stepped_planetary(*z, roles, mesh={"efficiency": eta}), []
+    for m in all_directions(z, eta, omega, moments, unknown):
         into, out = m[drive] * omega[drive], m[third] * omega[third]
         if into > 0 and out < 0:
             shares.append(-out / into)
     if shares:
         # Next to standing, rounding decides whether anything comes out.
         assume(max(shares) > 1e-9)
-        assert status == Verdict.OK
+        found = solved(train)
         near((found["efficiency"][0], found["efficiency"][1] + 1e-9), max(shares))
         balanced(found, ("first_shaft", "arm", "fourth_shaft"), ("one", "two"))
     else:
-        assert status == (Verdict.STANDS if drive_given else Verdict.SELF_LOCKS)
+        assert results(train)[2] == (Verdict.STANDS if drive_given else Verdict.SELF_LOCKS)
 
 
 def test_mesh_that_carries_nothing__has_any_direction():
     roles = {"sun": {"speed": SPEED}, "arm": {"moment": 0.0}, "ring": {"held": True}}
-    found, status = found_of(simple_planetary(20, 30, 80, roles, mesh={"efficiency": 0.9}))
-    assert status == Verdict.OK
+    found = solved(simple_planetary(20, 30, 80, roles, mesh={"efficiency": 0.9}))
     assert found["sun_shaft.moment"][0] == 0
     assert found["loss"][0] == 0
     assert np.isnan(found["efficiency"][0])
@@ -133,12 +130,7 @@ def test_mesh_that_carries_nothing__has_any_direction():
 def closed_train(a, b, c, d, load):
     """A planetary set whose arm and ring are both geared to the output: a, b from the arm, c, d from the ring."""
     train = simple_planetary(30, 30, 90, {"sun": {"speed": SPEED}})
-    train["wheels"] |= {
-        "on_arm": {"shaft": "arm", "teeth": a},
-        "to_arm": {"shaft": "out", "teeth": b},
-        "on_ring": {"shaft": "ring_shaft", "teeth": c},
-        "to_ring": {"shaft": "out", "teeth": d},
-    }
+    train["wheels"] |= toothed(on_arm=("arm", a), to_arm=("out", b), on_ring=("ring_shaft", c), to_ring=("out", d))
     train["shafts"]["out"] = {"moment": load}
     train["meshes"] |= {"by_arm": {"between": ["on_arm", "to_arm"]}, "by_ring": {"between": ["on_ring", "to_ring"]}}
     return train
@@ -146,8 +138,7 @@ def closed_train(a, b, c, d, load):
 
 @pytest.mark.parametrize(("a", "b", "c", "d"), [(40, 40, 20, 60), (60, 20, 50, 30), (30, 50, 45, 35)])
 def test_power_that_circulates__is_what_two_branches_carry_against_each_other(a, b, c, d):
-    found, status = found_of(closed_train(a, b, c, d, 20.0))
-    assert status == Verdict.OK
+    found = solved(closed_train(a, b, c, d, 20.0))
     # Without losses: arm = −(b/a) ω, ring = −(d/c) ω, sun + 3 ring = 4 arm; T_arm : T_ring : T_sun = −4 : 3 : 1.
     arm, ring = -b / a, -d / c
     sun = 4 * arm - 3 * ring
@@ -170,7 +161,7 @@ def test_reactions__of_teeth_and_of_the_planet():
         "ring": {"held": True},
         "idler": {"mass": 0.4, "inertia": 1e-4},
     }
-    found, _ = found_of(simple_planetary(24, 30, 84, roles, planets=3, module=0.002))
+    found = solved(simple_planetary(24, 30, 84, roles, planets=3, module=0.002))
     pull = 90.0 * 24 / 108 / (0.024 * 3)
     near(found["outer.tangential_force"], pull)
     near(found["inner.tangential_force"], pull)
@@ -185,7 +176,7 @@ def test_planets_bearing__carries_the_arms_moment_whatever_the_meshes_lose():
     roles = {"sun": {"speed": SPEED}, "arm": {"moment": -90.0}, "ring": {"held": True}}
     train = simple_planetary(24, 30, 84, roles, planets=3, module=0.002)
     train["meshes"]["outer"]["efficiency"], train["meshes"]["inner"]["efficiency"] = 0.9, 0.8
-    found, _ = found_of(train)
+    found = solved(train)
     sun = 90.0 / (1 + 0.9 * 0.8 * 84 / 24)
     planet, lever = 0.9 * sun * 30 / 24, 3 * 0.054
     outer, inner = (sun + planet) / lever, (0.8 * planet * 84 / 30 - planet) / lever
@@ -196,11 +187,11 @@ def test_helical_teeth__push_along_the_axis():
     train = {
         "type": "gear_train",
         "module": 0.003,
-        "wheels": {"a": {"shaft": "s", "teeth": 20}, "b": {"shaft": "t", "teeth": 50}},
+        "wheels": toothed(a=("s", 20), b=("t", 50)),
         "shafts": {"s": {"speed": SPEED}, "t": {"moment": 300.0}},
         "meshes": {"m": {"between": ["a", "b"], "helix_angle": math.radians(15)}},
     }
-    found, _ = found_of(train)
+    found = solved(train)
     pull = 120.0 / (0.03 / math.cos(math.radians(15)))
     near(found["m.tangential_force"], pull)
     near(found["m.axial_force"], pull * math.tan(math.radians(15)))

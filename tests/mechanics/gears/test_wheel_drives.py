@@ -4,12 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from element_samples import CHAIN, FRICTION
-from gear_samples import found_of
+from element_samples import CHAIN, FRICTION, element, one, results, solved
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine import Scene, Verdict
+from engine import Verdict
 from sweeps.pictures.elements.element_pictures import element_sheet
 
 EPS = np.finfo(float).eps
@@ -21,8 +20,7 @@ def near(found, exact):
 
 
 def test_friction_wheels__lag_by_their_creep_and_lose_it():
-    found, status = found_of(FRICTION)
-    assert status == Verdict.OK
+    found = solved(FRICTION)
     near(found["driven_speed"], -50 * 0.1 * 0.99 / 0.25)
     near(found["tangential_force"], 160.0)
     near(found["needed_press_force"], 1.5 * 160 / 0.2)
@@ -30,34 +28,31 @@ def test_friction_wheels__lag_by_their_creep_and_lose_it():
     lost = found["input_power"][0] - 20 * abs(found["driven_speed"][0])
     assert lost == pytest.approx(160 * 0.01 * 50 * 0.05, rel=1e-12)
     near(found["efficiency"], 1 - lost / found["input_power"][0])
-    assert found_of(FRICTION | {"internal": True})[0]["driven_speed"][0] > 0
+    assert one(FRICTION | {"internal": True}, "driven_speed")[0] > 0
 
 
 def test_friction_wheels__slide_where_less_presses_them_than_suffices():
-    varied = {"press_force": np.array([700.0, 799.9, 800.1, 1200.0])}
-    found, status = found_of(FRICTION | {"press_force": 1000.0}, varied)
+    pressed = np.array([700.0, 799.9, 800.1, 1200.0])
+    found, _, status = results(FRICTION | {"press_force": 1000.0}, press_force=pressed)
     assert list(status) == [Verdict.SLIDES, Verdict.SLIDES, Verdict.OK, Verdict.OK]
-    assert np.isnan(found["driven_speed"][0][:2]).all()
-    np.testing.assert_allclose(found["traction_share"][0], 800 / varied["press_force"], rtol=1e-14)
+    assert np.isnan(found["driven_speed"][:2]).all()
+    np.testing.assert_allclose(found["traction_share"], 800 / pressed, rtol=1e-14)
     # Faces of a groove of 60 deg press twice as hard.
-    grooved, status = found_of(FRICTION | {"press_force": 401.0, "groove_angle": math.radians(60)})
-    assert status == Verdict.OK
+    grooved = solved(FRICTION | {"press_force": 401.0, "groove_angle": math.radians(60)})
     near(grooved["needed_press_force"], 600.0)
 
 
 def test_wheel_in_a_ring__is_smaller_than_the_ring():
-    varied = {"driven_diameter": np.array([0.09, 0.1, 0.11])}
-    found, status = found_of(FRICTION | {"internal": True}, varied)
+    found, _, status = results(FRICTION | {"internal": True}, driven_diameter=[0.09, 0.1, 0.11])
     assert list(status) == [Verdict.DOES_NOT_FIT, Verdict.DOES_NOT_FIT, Verdict.OK]
-    assert list(np.isnan(found["tangential_force"][0])) == [True, True, False]
+    assert list(np.isnan(found["tangential_force"])) == [True, True, False]
 
 
 @given(z=st.integers(5, 60), ratio=st.floats(1, 5), speed=st.floats(1, 500))
 @settings(max_examples=20, deadline=None)
 def test_chain_speed__is_that_of_a_polygon_that_turns(z, ratio, speed):
     """The tight strand leaves along a tangent: its speed is that of the joint that carries it."""
-    found, status = found_of(CHAIN | {"driving_teeth": z, "driven_teeth": round(ratio * z), "speed": speed})
-    assert status == Verdict.OK
+    found = solved(CHAIN | {"driving_teeth": z, "driven_teeth": round(ratio * z), "speed": speed})
     radius = 0.0127 / (2 * math.sin(math.pi / z))
     # Half a pitch angle on both sides of the top, ends and middle among the samples.
     angle = np.linspace(-math.pi / z, math.pi / z, 2001)
@@ -77,7 +72,7 @@ def length_round(r1, r2, distance):
 
 @pytest.mark.parametrize(("z1", "z2", "distance"), [(17, 51, 0.5), (25, 25, 0.3), (19, 76, 0.8), (30, 40, 0.21)])
 def test_links__lie_round_both_sprockets(z1, z2, distance):
-    found, _ = found_of(CHAIN | {"driving_teeth": z1, "driven_teeth": z2, "distance": distance})
+    found = solved(CHAIN | {"driving_teeth": z1, "driven_teeth": z2, "distance": distance})
     pitch = 0.0127
     # Along circles with as long a rim as there are teeth; ((r₂ − r₁)/a)⁴/12 of the distance is left out.
     r1, r2 = (z * pitch / math.tau for z in (z1, z2))
@@ -91,24 +86,24 @@ def test_links__lie_round_both_sprockets(z1, z2, distance):
 
 
 def test_chain__pulls_by_the_driven_moment_and_its_own_mass():
-    found, _ = found_of(CHAIN | {"linear_density": 0.7})
+    found = solved(CHAIN | {"linear_density": 0.7})
     near(found["pull"], 60 / (0.0127 / (2 * math.sin(math.pi / 51))))
     near(found["driving_moment"], 20.0)
     near(found["centrifugal_tension"], 0.7 * (50 * 17 * 0.0127 / math.tau) ** 2)
 
 
 def test_sprockets__have_whole_teeth_and_room():
-    varied = {"driving_teeth": [17, 17.5], "distance": [0.4, 0.4]}
-    assert list(found_of(CHAIN | {"distance": 0.4}, varied)[1]) == [Verdict.OK, Verdict.FRACTION_OF_A_TOOTH]
-    assert found_of(CHAIN | {"distance": 0.12})[1] == Verdict.DOES_NOT_FIT
+    status = results(CHAIN | {"distance": 0.4}, driving_teeth=[17, 17.5])[2]
+    assert list(status) == [Verdict.OK, Verdict.FRACTION_OF_A_TOOTH]
+    assert results(CHAIN | {"distance": 0.12})[2] == Verdict.DOES_NOT_FIT
     # Their radii are 137.7 mm together. At 140 mm the chain has 58.7 links; with 58 they would overlap.
-    found = found_of(CHAIN | {"distance": 0.14}, {"distance": [0.14, 0.144]})
-    assert list(found[1]) == [Verdict.DOES_NOT_FIT, Verdict.OK]
+    status = results(CHAIN | {"distance": 0.14}, distance=[0.14, 0.144])[2]
+    assert list(status) == [Verdict.DOES_NOT_FIT, Verdict.OK]
 
 
 @pytest.mark.parametrize("speed", [50.0, -50.0])
 def test_drawn_chain__touches_both_pitch_circles_and_is_tight_where_it_is_drawn_in(speed):
-    drive = Scene(elements={"it": CHAIN | {"distance": 0.4, "speed": speed}}).elements["it"]
+    drive = element(CHAIN | {"distance": 0.4, "speed": speed})
     layout, _ = element_sheet(drive).axes
     tight = next(line for line in layout.get_lines() if line.get_label() == "tight strand")
     (x, y), radii = np.array(tight.get_data()), [0.5e3 * 0.0127 / math.sin(math.pi / z) for z in (17, 51)]

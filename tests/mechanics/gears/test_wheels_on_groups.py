@@ -5,12 +5,13 @@ import math
 import numpy as np
 import pytest
 from driving_cams import asked, changed
+from each_case import refusals
 from geared_links import CRANK
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from machines import rrr
 
-from engine import MovingMachine, Scene, SceneError, Verdict
+from engine import MovingMachine, Scene, Verdict
 from engine.scene.structure.ordering import order
 
 EPS = np.finfo(float).eps
@@ -117,23 +118,16 @@ def test_differential__adds_motions_and_divides_moments(pivot):
         np.testing.assert_allclose(rows["P.x"], 0.1 * np.cos(angle), atol=8 * EPS)
 
 
-@pytest.mark.parametrize(
-    ("changes", "told"),
-    [
-        ({"shafts__counter__geared_to": "rod"}, "no joint holds 'rod' on 'frame'"),
-        ({"shafts__counter__geared_to": "sun", "shafts__counter__pivot": "F"}, None),
-        ({"shafts__sun__pivot": "D"}, "'D' is not a point of the carrier 'crank'"),
-        ({"shafts__idler__carrier": "rod"}, "'rod' carries this wheel"),
-        ({"shafts__idler__pressure_angle": 0.3, "shafts__idler__pivot": "B"}, "coaxial with 'rod'"),
-        ({"shafts__loose": {"geared_to": "crank", "ratio": 2}, "shafts__counter__geared_to": "loose"}, "has no pivot"),
-        ({"shafts__idler__geared_to": "frame", "shafts__idler__carrier": "frame"}, "carries this wheel"),
-    ],
+test_wheels_that_cannot_mesh__are_refused_in_words = refusals(
+    lambda changes: order(Scene.model_validate(changed(WATT, **changes))),
+    ({"shafts__counter__geared_to": "rod"}, "no joint holds 'rod' on 'frame'"),
+    ({"shafts__sun__pivot": "D"}, "'D' is not a point of the carrier 'crank'"),
+    ({"shafts__idler__carrier": "rod"}, "'rod' carries this wheel"),
+    ({"shafts__idler__pressure_angle": 0.3, "shafts__idler__pivot": "B"}, "coaxial with 'rod'"),
+    ({"shafts__loose": {"geared_to": "crank", "ratio": 2}, "shafts__counter__geared_to": "loose"}, "has no pivot"),
+    ({"shafts__idler__geared_to": "frame", "shafts__idler__carrier": "frame"}, "carries this wheel"),
 )
-def test_wheels_that_cannot_mesh__are_refused_in_words(changes, told):
-    scene = Scene.model_validate(changed(WATT, **changes))
-    if told is None:
-        order(scene)
-        return
-    with pytest.raises(SceneError) as caught:
-        order(scene)
-    assert told in str(caught.value)
+
+
+def test_wheel_in_mesh_with_a_planet_about_the_sun__is_placed():
+    order(Scene.model_validate(changed(WATT, shafts__counter__geared_to="sun", shafts__counter__pivot="F")))

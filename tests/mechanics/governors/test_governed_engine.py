@@ -4,8 +4,9 @@ import mpmath as mp
 import numpy as np
 import pytest
 from each_case import refusals
+from element_samples import results
 from exact_governor import ExactGovernor
-from governor_samples import ENGINE, HARTNELL, PORTER, PROELL, TABLE, governor_results
+from governor_samples import ENGINE, HARTNELL, PORTER, PROELL, TABLE
 from numpy.testing import assert_allclose
 
 from engine import Scene, Verdict
@@ -32,7 +33,7 @@ def equilibrium(governor, load):
 @pytest.mark.parametrize("governor", [PORTER, PROELL, HARTNELL], ids=lambda g: g["type"])
 def test_linear_equation__is_that_of_the_energies(governor):
     governor = governor | {"damping": 250.0, "engine": REGULATED}
-    found, errors, status = governor_results(governor)
+    found, errors, status = results(governor)
     assert status[0] == Verdict.OK
     with mp.workdps(40):
         exact, angle, gain = equilibrium(governor, 180.0)
@@ -62,7 +63,7 @@ def test_linear_equation__is_that_of_the_energies(governor):
 def test_isochronous_governor__keeps_the_speed_and_hunts():
     stiff = 19.8e3
     governor = HARTNELL | {"gravity": 0.0, "preload": stiff * 0.12 * 2 / 3, "damping": 300.0, "engine": ENGINE}
-    found, errors, status = governor_results(governor)
+    found, errors, status = results(governor)
     assert status[0] == Verdict.OK
     assert abs(found["steady_speed_change"][0]) <= errors["steady_speed_change"][0] < 1e-11
     # Y is what the balls' momentum makes of it, and nothing else: little.
@@ -70,11 +71,11 @@ def test_isochronous_governor__keeps_the_speed_and_hunts():
     assert 0 <= found["vyshnegradsky_y"][0] < 0.1
     # With self-regulation enough, a wheel light enough and damping it is stable all the same.
     calm = governor | {"damping": 3000.0, "engine": ENGINE | {"self_regulation": 60.0}}
-    assert governor_results(calm)[0]["stable"][0] == 1
+    assert results(calm)[0]["stable"][0] == 1
 
 
 def test_without_damping__nothing_helps_but_the_gain():
-    found, _, status = governor_results(PORTER | {"engine": ENGINE})
+    found, _, status = results(PORTER | {"engine": ENGINE})
     assert (status[0], found["stable"][0]) == (Verdict.OK, 0)
     assert found["gain_margin"][0] == 0
     assert np.isnan(found["critical_inertia"][0])
@@ -83,19 +84,19 @@ def test_without_damping__nothing_helps_but_the_gain():
 
 def test_loads_that_the_throttle_cannot_carry__are_verdicts():
     governor = PORTER | {"engine": ENGINE}
-    _, _, status = governor_results(governor, engine__load=[399.0, 401.0, 1.0, -1.0])
+    _, _, status = results(governor, engine__load=[399.0, 401.0, 1.0, -1.0])
     assert list(status) == [Verdict.OK, Verdict.STALLS, Verdict.OK, Verdict.RUNS_AWAY]
-    _, _, status = governor_results(governor, engine__new_load=[399.0, 401.0, 1.0, -1.0])
+    _, _, status = results(governor, engine__new_load=[399.0, 401.0, 1.0, -1.0])
     assert list(status) == [Verdict.OK, Verdict.STALLS, Verdict.OK, Verdict.RUNS_AWAY]
 
 
 def test_throttle_by_a_straight_table__is_the_linear_one():
-    lift = governor_results(PORTER)[0]["sleeve_lift"][0]
+    lift = results(PORTER)[0]["sleeve_lift"][0]
     table = {"type": "table", "over_lift": [0.0, lift / 3, lift], "moment": [400.0, 800 / 3, 0.0],
              "interpolation": "linear"}  # fmt: skip
     governor = PORTER | {"damping": 100.0, "engine": ENGINE}
-    linear, _, _ = governor_results(governor)
-    tabled, _, _ = governor_results(governor | {"engine": ENGINE | {"throttle": table}})
+    linear, _, _ = results(governor)
+    tabled, _, _ = results(governor | {"engine": ENGINE | {"throttle": table}})
     for name, column in linear.items():
         assert_allclose(tabled[name], column, rtol=1e-12, atol=1e-15, err_msg=name)
 
@@ -103,7 +104,7 @@ def test_throttle_by_a_straight_table__is_the_linear_one():
 def test_valve_that_is_open_or_shut__has_no_equilibrium_but_its_switch():
     throttle = {"type": "full and shut", "full": 400.0, "closed": 0.0, "switch": 0.03}
     governor = PORTER | {"damping": 100.0, "engine": ENGINE | {"throttle": throttle}}
-    found, _, status = governor_results(governor, engine__throttle__switch=[0.03, 0.05, 0.11])
+    found, _, status = results(governor, engine__throttle__switch=[0.03, 0.05, 0.11])
     assert list(status) == [Verdict.OK, Verdict.OK, Verdict.OUTSIDE_LIMITS]
     assert_allclose(found["working_lift"][:2], [0.03, 0.05], rtol=1e-12)
     assert list(found["stable"][:2]) == [0, 0]

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from element_samples import element
-from governor_samples import ENGINE, EVERY_GOVERNOR, PORTER, PROELL, TABLE, governor_results
+from element_samples import element, results
+from governor_samples import ENGINE, EVERY_GOVERNOR, PORTER, PROELL, TABLE
 from machines import slider_crank
 from numpy.testing import assert_allclose
 
@@ -50,7 +50,7 @@ def test_governor_of_the_machine__has_the_inertia_of_its_mechanism():
     curve = made_ready(both, fields=["reduced_inertia"]).evaluate({}).fields["reduced_inertia"][0]
     alone = PORTER | {"damping": 600.0, "engine": engine | {"inertia": 1.0}}
     # A periodic curve's mean over equally spaced angles is exact but for rounding.
-    found, _, _ = governor_results(alone, engine__inertia=3.0 + wheels + curve.mean())
+    found, _, _ = results(alone, engine__inertia=3.0 + wheels + curve.mean())
     for name in names:
         assert_allclose(outcome.summaries[name], found[name.removeprefix("it.")], rtol=1e-9, err_msg=name)
     drawn = governed_scene(both)[0].elements["it"].engine
@@ -88,7 +88,7 @@ def test_governor_of_no_machine__is_refused():
 def test_curves__have_their_stops_and_stretches():
     governor = PROELL | {"least_radius": 0.15}
     force, speed = element(governor).panels()
-    found, _, _ = governor_results(governor)
+    found, _, _ = results(governor)
     assert [mark.place for mark in force.marks] == [pytest.approx(0.15), pytest.approx(0.2)]
     stable, unstable = (force.places[np.isfinite(curve.values)] for curve in force.curves[:2])
     assert unstable.max() < found["stable_from"][0] < stable.min()
@@ -105,7 +105,7 @@ def lines(ax):
 def test_sheet__shows_what_is_computed():
     governor = element(GOVERNED)
     force, speed, diagram, change, _ = element_sheet(governor, "governor").axes
-    found, _, _ = governor_results(GOVERNED)
+    found, _, _ = results(GOVERNED)
     rays = [t.get_text() for t in force.texts]
     assert rays == [f"{found[key][0] * 30 / math.pi:.4g} rpm" for key in ("least_speed", "greatest_speed")]
     y = change.lines[0].get_ydata()

@@ -6,8 +6,9 @@ import mpmath as mp
 import numpy as np
 import pytest
 from each_case import refusals
+from element_samples import results
 from exact_governor import ExactGovernor, places
-from governor_samples import HARTNELL, PORTER, PROELL, TABLE, governor_results
+from governor_samples import HARTNELL, PORTER, PROELL, TABLE
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
@@ -114,7 +115,7 @@ def radius_of_ball(governor, joint):
 @given(arm_governors())
 def test_arms__speeds_and_forces_are_those_of_virtual_work(drawn):
     governor, _ = drawn
-    found, errors, status = governor_results(governor)
+    found, errors, status = results(governor)
     assume(status[0] in (Verdict.OK, Verdict.UNSTABLE))
     if status[0] == Verdict.UNSTABLE:
         with mp.workdps(30):
@@ -142,7 +143,7 @@ def test_bell_cranks__speeds_and_forces_are_those_of_virtual_work(a, b, pivot, l
         "least_radius": pivot + a * math.sin(lean), "greatest_radius": pivot + a * math.sin(lean + more),
     }  # fmt: skip
     assume(governor["least_radius"] > 0.2 * pivot)
-    found, errors, status = governor_results(governor)
+    found, errors, status = results(governor)
     assume(status[0] == Verdict.OK)
     assume(found["stable_from"][0] == governor["least_radius"])
     assume(found["stable_to"][0] == governor["greatest_radius"])
@@ -159,8 +160,8 @@ def test_bell_cranks__speeds_and_forces_are_those_of_virtual_work(a, b, pivot, l
 def test_table_over_radius_and_over_lift__are_the_same_governor():
     lifts = [(r - 0.12) * 0.66 for r in TABLE["over_radius"]]
     by_lift = {key: value for key, value in TABLE.items() if key != "over_radius"} | {"over_lift": lifts}
-    first, errors, _ = governor_results(TABLE)
-    second, _, _ = governor_results(by_lift)
+    first, errors, _ = results(TABLE)
+    second, _, _ = results(by_lift)
     for name, value in first.items():
         if name not in ("least_stability_radius",):
             assert abs(second[name][0] - value[0]) <= 4 * errors[name][0] + 1e-12 * abs(value[0]), name
@@ -172,8 +173,8 @@ def test_table_of_another_governor__gives_its_results():
     radii = np.linspace(0.11, 0.15, 41)
     force = 0.5 * (831.0 + 19.8e3 * (radii - 0.12) * 2 / 3) * 2 / 3
     table = TABLE | {"lift_ratio": 2 / 3, "over_radius": list(radii), "controlling_force": list(force)}
-    found, _, _ = governor_results(table)
-    wanted, _, _ = governor_results(spring)
+    found, _, _ = results(table)
+    wanted, _, _ = results(spring)
     for name in ("inner_speed", "outer_speed", "non_uniformity", "least_stability", "sleeve_force", "sleeve_lift"):
         assert_allclose(found[name], wanted[name], rtol=1e-11, err_msg=name)
 
@@ -181,7 +182,7 @@ def test_table_of_another_governor__gives_its_results():
 def test_table_at_its_last_row__has_the_slope_from_inside():
     # A straight table from the origin is isochronous up to both stops, which are its ends.
     table = TABLE | {"over_radius": [0.12, 0.1425], "controlling_force": [240.0, 285.0], "interpolation": "linear"}
-    found, _, status = governor_results(table)
+    found, _, status = results(table)
     assert status[0] == Verdict.OK
     assert found["isochronous"][0] == 1
 
@@ -195,7 +196,7 @@ def spring_governor(preload_share, **changes):
 
 
 def test_preload_in_proportion_to_the_radius__is_isochronous():
-    found, errors, status = governor_results(spring_governor(1.0))
+    found, errors, status = results(spring_governor(1.0))
     assert status[0] == Verdict.OK
     assert found["isochronous"][0] == 1
     assert abs(found["non_uniformity"][0]) <= errors["non_uniformity"][0] < 1e-12
@@ -208,7 +209,7 @@ def test_preload_in_proportion_to_the_radius__is_isochronous():
 @some
 def test_preload__decides_about_stability(share):
     assume(abs(share - 1) > 1e-9)
-    found, _, status = governor_results(spring_governor(share))
+    found, _, status = results(spring_governor(share))
     assert status[0] == (Verdict.OK if share < 1 else Verdict.UNSTABLE)
     if share > 1:
         assert all(np.isnan(column[0]) for column in found.values())
@@ -216,7 +217,7 @@ def test_preload__decides_about_stability(share):
 
 def test_stretch_that_is_stable__ends_where_the_margin_is_nought():
     governor = PROELL | {"least_radius": 0.15}
-    found, errors, status = governor_results(governor)
+    found, errors, status = results(governor)
     assert status[0] == Verdict.OK
     assert found["least_stability"][0] < 0
     with mp.workdps(30):
@@ -229,21 +230,21 @@ def test_stretch_that_is_stable__ends_where_the_margin_is_nought():
 
 
 def test_friction_beyond_what_holds_the_balls__jams():
-    found, _, status = governor_results(PORTER, friction=[0.0, 294.0, 295.0, 400.0])
+    found, _, status = results(PORTER, friction=[0.0, 294.0, 295.0, 400.0])
     assert list(status) == [Verdict.OK, Verdict.OK, Verdict.JAMS, Verdict.JAMS]
     assert np.isnan(found["inner_speed"][2:]).all()
 
 
 def test_geometry_that_is_impossible__gets_a_verdict():
-    _, _, status = governor_results(PORTER, upper_arm=[0.25, 0.2, 0.19, 0.1])
+    _, _, status = results(PORTER, upper_arm=[0.25, 0.2, 0.19, 0.1])
     # Arms of 200 mm lie at right angles to the axis at the outer stop.
     assert status[0] == Verdict.OK
     assert set(status[1:]) <= {Verdict.CANNOT_ASSEMBLE, Verdict.SINGULAR, Verdict.NOT_FINITE}
-    assert list(governor_results(PORTER, greatest_radius=[0.16, 0.15, 0.1])[2]) == [0, 3, 3]
+    assert list(results(PORTER, greatest_radius=[0.16, 0.15, 0.1])[2]) == [0, 3, 3]
     # Lower arms that lean inwards let the sleeve sink as the balls rise.
-    assert governor_results(PORTER | {"lower_pivot": 0.39})[2][0] == Verdict.SINGULAR
+    assert results(PORTER | {"lower_pivot": 0.39})[2][0] == Verdict.SINGULAR
     # A slack spring doesn't hold the balls.
-    assert governor_results(HARTNELL | {"gravity": 0.0, "preload": -2000.0})[2][0] == Verdict.UNSTABLE
+    assert results(HARTNELL | {"gravity": 0.0, "preload": -2000.0})[2][0] == Verdict.UNSTABLE
 
 
 test_numbers_that_make_no_governor__are_refused = refusals(

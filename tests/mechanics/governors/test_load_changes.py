@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from element_samples import element
+from element_samples import element, results
 from governed_motion import GovernedMotion
-from governor_samples import ENGINE, PORTER, TABLE, governor_results
+from governor_samples import ENGINE, PORTER, TABLE
 from machines import slider_crank
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
@@ -52,7 +52,7 @@ def panels_over_time(governor, **given):
 def test_change_of_load__is_what_another_method_finds(name):
     governor = CASES[name]
     engine = governor["engine"]
-    found, errors, status = governor_results(governor)
+    found, errors, status = results(governor)
     assert status[0] == Verdict.OK
     motion = GovernedMotion(governor)
     regimes, speeds, hits = motion.follow(engine["load"], engine["new_load"], engine["duration"])
@@ -105,7 +105,7 @@ def test_table_governor__moves_its_engine_as_scipy_does():
     begin = radius, 0.0, math.sqrt(force(radius) / (ball * radius))
     other = solve_ivp(rates, (0.0, 1.0), begin, "DOP853", rtol=1e-11, atol=1e-13, max_step=1e-3)
     assert other.y[0].max() < TABLE["greatest_radius"]
-    found, errors, status = governor_results(governor)
+    found, errors, status = results(governor)
     assert status[0] == Verdict.OK
     # SciPy's steps pass over the kinks of the table, each with an error below 1e-8.
     assert abs(found["highest_speed"][0] - other.y[2].max()) <= errors["highest_speed"][0] + 1e-6
@@ -113,11 +113,11 @@ def test_table_governor__moves_its_engine_as_scipy_does():
 
 
 def test_just_beside_the_critical_damping__it_decays_or_grows():
-    first, _, _ = governor_results(PORTER | {"damping": 100.0, "engine": ENGINE})
+    first, _, _ = results(PORTER | {"damping": 100.0, "engine": ENGINE})
     critical = first["critical_damping"][0]
     # So small a change that the stops are far.
     engine = FOLLOWED | {"new_load": 150.0, "load": 150.15, "duration": 40.0}
-    found, _, _ = governor_results(PORTER | {"engine": engine}, damping=critical * np.array([0.97, 1.03]))
+    found, _, _ = results(PORTER | {"engine": engine}, damping=critical * np.array([0.97, 1.03]))
     swing = found["highest_speed"] - found["lowest_speed"]
     hunting = 2 * found["hunting"] * found["working_speed"]
     assert hunting[0] > 0.9 * swing[0]
@@ -233,7 +233,7 @@ def test_throttled_action_that_is_not_there__is_named():
 def test_dashpot_that_all_but_holds_the_sleeve__is_followed_or_given_up(monkeypatch):
     monkeypatch.setattr("engine.elements.governors.transients.MOST_STEPS", 1500)
     stiff = PORTER | {"engine": FOLLOWED | {"self_regulation": 50.0}}
-    found, _, status = governor_results(stiff, damping=[1e5, 1e9])
+    found, _, status = results(stiff, damping=[1e5, 1e9])
     assert status[0] == Verdict.OK
     # So slowly that the throttle stays as it was: the speed rises by ΔM/s.
     assert found["highest_speed"][0] == pytest.approx(

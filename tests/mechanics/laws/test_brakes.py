@@ -12,9 +12,8 @@ from scipy.integrate import quad
 from engine.laws.brakes import (
     band_and_block_grip,
     band_brake,
-    block_brake,
-    disc_brake,
     long_block_factor,
+    pressed_brake,
     uniform_pressure_radius,
     uniform_wear_radius,
 )
@@ -35,7 +34,7 @@ def test_long_block_on_a_lever__khurmi():
     friction = 0.35 * long_block_factor(math.pi / 4)
     assert round(friction, 3) == 0.385
     normal = 700.0 * 0.45 / (0.2 - friction * 0.05)
-    assert_allclose(block_brake(normal, friction, 0.125, 1.0), 83.75, atol=0.15)
+    assert_allclose(pressed_brake(normal, friction, 0.125, 1.0), 83.75, atol=0.15)
 
 
 # Independent computations
@@ -65,7 +64,7 @@ def test_mean_radius_of_a_disc__is_the_quadrature_over_the_ring(inner, width, st
         # Some six roundings of positive numbers.
         assert_allclose(radius(inner, outer), float(moment / force), rtol=6 * EPS)
     assert_allclose(
-        disc_brake(7.0, 0.3, radius(inner, outer), 4.0), 7.0 * 0.3 * 4 * float(moment / force), rtol=9 * EPS
+        pressed_brake(7.0, 0.3, radius(inner, outer), 4.0), 7.0 * 0.3 * 4 * float(moment / force), rtol=9 * EPS
     )
 
 
@@ -94,16 +93,14 @@ def test_band_brake__is_euler_on_a_lever_in_equilibrium(force, lever_arm, arm, o
 
 def test_released_brake__has_no_moment():
     for force in (0.0, -5.0):
-        assert block_brake(force, 0.3, 0.1, 2.0) == 0.0
-        assert disc_brake(force, 0.3, 0.1, 2.0) == 0.0
+        assert pressed_brake(force, 0.3, 0.1, 2.0) == 0.0
         assert band_brake(force, 0.5, 0.15, -0.035, 0.3, 4.0, 0.1) == 0.0
         assert band_brake(force, 0.5, 0.15, -0.1, 0.3, 4.0, 0.1) == 0.0
 
 
 def test_unknown_number__gives_nan():
     for function, arguments in [
-        (block_brake, [20.0, 0.2, 0.1, 2.0]),
-        (disc_brake, [20.0, 0.2, 0.1, 2.0]),
+        (pressed_brake, [20.0, 0.2, 0.1, 2.0]),
         (long_block_factor, [0.5]),
         (uniform_wear_radius, [0.1, 0.2]),
         (uniform_pressure_radius, [0.1, 0.2]),

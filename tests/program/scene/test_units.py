@@ -18,7 +18,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from engine import display_unit, figure_text, quantity_text
-from engine.units.dimensions import DIMENSIONS
+from engine.units.dimensions import DIMENSIONS, Powers
 from engine.units.reading import UnitError, column_in_text, in_any_unit, in_text, to_si, unit_in
 
 with mpmath.workdps(60):
@@ -130,13 +130,13 @@ def test_unit_as_people_type_it__is_what_they_mean(dimension, unit):
 
 
 def test_pounds_where_no_dimension_is_known__are_of_force_in_foot_pounds_alone():
-    energy = {"[length]": 2, "[mass]": 1, "[time]": -2}
+    energy = Powers(mass=1, length=2, time=-2)
     for unit, size, powers in (
         ("ft-lb", LBF * FOOT, energy),
         ("lb-in", LBF * INCH, energy),
-        ("lb-in2", POUND * INCH**2, {"[mass]": 1, "[length]": 2}),
-        ("lb in", POUND * INCH, {"[mass]": 1, "[length]": 1}),
-        ("oz-in", POUND / 16 * INCH, {"[mass]": 1, "[length]": 1}),
+        ("lb-in2", POUND * INCH**2, Powers(mass=1, length=2)),
+        ("lb in", POUND * INCH, Powers(mass=1, length=1)),
+        ("oz-in", POUND / 16 * INCH, Powers(mass=1, length=1)),
     ):
         assert in_any_unit(f"3 {unit}") == (exact("3", size), powers)
 

@@ -1,8 +1,9 @@
 """Cams for tests, as data of a scene."""
 
-from copy import deepcopy
+from driving_cams import changed
+from element_samples import results
 
-from engine import ElementsAlone, Scene
+from engine import Scene
 
 SECTIONS = {
     "out": {"type": "rise", "law": "modified sine", "angle": "100 deg", "lift": "20 mm"},
@@ -29,35 +30,19 @@ FLAT = ROLLER | {
     "follower": {"type": "translating", "contact": "flat", "mass": "0.5 kg", "preload": "80 N", "stiffness": "8 N/mm"}
 }
 KNIFE = ROLLER | {"follower": {"type": "translating", "contact": "knife edge", "offset": "-3 mm"}}
-SWINGS = {name: {k: ("14 deg" if k == "lift" else v) for k, v in section.items()} for name, section in SECTIONS.items()}
-for _section in SWINGS.values():
-    if _section["type"] == "rise":
-        _section["swing"] = _section.pop("lift")
+SWINGING = {
+    "type": "oscillating",
+    "pivot_distance": "80 mm",
+    "inertia": "0.002 kg m2",
+    "preload": "6 N m",
+    "stiffness": "20 N m/rad",
+}
 ARM = ROLLER | {
-    "sections": SWINGS,
-    "follower": {
-        "type": "oscillating",
-        "contact": "roller",
-        "roller_radius": "8 mm",
-        "pivot_distance": "80 mm",
-        "arm": "70 mm",
-        "inertia": "0.002 kg m2",
-        "preload": "6 N m",
-        "stiffness": "20 N m/rad",
-    },
+    "sections": changed(SECTIONS, out__lift=None, out__swing="14 deg"),
+    "follower": SWINGING | {"contact": "roller", "roller_radius": "8 mm", "arm": "70 mm"},
 }
 ARM_WITH = ARM | {"follower": ARM["follower"] | {"opens": "with"}}
-FACE = ARM | {
-    "base_radius": "40 mm",
-    "follower": {
-        "type": "oscillating",
-        "contact": "flat",
-        "pivot_distance": "80 mm",
-        "inertia": "0.002 kg m2",
-        "preload": "6 N m",
-        "stiffness": "20 N m/rad",
-    },
-}
+FACE = ARM | {"base_radius": "40 mm", "follower": SWINGING | {"contact": "flat"}}
 FACE_WITH = FACE | {"follower": FACE["follower"] | {"opens": "with"}}
 CAMS = {
     "roller": ROLLER,
@@ -71,18 +56,8 @@ CAMS = {
 
 
 def cam_scene(cam, **changes):
-    """Scene with a cam; keys with dots or double underscores for inner tables."""
-    data = deepcopy(cam)
-    for key, value in changes.items():
-        *tables, last = key.split("__")
-        table = data
-        for name in tables:
-            table = table.setdefault(name, {})
-        if value is None:
-            table.pop(last, None)
-        else:
-            table[last] = value
-    return Scene.model_validate({"elements": {"cam": data}})
+    """Scene with a cam; keys with double underscores for inner tables."""
+    return Scene.model_validate({"elements": {"cam": changed(cam, **changes)}})
 
 
 def cam_of(cam, **changes):
@@ -92,11 +67,5 @@ def cam_of(cam, **changes):
 
 def cam_answers(cam, *names, **changes):
     """Values, error estimates and status of results of one cam; of all it has unless named."""
-    scene = cam_scene(cam, **changes)
-    every = ElementsAlone(scene).available_summaries
-    asked = [f"cam.{name}" for name in names] or list(every)
-    outcome = ElementsAlone(scene, asked).evaluate({})
-    short = [name.partition(".")[2] for name in asked]
-    values = {s: float(outcome.summaries[name][0]) for s, name in zip(short, asked, strict=True)}
-    errors = {s: float(outcome.errors[name][0]) for s, name in zip(short, asked, strict=True)}
-    return values, errors, int(outcome.status[0])
+    values, errors, status = results(changed(cam, **changes), *names)
+    return *({name: float(column[0]) for name, column in table.items()} for table in (values, errors)), int(status[0])

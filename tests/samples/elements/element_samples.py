@@ -64,6 +64,25 @@ CHAIN = {
     "speed": 50.0,
     "moment": 60.0,
 }
+CAR = {
+    "type": "car",
+    "speed": 50 / 3.6,
+    "friction": 0.6,
+    "wheelbase": 2.8,
+    "rear_distance": 1.2,
+    "height": 0.6,
+    "gravity": 9.81,
+    "slope": 0.0,
+}
+TWO_MASSES = {
+    "type": "two_mass_drive",
+    "motor_inertia": 0.5,
+    "load_inertia": 3.0,
+    "stiffness": 2e4,
+    "backlash": 0.02,
+    "load_moment": 60.0,
+    "time": 0.05,
+}
 EVERY = {"jack": JACK, "drive": BELT, "key": WEDGE, "ramp": INCLINE, "pin": JOURNAL, "way": GUIDE, "wheel": ROLLER}
 EVERY |= {"egg": TILTED, "lever": LEVER, "tape": WOUND, "disc": DISC, "tie": TIE, "wheels": FRICTION, "chain": CHAIN}
 
@@ -72,27 +91,34 @@ def scene(**elements):
     return Scene.model_validate({"elements": elements})
 
 
-def asked(elements, *names, **varied):
-    """Summaries of elements, by their names without the element's where there is but one; paths with __ for dots."""
-    paths = {f"elements.{key.replace('__', '.')}": np.atleast_1d(value) for key, value in varied.items()}
-    outcome = ElementsAlone(scene(**elements), names, varied=paths).evaluate(paths)
-    return [outcome.summaries[name] for name in names], outcome
+def results(data, *names, **varied):
+    """Values, error estimates and status of one element, of all it has unless named; paths with dots or __ for them."""
+    paths = {f"elements.it.{key.replace('__', '.')}": np.atleast_1d(value) for key, value in varied.items()}
+    machine = scene(it=data)
+    asked = [f"it.{name}" for name in names] or ElementsAlone(machine).available_summaries
+    outcome = ElementsAlone(machine, asked, varied=paths).evaluate(paths)
+    values, errors = ({n[3:]: table[n] for n in asked} for table in (outcome.summaries, outcome.errors))
+    return values, errors, outcome.status
 
 
-def one(element, *names, **changes):
-    """Summaries of a single element with some of its numbers changed."""
-    values, outcome = asked({"it": {**element, **changes}}, *(f"it.{name}" for name in names))
-    assert outcome.status[0] == Verdict.OK
-    return [float(value[0]) for value in values]
+def solved(data, *names, **varied):
+    """Results and their error estimates, (value, error), of an element that has them; arrays where numbers vary."""
+    values, errors, status = results(data, *names, **varied)
+    assert (status == Verdict.OK).all(), status
+    shape = np.asarray if varied else (lambda column: float(column[0]))
+    return {name: (shape(values[name]), shape(errors[name])) for name in values}
+
+
+def figures(data, *names, **varied):
+    """Results and their error estimates in the order asked."""
+    return list(solved(data, *names, **varied).values())
+
+
+def one(data, *names, **changes):
+    """Results alone, of an element with some of its numbers changed."""
+    return [value for value, _ in figures(data | changes, *names)]
 
 
 def element(data):
     """The element that some data describe, alone."""
     return scene(it=data).elements["it"]
-
-
-def figures(data, *names, **varied):
-    """Results of a single element with their error estimates."""
-    values, outcome = asked({"it": data}, *(f"it.{name}" for name in names), **varied)
-    assert outcome.status[0] == Verdict.OK
-    return [(float(v[0]), float(outcome.errors[f"it.{n}"][0])) for n, v in zip(names, values, strict=True)]

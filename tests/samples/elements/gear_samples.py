@@ -4,8 +4,6 @@ import math
 
 import numpy as np
 
-from engine import ElementsAlone, Scene
-
 STANDARD = math.radians(20)
 
 
@@ -19,16 +17,17 @@ def tips_keep_clear(z1, z2, sense=1):
     return first & ((reach <= line) if sense > 0 else (reach >= line))
 
 
+def toothed(**wheels):
+    """Wheels by their names: the shaft and the number of teeth of each."""
+    return {name: {"shaft": shaft, "teeth": teeth} for name, (shaft, teeth) in wheels.items()}
+
+
 def simple_planetary(sun, planet, ring, roles, planets=None, mesh=None, **train):
     """Sun, planets on an arm, ring: `roles` gives keys of the shafts sun_shaft, arm, ring_shaft."""
     arm = {} if planets is None else {"planets": planets}
     return {
         "type": "gear_train",
-        "wheels": {
-            "sun": {"shaft": "sun_shaft", "teeth": sun},
-            "planet": {"shaft": "idler", "teeth": planet},
-            "ring": {"shaft": "ring_shaft", "teeth": ring},
-        },
+        "wheels": toothed(sun=("sun_shaft", sun), planet=("idler", planet), ring=("ring_shaft", ring)),
         "shafts": {
             "sun_shaft": roles.get("sun", {}),
             "idler": {"carrier": "arm"} | roles.get("idler", {}),
@@ -50,12 +49,9 @@ def stepped_planetary(z1, z2, z3, z4, roles, internal=False, planets=None, mesh=
     module = distance / (z4 - z3 if internal else z3 + z4)
     return {
         "type": "gear_train",
-        "wheels": {
-            "first": {"shaft": "first_shaft", "teeth": z1},
-            "second": {"shaft": "block", "teeth": z2},
-            "third": {"shaft": "block", "teeth": z3},
-            "fourth": {"shaft": "fourth_shaft", "teeth": z4},
-        },
+        "wheels": toothed(
+            first=("first_shaft", z1), second=("block", z2), third=("block", z3), fourth=("fourth_shaft", z4)
+        ),
         "shafts": {
             "first_shaft": roles.get("first", {}),
             "block": {"carrier": "arm"} | roles.get("block", {}),
@@ -67,21 +63,3 @@ def stepped_planetary(z1, z2, z3, z4, roles, internal=False, planets=None, mesh=
             "two": {"between": ["third", "fourth"], "module": 0.001 * module} | kind | (mesh or {}),
         },
     } | train
-
-
-def scene_with(train):
-    """A scene of one gear train, called `train`."""
-    return Scene.model_validate({"elements": {"train": train}})
-
-
-def found_of(train, varied=None):
-    """All results of a train by their names, (value, error), and the status; arrays where numbers vary."""
-    scene = scene_with(train)
-    paths = {f"elements.train.{key}": np.asarray(values, float) for key, values in (varied or {}).items()}
-    asked = list(ElementsAlone(scene).available_summaries)
-    outcome = ElementsAlone(scene, asked, varied=list(paths)).evaluate(paths)
-    pick = (lambda a: a) if varied else (lambda a: a[0])
-    names = {name: name.removeprefix("train.") for name in asked}
-    return {short: (pick(outcome.summaries[name]), pick(outcome.errors[name])) for name, short in names.items()}, pick(
-        outcome.status
-    )

@@ -1,8 +1,4 @@
-"""Governors of all kinds, as scenes have them, and how they are asked."""
-
-import numpy as np
-
-from engine import ElementsAlone, Scene
+"""Governors of all kinds, as scenes have them."""
 
 WATT = {"type": "watt_governor", "ball_mass": 3.0, "upper_arm": 0.3, "lower_arm": 0.3, "least_radius": 0.1,
         "greatest_radius": 0.2}  # fmt: skip
@@ -17,16 +13,3 @@ TABLE = {"type": "table_governor", "ball_mass": 2.5, "sleeve_mass": 3.0, "lift_r
          "least_radius": 0.12, "greatest_radius": 0.1425}  # fmt: skip
 ENGINE = {"inertia": 20.0, "throttle": {"type": "linear", "full": 400.0}, "load": 300.0, "new_load": 150.0}
 EVERY_GOVERNOR = {"watt": WATT, "porter": PORTER, "proell": PROELL, "hartnell": HARTNELL, "table": TABLE}
-
-
-def governor_results(governor, **varied):
-    """All results of a governor with their figures; paths of what varies with __ for dots."""
-    scene = Scene.model_validate({"elements": {"it": governor}})
-    paths = {f"elements.it.{key.replace('__', '.')}": np.atleast_1d(value) for key, value in varied.items()}
-    asked = list(ElementsAlone(scene).available_summaries)
-    outcome = ElementsAlone(scene, asked, varied=list(paths)).evaluate(paths)
-    found, errors = (
-        {name.removeprefix("it."): column for name, column in table.items()}
-        for table in (outcome.summaries, outcome.errors)
-    )
-    return found, errors, outcome.status

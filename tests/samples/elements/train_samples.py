@@ -1,8 +1,7 @@
 """Torsional trains, and their matrices made by gear constraints, q = T q_free, instead of by reduction."""
 
 import numpy as np
-
-from engine import ElementsAlone, Scene, Verdict
+from element_samples import element, solved
 
 
 def chain(inertias, stiffnesses, **others):
@@ -84,20 +83,8 @@ def matrices(train, frequency=0.0):
     return *(basis.T @ matrix @ basis for matrix in (inertia, stiffness, dynamic)), basis
 
 
-def solved(train, *names, **varied):
-    """Results of a train and their figures, all asked of one variant unless numbers vary; status must be OK."""
-    paths = {f"elements.it.{key.replace('__', '.')}": np.atleast_1d(value) for key, value in varied.items()}
-    scene = Scene.model_validate({"elements": {"it": train}})
-    names = names or tuple(name[3:] for name in ElementsAlone(scene).available_summaries)
-    outcome = ElementsAlone(scene, [f"it.{n}" for n in names], varied=paths).evaluate(paths)
-    assert (outcome.status == Verdict.OK).all(), outcome.status
-    shape = (lambda a: float(a[0])) if not varied else np.asarray
-    return {n: (shape(outcome.summaries[f"it.{n}"]), shape(outcome.errors[f"it.{n}"])) for n in names}
-
-
 def frequencies_of(train, **varied):
     """Natural frequencies above zero and their figures."""
-    scene = Scene.model_validate({"elements": {"it": train}})
-    count = scene.elements["it"].reported_modes
+    count = element(train).reported_modes
     found = solved(train, *(f"frequency_{k}" for k in range(1, count + 1)), **varied)
     return tuple(np.array(part) for part in zip(*found.values(), strict=True))

@@ -5,7 +5,7 @@ import math
 import machines
 import numpy as np
 import pytest
-from element_samples import asked
+from element_samples import figures
 from motion_scenes import INERTIA, RATIO, ask, rotor, run, slider_crank, steady
 from scipy.integrate import quad, solve_ivp
 
@@ -91,8 +91,7 @@ def test_start_on_an_elastic_shaft__is_that_of_two_masses():
     table = {"speed": [0.0, 2.0, 5.0, 20.0], "moment": [80.0, 60.0, 140.0, 0.0]}
     two = {"type": "two_mass_drive", "motor_inertia": 0.2, "load_inertia": INERTIA, "time": 0.3, **shaft}
     names = ("greatest_moment", "greatest_moment_at", "motor_speed", "load_speed")
-    values, phases = asked({"two": two | {"motor": {"type": "table"} | table}}, *(f"two.{name}" for name in names))
-    expected, room = [value[0] for value in values], [phases.errors[f"two.{name}"][0] for name in names]
+    expected, room = zip(*figures(two | {"motor": {"type": "table"} | table}, *names), strict=True)
     scene = machines.slider_crank(0.05, 0.2, 12.0, "drive") | {"moments": {"m": {"type": "table_motor", **table}}}
     scene["moments"]["m"]["on"] = "crank"
     scene["bodies"] = {"wheel": {"link": "crank", "mass": 0.0, "x": 0.0, "inertia": INERTIA}}
