@@ -173,14 +173,9 @@ class Assembly:
         self.seed_tables: dict[str, mechanism.groups.seed_tables.SeedTables] = {}
         self.solutions: dict[str, tuple[Node, ...]] = {}
 
-    @property
-    def has_cycle(self) -> bool:
-        """Whether the input turns fully, so that the machine has a closed cycle."""
-        return self.scene.has_cycle
-
     def turns(self, link: str) -> Node:
         """Turns of a link over the cycle, relative to the reference of its angle; 0 without a cycle."""
-        if not self.has_cycle:
+        if not self.scene.has_cycle:
             return self.graph.zero
         scene, revolutions, net_turns = self.scene, self.scene.input.revolutions, structure.meshes.net_turns
         return self.graph.derived(f"turns of {link}", lambda n: revolutions * net_turns(scene, link, n))

@@ -7,7 +7,6 @@ from engine import laws, mechanism
 from engine.graph.nodes import Graph, Node, Return
 from engine.laws.elementary import direction_of
 from engine.mechanism.assembly import Assembly, Course, DyadStatics, GuideLine, MovingPoint, Slide, Turning
-from engine.mechanism.input_motion import input_span
 from engine.mechanism.vectors import Vector, named
 from engine.parts.skeleton import FRAME, CrankInput
 from engine.scene import structure
@@ -136,8 +135,7 @@ class Kinematics(Assembly):
         self.statics[name] = kind.add_dyad(self, name)
 
     def _free_group(self, group: "structure.free_groups.FreeGroup") -> None:
-        span = input_span(self.scene, self.graph)
-        self.free[group.name] = mechanism.groups.free.add_free_group(self, group, span, self.has_cycle)
+        self.free[group.name] = mechanism.groups.free.add_free_group(self, group)
 
     def _noncircular_wheel(self, name: str) -> None:
         self.noncircular[name] = mechanism.higher_pairs.noncircular_motion.add_noncircular_wheel(self, name)

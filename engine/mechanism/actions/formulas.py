@@ -196,7 +196,7 @@ class _Curves:
 
     def _follows_time(self, angle: Tree) -> bool:
         """Whether a part depends on the time of a cycle at constant speed."""
-        uniform = self.kinematics.has_cycle and self.time is uniform_time(self.kinematics)
+        uniform = self.kinematics.scene.has_cycle and self.time is uniform_time(self.kinematics)
         return uniform and TIME in names_in_tree(angle)
 
     def _turns_wholly(self, angle: Tree) -> bool:
