@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-from plan_machines import moment_about
+from plan_machines import assert_in_equilibrium, assert_legs_meet, largest
 from reaction_graphs import ReactionValues
 
 from engine import Near, Scene, SceneError, assembly_modes
 from engine.mechanism.assembly import Slide
 from engine.mechanism.groups.closure_of_free import Direction
 from engine.scene.structure.ordering import order
-from sweeps.pictures.plans.forces.loads import loads_on_links
 from sweeps.pictures.plans.polygons import accelerations, velocities
 from sweeps.pictures.plans.pose import MachineCycle
 
@@ -114,14 +113,7 @@ def test_leg_of_two_sliding_pairs__has_its_place_in_plans():
     pose = MachineCycle(in_best_mode(("RP", "PP", "RR"))).at(2.2)
     for plan in (velocities(pose), accelerations(pose)):
         (name,) = plan.places
-        size = max(map(abs, plan.images.values()))
-        for leg in plan.legs:
-            end = plan.images.get(leg.start, 0j) + sum(step.vector for step in leg.steps)
-            assert abs(end - plan.images.get(leg.end, 0j)) < 100 * EPS * size
+        assert_legs_meet(plan, 100 * EPS)
         # The leg slides along a guide of the frame, as that lies.
-        assert abs((plan.images[name].conjugate() * pose.guide("way1")).imag) < 100 * EPS * size
-    on_links = loads_on_links(pose)
-    scale = max(abs(load.force) for loads in on_links.values() for load in loads)
-    for link, loads in on_links.items():
-        assert abs(sum(load.force for load in loads)) < 100 * EPS * scale
-        assert abs(moment_about(pose.origin(link).place, loads)) < 100 * EPS * scale
+        assert abs((plan.images[name].conjugate() * pose.guide("way1")).imag) < 100 * EPS * largest(plan)
+    assert_in_equilibrium(pose, 100 * EPS)

@@ -6,18 +6,13 @@ import numpy as np
 import pytest
 from free_link_scenes import free_link_scene
 from matplotlib.text import Text
-from plan_machines import moment_about
+from plan_machines import EXACT, assert_in_equilibrium, assert_legs_meet
 
 from engine import Scene
 from sweeps.pictures.plans.forces.force_plan import force_polygon
-from sweeps.pictures.plans.forces.loads import loads_on_links
 from sweeps.pictures.plans.polygons import accelerations, velocities
 from sweeps.pictures.plans.pose import MachineCycle
 from sweeps.pictures.plans.sheets import kinematic_sheet
-
-# A plan adds a few vectors of the engine's, each good to some tens of roundings of the largest in it.
-EXACT = 1e-12
-
 
 # A group that begins with a special point, and one that has none and slides.
 KINDS = ("three bars", "sliding plate")
@@ -38,10 +33,7 @@ def cycle_of(kind: str) -> MachineCycle:
 def test_ways_to_images__meet(kind, plan_of):
     for at in (0.7, 4.0):
         plan = plan_of(cycle_of(kind).at(at))
-        largest = max(map(abs, plan.images.values()))
-        for leg in plan.legs:
-            end = plan.images.get(leg.start, 0j) + sum(step.vector for step in leg.steps)
-            assert abs(end - plan.images.get(leg.end, 0j)) < EXACT * largest, leg
+        assert_legs_meet(plan)
         # A polygon for every link at least: all of them are drawn.
         assert len(plan.legs) > len(cycle_of(kind).scene.links)
 
@@ -65,14 +57,9 @@ def test_loads_with_friction__every_free_link_in_equilibrium(kind):
     (group,) = cycle.structure.free_groups
     for at in (0.7, 4.0):
         pose = cycle.at(at)
-        on_links = loads_on_links(pose)
-        scale = max(abs(load.force) for loads in on_links.values() for load in loads)
-        for link, loads in on_links.items():
-            origin = pose.origin(link).place
-            # Links of some decimetres: moments are as exact as forces.
-            assert abs(sum(load.force for load in loads)) <= EXACT * scale
-            assert abs(moment_about(origin, loads)) <= EXACT * scale, link
-        assert abs(sum(load.force for load in force_polygon(pose, group))) <= EXACT * scale
+        assert_in_equilibrium(pose)
+        forces = [load.force for load in force_polygon(pose, group)]
+        assert abs(sum(forces)) <= EXACT * max(map(abs, forces))
 
 
 def test_sheet_of_a_triad__names_its_special_point():

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from driving_cams import BALANCE, asked, changed, rows_of
 from each_case import refusals
+from five_bars import JOINED
 from geared_links import CRANK
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from machines import rrr
 from two_bars import joint, power
 
 from engine import Machine, Scene
@@ -32,27 +32,16 @@ SECOND = {
     "harmonics": {"two": {"order": 2, "cosine": 0.1, "sine": -0.06}},
     "sections": SWINGS,
 }
-MACHINE = {
-    "gravity": 9.81,
-    "points": {"C": {"x": 0.2, "y": 0.02}, "D": {"link": "second", "x": 0.04, "y": 0.01}},
-    "groups": {"arms": rrr("B", ("left", "A", 0.19), ("right", "D", 0.17))},
-    "bodies": {
-        "left_body": {"link": "left", "mass": 0.7, "x": 0.09, "inertia": 0.002},
-        "right_body": {"link": "right", "mass": 0.8, "x": 0.08, "inertia": 0.003},
-        "second_body": {"link": "second", "mass": 1.5, "x": 0.04, "y": 0.01, "inertia": 0.002},
-    },
-}
 # Over 0 … 7 rad of a crank no turn of which is like another, as 2.5 turns of it take 5/8 of two periods.
-OVER_RANGE = MACHINE | {
-    "points": MACHINE["points"] | {"O": {"x": 0, "y": 0}},
+OVER_RANGE = JOINED | {
     "input": CRANK | {"speed": SPEED, "start": 0.0, "stop": 7.0},
     "inputs": {"second": SECOND | {"period": PERIOD, "speed": TURNING}},
 }
-SLIDING = MACHINE | {
+SLIDING = JOINED | {
     "guides": {"way": {"angle": 0.1}},
     "input": {"type": "slider", "link": "ram", "guide": "way", "point": "A", "start": -0.05, "stop": 0.05, "speed": 1},
     "inputs": {"second": SECOND | {"travel": 0.06}},
-    "bodies": MACHINE["bodies"] | {"ram_body": {"link": "ram", "mass": 2.0}},
+    "bodies": JOINED["bodies"] | {"ram_body": {"link": "ram", "mass": 2.0}},
 }
 FIELDS = ["B.x", "B.y", "second.angle", "second.angle_phi", "second.angle_phiphi"]
 DRIVES = ["input_moment_by_equilibrium", "second.driving_moment", "input_moment_by_power", "input_moment"]

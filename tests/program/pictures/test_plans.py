@@ -8,7 +8,18 @@ import pytest
 from each_case import each
 from matplotlib.figure import Figure
 from matplotlib.text import Text
-from plan_machines import CLOSED, HIGHER, MACHINES, cycle_of, moment_about, poses, rubbing
+from plan_machines import (
+    CLOSED,
+    EXACT,
+    HIGHER,
+    MACHINES,
+    assert_in_equilibrium,
+    assert_legs_meet,
+    cycle_of,
+    largest,
+    poses,
+    rubbing,
+)
 from rubbing_machines import RHO, press, yoke
 
 from engine import Scene
@@ -21,15 +32,9 @@ from sweeps.pictures.plans.polygons import accelerations, velocities
 from sweeps.pictures.plans.pose import MachineCycle
 from sweeps.pictures.plans.sheets import force_sheet
 
-# A plan adds a few vectors of the engine's, each good to some tens of roundings of the largest in it.
-EXACT = 1e-12
 # Derivatives by Fourier series of 720 points: a rounding of the positions, 1e-16 of the mechanism's size (at most ten
 # cranks), is multiplied by the highest order, 360, once or twice, and summed over as many.
 BY_FOURIER = 10 * 1e-16 * 360**2 * math.sqrt(360)
-
-
-def largest(plan):
-    return max(map(abs, plan.images.values()))
 
 
 # Velocities and accelerations
@@ -40,9 +45,8 @@ def largest(plan):
 def test_legs__meet_in_the_images_of_points(name, plan_of):
     for pose in poses(name):
         plan = plan_of(pose)
+        assert_legs_meet(plan)
         for leg in plan.legs:
-            end = plan.images.get(leg.start, 0j) + sum(step.vector for step in leg.steps)
-            assert abs(end - plan.images.get(leg.end, 0j)) < EXACT * largest(plan)
             start, end = (name.rstrip("'") for name in (leg.start, leg.end))
             kinds = [step.kind for step in leg.steps]
             if "tangential" in kinds:
@@ -105,19 +109,6 @@ def test_link_of_three_points__is_a_triangle_of_its_images():
 
 
 # Forces
-
-
-def assert_in_equilibrium(pose):
-    on_links = loads_on_links(pose)
-    scale = max([abs(load.force) for loads in on_links.values() for load in loads], default=0.0)
-    size = abs(np.ptp(np.concatenate(list(pose.motion.points.values()))))
-    for link, loads in on_links.items():
-        origin = pose.origin(link).place
-        # A few roundings of the largest force, and of its moment over the size of the mechanism, times what the
-        # transmission of forces enlarges them by: ten and more near the ends of a swing.
-        least = max([scale * size, *(abs(load.moment) for load in loads)])
-        assert abs(sum(load.force for load in loads)) <= EXACT * scale
-        assert abs(moment_about(origin, loads)) <= EXACT * least
 
 
 def assert_closed(pose, parts):
