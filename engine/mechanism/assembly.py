@@ -217,6 +217,11 @@ class Assembly:
             self.graph.derived(f"sin {path}", lambda n: np.sin(n[path])),
         )
 
+    def guide_on(self, name: str, carrier: Turning) -> GuideLine:
+        """A guide on its carrier."""
+        r, u = self.place("guides", name), self.direction(f"guides.{name}.angle")
+        return GuideLine(carrier, carrier.origin.r + r.to_frame(carrier.u), u.to_frame(carrier.u))
+
     def link(self, name: str, link: Turning) -> None:
         """Register a link of a group."""
         self.links[name] = link.called(name)

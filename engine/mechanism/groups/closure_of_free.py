@@ -122,12 +122,6 @@ class ClosureOfFree:
         """Distance of a slider's origin from its guide, positive to the left."""
         return self.assembly.number(f"links.{link}.offset")
 
-    def guide_on(self, guide: str, carrier: Turning) -> GuideLine:
-        """A guide on its carrier."""
-        r = self.assembly.place("guides", guide)
-        u = self.assembly.direction(f"guides.{guide}.angle")
-        return GuideLine(carrier, carrier.origin.r + r.to_frame(carrier.u), u.to_frame(carrier.u))
-
     def slider_guide(self, pair: Pair) -> str:
         """Name of the guide of a prismatic pair."""
         return self.assembly.scene.links[pair.link].guide
@@ -170,10 +164,8 @@ class ClosureOfFree:
 
     def _sliding(self, links: dict[str, Turning], pair: Pair, unknown: Slide) -> Turning:
         """A slider on a guide of a link placed before it."""
-        line = self.guide_on(self.slider_guide(pair), links[pair.other])
-        r = line.r + unknown.d * line.u + self.offset(pair.link) * line.u.normal
-        under, sliding = line.under(r), unknown.v * line.u
-        origin = MovingPoint(r, under.v + sliding, under.a + line.coriolis(sliding) + unknown.a * line.u)
+        line = self.assembly.guide_on(self.slider_guide(pair), links[pair.other])
+        origin = line._replace(r=line.r + self.offset(pair.link) * line.u.normal).along(unknown)
         return Turning(origin, line.u, line.carrier.w, line.carrier.e)
 
     def _carrying(self, links: dict[str, Turning], pair: Pair, unknown: Slide) -> Turning:
@@ -214,7 +206,7 @@ class ClosureOfFree:
         """Guide line of a cut link's joint, on the link beyond the guide, and the joint's distance to its left."""
         joint, guide = self.local(cut.name, cut.one.joint), self.slider_guide(cut.other)
         if cut.other.link == cut.name:
-            return self.guide_on(guide, links[cut.other.other]), self.offset(cut.name) + joint.y
+            return self.assembly.guide_on(guide, links[cut.other.other]), self.offset(cut.name) + joint.y
         slider = links[cut.other.link]
         r = self.assembly.place("guides", guide)
         angle = self.assembly.direction(f"guides.{guide}.angle")
@@ -233,7 +225,7 @@ class ClosureOfFree:
             joints = (self.joint_on(links, link, pair.joint) for link in (pair.link, pair.other))
             r, v, a = (first - two for first, two in zip(*joints, strict=True))
             return [LoopResidual(r.x, v.x, a.x), LoopResidual(r.y, v.y, a.y)]
-        line, slider = self.guide_on(self.slider_guide(pair), links[pair.other]), links[pair.link]
+        line, slider = self.assembly.guide_on(self.slider_guide(pair), links[pair.other]), links[pair.link]
         sine, cosine = line.u.cross(slider.u), line.u.dot(slider.u)
         w, e = slider.w - line.carrier.w, slider.e - line.carrier.e
         turning = LoopResidual(sine * self.size, cosine * w * self.size, (cosine * e - sine * w * w) * self.size)

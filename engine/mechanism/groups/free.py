@@ -233,7 +233,7 @@ def _register(closure: ClosureOfFree, links: dict[str, Turning], motions: Sequen
 
 def _slide(closure: ClosureOfFree, slider: str, carrier: str, guide: str) -> Slide:
     links = closure.assembly.links
-    line, origin = closure.guide_on(guide, links[carrier]), links[slider].origin
+    line, origin = closure.assembly.guide_on(guide, links[carrier]), links[slider].origin
     under = line.under(origin.r)
     v = line.u.dot(origin.v - under.v)
     return Slide(line.u.dot(origin.r - line.r), v, line.u.dot(origin.a - under.a - line.coriolis(v * line.u)))

@@ -208,11 +208,8 @@ class SeedTables:
         given = [name for name in self.scene.near if name in self._points]
         if not given:
             return 0 if len(places) == 1 else None
-        wanted = self.scene.near
-        far = [
-            sum((at[name][0] - wanted[name].x) ** 2 + (at[name][1] - wanted[name].y) ** 2 for name in given) ** 0.5
-            for at in places
-        ]
+        wanted = [x for name in given for x in (self.scene.near[name].x, self.scene.near[name].y)]
+        far = [math.dist([x for name in given for x in at[name]], wanted) for at in places]
         order = np.argsort(far)
         if len(far) > 1 and not far[order[1]] > (1.0 + _NEARER) * far[order[0]]:
             return None
@@ -253,23 +250,17 @@ class SeedTables:
     def _made(self, numbers: Numbers) -> SeedAnswers:
         self.check()
         first, last = self._walk.table(numbers)[:2]
-        variants = first.size
         chosen = [mode for mode in self.modes if mode.chosen]
-        verdict = np.full(variants, int(Verdict.OK))
         if not chosen:
-            seeds = np.full((self.entries, variants), np.nan)
-            return SeedAnswers(seeds, np.full(variants, int(Verdict.CANNOT_ASSEMBLE)), first.copy())
+            seeds = np.full((self.entries, first.size), np.nan)
+            return SeedAnswers(seeds, np.full(first.size, int(Verdict.CANNOT_ASSEMBLE)), first.copy())
         start, sines, arrived = self._carried(numbers, chosen[0])
         paths = self.walked(numbers, self._polished(numbers, start), sines)
-        verdict[~np.isnan(paths.short_at)] = Verdict.MODE_NOT_REACHED
-        verdict[~np.isnan(paths.ends_at)] = Verdict.SINGULAR
-        at = np.where(np.isnan(paths.ends_at), paths.short_at, paths.ends_at)
-        verdict[~paths.closes] = Verdict.OTHER_MODE
-        at[~paths.closes] = last[~paths.closes]
-        verdict[~arrived] = Verdict.MODE_NOT_REACHED
-        at[~arrived] = first[~arrived]
         paths.seeds[:, ~arrived] = np.nan
-        return SeedAnswers(paths.seeds, verdict, at)
+        where = [~arrived, ~paths.closes, ~np.isnan(paths.ends_at), ~np.isnan(paths.short_at)]
+        verdicts = [Verdict.MODE_NOT_REACHED, Verdict.OTHER_MODE, Verdict.SINGULAR, Verdict.MODE_NOT_REACHED]
+        at = np.select(where, [first, last, paths.ends_at, paths.short_at], np.nan)
+        return SeedAnswers(paths.seeds, np.select(where, list(map(int, verdicts)), int(Verdict.OK)), at)
 
     def walked(self, numbers: Numbers, start: np.ndarray, sines: np.ndarray) -> "mechanism.groups.seed_walk.SeedPaths":
         """Paths from the unknowns at the first position, with their transmission index."""
