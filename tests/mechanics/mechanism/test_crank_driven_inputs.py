@@ -89,6 +89,5 @@ def test_slider_driven_by_sections__is_a_follower_in_a_groove():
 test_wrong_drives__are_refused_in_words = refusals(
     lambda changes: order(Scene.model_validate(changed(FIVE_BAR, **changes))),
     ({"inputs__second__pivot": "A"}, "inputs.second.drive: gears or cams between the crank and 'second' are on"),
-    ({"inputs__second__drive": "own"}, "flywheel: needs a single drive, but 'second' has its own"),
     ({"inputs__second__drive": "own"}, "inputs.second.drive = 'crank'"),
 )

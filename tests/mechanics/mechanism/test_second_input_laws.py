@@ -1,7 +1,8 @@
-"""Second inputs that slide, rest for a while, and stand on moving links, against closed forms and 50 digits."""
+"""Second inputs that slide, rest for a while, stand on moving links and rub, against closed forms and 50 digits."""
 
 import math
 
+import five_bars
 import mpmath
 import numpy as np
 import pytest
@@ -225,6 +226,22 @@ def test_index_table__goes_on_by_a_quarter_in_each_turn_and_rests():
     assert greatest == pytest.approx(0.05 * (2 * 90 / 120) ** 2, rel=1e-13)
 
 
+HARMONICS = {"one": {"order": 1, "cosine": 0.2, "sine": -0.3}, "three": {"order": 3, "cosine": 0.04, "sine": 0.05}}
+FIVE_BAR = five_bars.JOINED | {
+    "inputs": {"second": {"type": "crank", "pivot": "C", "ratio": -1, "phase": 0.5, "harmonics": HARMONICS}}
+}
+
+
+def test_friction__is_borne_by_both_drives():
+    friction = {
+        "own": {"pair": "second", "coefficient": 0.1, "diameter": 0.02},
+        "inner": {"pair": "arms.inner", "coefficient": 0.15, "diameter": 0.02},
+    }
+    names = ["input_moment_with_friction", "input_moment_by_equilibrium", "second.driving_moment", "second.angle_phi"]
+    whole, own, second, rate = asked(changed(FIVE_BAR, friction=friction), names)[1].values()
+    np.testing.assert_allclose(whole, own + second * rate, atol=8 * EPS * (np.abs(own) + np.abs(second * rate)).max())
+
+
 # Refusals
 
 
@@ -242,6 +259,7 @@ test_wrong_laws__are_refused_in_words = refusals(
     ({"inputs__ram__ratio": 1.0}, "ratio"),
     ({"inputs__ram__sections": {"out": OUT, "rest": {"type": "dwell"}}}, "ends the turn 0.01 away from where"),
     ({"inputs": {"arm": {"type": "crank", "pivot": "O", "sections": TOO_FAR}}}, "returns exceed the rises by 60 deg"),
+    ({"inputs": {"arm": {"type": "crank", "pivot": "O"}}}, "never moves: give a ratio, a speed, harmonics"),
 )
 
 
@@ -252,6 +270,20 @@ test_misplaced_second_inputs__are_refused_in_words = refusals(
     ({"guides__way__link": "left"}, "inputs.ram.guide: 'way' is on a link that this input drives"),
     ({"inputs__fore": {"type": "crank", "pivot": "B", "ratio": 1}}, "inputs.fore.pivot: 'B' is a joint of two links"),
     ({"input__start": 0.0, "input__stop": 1.0, "flywheel": {"inertia": 1.0}}, "flywheel"),
+)
+
+
+SLIDER = {"type": "slider", "link": "crank", "guide": "way", "point": "A", "start": 0, "stop": 0.05, "speed": 0.1}
+
+
+test_wrong_second_cranks__are_refused_in_words = refusals(
+    lambda changes: order(Scene.model_validate(changed(FIVE_BAR, **changes))),
+    ({"inputs__second__pivot": "B"}, "inputs.second.pivot: 'B' is on a link that this input drives"),
+    ({"inputs__second__ratio": 0.5}, "makes 0.5 turns in a cycle of 1 of the crank"),
+    ({"inputs": {"left": {"type": "crank", "pivot": "C", "ratio": 1}}}, "link 'left' is already moved by inputs.left"),
+    ({"input": SLIDER, "guides": {"way": {}}}, "inputs.second: the first input slides and has no angle"),
+    ({"regimes": {"idle": {"type": "steady"}}}, "regimes.idle: needs a single drive"),
+    ({"flywheel": {"speed_fluctuation": 0.05}}, "flywheel: needs a single drive, but 'second' has its own"),
 )
 
 

@@ -1,7 +1,6 @@
 """Deviations from wanted motions, in closed form, and a linkage that is found again by its path."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +11,6 @@ from machines import crank, frame, rpp, rrp
 
 from engine import Machine, Scene, Verdict
 from engine.scene.structure.ordering import order
-from sweeps.text.scene_text import read_scene, write_scene
 
 R = 0.05
 TOLD = ("deviation_rms", "deviation_max")
@@ -108,12 +106,6 @@ def test_spline_through_rows_that_the_motion_passes__deviates_by_the_splines_err
     values, _ = deviations(machine(wanted))
     # A natural spline's curvature is zero at the ends, where the cosine's is not: h² r/(9 √3) there at most.
     assert 0 < values[1] < (math.pi / 32) ** 2 * R / 15
-
-
-def test_scene_written_and_read_again__wants_the_same(tmp_path):
-    scene = machine({"type": "path", "point": "A", "x": [0.1, 0.02], "y": [0.0, 0.03]})
-    Path(tmp_path / "again.toml").write_text(write_scene(scene))
-    assert read_scene(tmp_path / "again.toml").wanted == scene.wanted
 
 
 PATH = {"type": "path", "point": "A", "x": [1e-3], "y": [1e-3]}

@@ -10,9 +10,10 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from plan_machines import (
     CLOSED,
+    EVERY,
     EXACT,
+    FREE,
     HIGHER,
-    MACHINES,
     assert_in_equilibrium,
     assert_legs_meet,
     cycle_of,
@@ -40,16 +41,16 @@ BY_FOURIER = 10 * 1e-16 * 360**2 * math.sqrt(360)
 # Velocities and accelerations
 
 
-@each("name", [*MACHINES, *HIGHER])
+@each("name", EVERY)
 @each("plan_of", [velocities, accelerations])
 def test_legs__meet_in_the_images_of_points(name, plan_of):
     for pose in poses(name):
         plan = plan_of(pose)
         assert_legs_meet(plan)
         for leg in plan.legs:
-            start, end = (name.rstrip("'") for name in (leg.start, leg.end))
+            start, end = (point.rstrip("'") for point in (leg.start, leg.end))
             kinds = [step.kind for step in leg.steps]
-            if "tangential" in kinds:
+            if "tangential" in kinds and name not in FREE:
                 # Along the bar and across it, so that their sum leaves no choice.
                 arm = np.subtract(*(plan.places[n] if n in plan.places else pose.point(n).place for n in (end, start)))
                 (normal, tangential), room = (step.vector for step in leg.steps), EXACT * largest(plan) * abs(arm)
@@ -59,7 +60,7 @@ def test_legs__meet_in_the_images_of_points(name, plan_of):
             # What touches where wheels roll has no other acceleration against each other.
             assert leg.start != f"{end}'" or end not in plan.places or end[0] != "P" or kinds == ["normal"]
         # A second way to a point is what makes the plan a polygon: every group has one, every shaft its own.
-        assert len(plan.legs) >= 1 + 2 * len(pose.scene.groups)
+        assert len(plan.legs) >= 1 + 2 * len(pose.scene.groups) + len(pose.scene.links)
 
 
 @each("name", CLOSED)
@@ -77,7 +78,7 @@ def test_images__derivatives_of_positions_by_fourier(name):
                 assert abs(image - rate) < BY_FOURIER * crank_length * abs(cycle.omega) ** order
 
 
-@each("name", [*MACHINES, *HIGHER])
+@each("name", EVERY)
 def test_places_of_links__move_as_their_points(name):
     for pose in poses(name):
         for point, part in pose.scene.points.items():
@@ -118,11 +119,11 @@ def assert_closed(pose, parts):
         assert abs(sum(forces)) <= EXACT * max(map(abs, forces), default=0.0)
 
 
-@each("name", [*MACHINES, *HIGHER])
+@each("name", EVERY)
 def test_loads__every_link_in_equilibrium_and_every_force_plan_closed(name):
     for pose in poses(name):
         assert_in_equilibrium(pose)
-        assert_closed(pose, pose.scene.groups)
+        assert_closed(pose, [*pose.scene.groups, *pose.cycle.structure.free_groups])
 
 
 def test_force_plan_of_a_group__without_its_inner_pair_and_reactions_last():

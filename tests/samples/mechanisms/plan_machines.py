@@ -6,6 +6,7 @@ import numpy as np
 from drawn_machines import GALLERY, crank, four_bar
 from driving_cams import SLIDING, SWINGING, changed
 from five_bars import JOINED
+from free_link_scenes import free_link_scene
 from geared_links import CARDAN, TRAIN
 from machines import prp, rpp, rrr
 from noncircular_wheels import CHAIN, ELLIPSES
@@ -113,6 +114,16 @@ HIGHER = {
     "servos": _SERVOS,
 }
 HIGHER = {name: Scene.model_validate(data) for name, data in HIGHER.items()}
+# A group that begins with a special point, and one that has none and slides; both rub.
+_FREE_FRICTION = {
+    "three bars": {"pair": "lower.C", "coefficient": 0.2, "diameter": 0.05},
+    "sliding plate": {"pair": "plate.slot", "coefficient": 0.2, "length": 0.1},
+}
+FREE = {
+    name: Scene.model_validate(free_link_scene(name).model_dump(exclude_unset=True) | {"friction": {"one": friction}})
+    for name, friction in _FREE_FRICTION.items()
+}
+EVERY = MACHINES | HIGHER | FREE
 CLOSED = [name for name, scene in MACHINES.items() if scene.input.type == "crank" and scene.input.start is None]
 
 
@@ -128,7 +139,7 @@ def rubbing(name, length=None):
 
 @cache
 def cycle_of(name):
-    return MachineCycle((MACHINES | HIGHER)[name])
+    return MachineCycle(EVERY[name])
 
 
 def poses(name):
