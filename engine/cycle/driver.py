@@ -36,7 +36,7 @@ from engine.cycle.measures.works import WorkSums
 from engine.cycle.panels.chebyshev import POSITIONS
 from engine.cycle.panels.directions import change_by_rounding, panel_positions
 from engine.cycle.panels.integrals import IntegralRows, add_panels
-from engine.cycle.panels.lanes import Panels, any_positive, fill, in_panels, many, new_record, one, rows, tiles
+from engine.cycle.panels.lanes import Panels, any_positive, fill, in_panels, many, new_record, one, rows
 from engine.cycle.panels.record import Record, begin_record, keep_curve, keep_panels, keep_rounding, room_for
 from engine.cycle.panels.series import Figures, panel_figures
 from engine.cycle.panels.walk import (
@@ -263,8 +263,8 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
     return new_record(
         Workspace,
         block=rows(numbers),
-        place=tiles(3),
-        tile=tiles(count),
+        place=rows(3, POSITIONS),
+        tile=rows(count, POSITIONS),
         level_tile=rows(task.levels.size, 1),
         figures=count,
         scales=count,

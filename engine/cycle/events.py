@@ -12,7 +12,7 @@ import numpy as np
 from engine.compiling.blocks import LANES, Row, Rows, in_lanes, scatter_row
 from engine.compiling.decorators import inlined, routine
 from engine.cycle.panels.integrals import ROUNDING
-from engine.cycle.panels.lanes import any_positive
+from engine.cycle.panels.lanes import any_positive, fill
 from engine.cycle.panels.record import OF_ROUNDING
 from engine.cycle.panels.series import larger, smaller
 from engine.cycle.panels.walk import Walk
@@ -265,9 +265,7 @@ def find_landmarks(
     """
     last, q = samples.used[0] - 1, in_lanes(samples.place[0])
     values, slopes = in_lanes(samples.tile[2 * function]), in_lanes(samples.tile[2 * function + 1])
-    for part in range(_LANDMARKS):
-        for lane in range(LANES):
-            found[part, lane] = 0.0
+    fill(found, _LANDMARKS, 0.0)
     for lane in range(LANES):
         found.least[lane], found.greatest[lane], steepest[lane] = math.inf, -math.inf, 0.0
     for k in range(last + 1):

@@ -260,7 +260,7 @@ class Sum(Node):
         self.terms = terms
 
 
-class Crossing:
+class Crossing(NamedTuple):
     """Positions at which something switches: where a curve crosses `level` + `offset`.
 
     Attributes
@@ -273,10 +273,10 @@ class Crossing:
         Rows of a table at known distances from one level are data, not nodes.
     """
 
-    __slots__ = ("curve", "level", "offset", "rate")
-
-    def __init__(self, curve: Node, rate: Node, level: Node, offset: float) -> None:
-        self.curve, self.rate, self.level, self.offset = curve, rate, level, offset
+    curve: Node
+    rate: Node
+    level: Node
+    offset: float
 
 
 class Return(NamedTuple):
@@ -315,8 +315,8 @@ class Alike(NamedTuple):
     total: Callable[[list[tuple["Number | Constant", object]]], Node]
 
 
-_ARITHMETIC = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv}
-_FUNCTIONS = {"sqrt": np.sqrt, "abs": np.abs, "neg": np.negative}
+OPERATIONS = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv}
+OPERATIONS |= {"sqrt": np.sqrt, "abs": np.abs, "neg": np.negative}
 
 
 def name_of(law: Callable) -> str:
@@ -412,7 +412,7 @@ class Graph:
     def _simplified(self, symbol: str, a: Node, b: Node) -> Node | None:
         zero, one = self.zero, self.one
         if isinstance(a, Constant) and isinstance(b, Constant) and not (symbol == "/" and b is zero):
-            return self.constant(_ARITHMETIC[symbol](a.value, b.value))
+            return self.constant(OPERATIONS[symbol](a.value, b.value))
         match symbol:
             case "+" if a is zero:
                 return b
@@ -434,7 +434,7 @@ class Graph:
 
     def _of_numbers(self, symbol: str, a: Node, b: Node) -> Number:
         """Return arithmetic on numbers of the variant, itself such a number."""
-        does = _ARITHMETIC[symbol]
+        does = OPERATIONS[symbol]
         return self.derived(
             f"({a.label} {symbol} {b.label})",
             lambda numbers: does(value_of(a, numbers), value_of(b, numbers)),
@@ -442,7 +442,7 @@ class Graph:
 
     def function(self, symbol: Literal["sqrt", "abs", "neg"], x: Node) -> Node:
         """Square root, absolute value or negative of a node."""
-        does = _FUNCTIONS[symbol]
+        does = OPERATIONS[symbol]
         if isinstance(x, Constant):
             return self.constant(float(does(x.value)) + 0.0)
         if isinstance(x, Number):

@@ -1,6 +1,5 @@
 """Evaluation of nodes in NumPy, directly on the graph, without printing functions."""
 
-import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import chain
 
@@ -8,6 +7,7 @@ import numpy as np
 
 from engine.graph.functions import Functions
 from engine.graph.nodes import (
+    OPERATIONS,
     Application,
     Constant,
     Found,
@@ -24,9 +24,6 @@ from engine.graph.nodes import (
     reached,
     value_of,
 )
-
-_OPERATIONS = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv}
-_OPERATIONS |= {"sqrt": np.sqrt, "abs": np.abs, "neg": np.negative}
 
 
 class NodeValues:
@@ -100,7 +97,7 @@ class NodeValues:
             case Position():
                 return q if node.which == "q" else getattr(np, node.which.removesuffix("_q"))(q)
             case Operation():
-                return _OPERATIONS[node.symbol](*operands)
+                return OPERATIONS[node.symbol](*operands)
             case Application():
                 given = node.arguments(found[o] for o in node.operands)
                 tables = node.arguments(isinstance(o, NumberTable) for o in node.operands)

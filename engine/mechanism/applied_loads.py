@@ -57,7 +57,7 @@ class AppliedLoads:
     def _inertia(self, of_links: LinkLoads, one: Inert) -> None:
         """Apply the inertia force of a mass, or the moment of a moment of inertia."""
         if one.centre is not None:
-            acceleration = self.motion.acceleration_of(one.centre.a, one.centre.v)
+            acceleration = self.motion.acceleration(one.centre.a, one.centre.v)
             of_links.push(one.link, one.centre, Vector(*self.graph.apply(inertia_force, one.size, *acceleration)))
             return
         link = self.kinematics.links[one.link]
@@ -91,28 +91,24 @@ class AppliedLoads:
         return terms[0][0] * terms[0][1] if len(terms) == 1 else self.graph.combination(terms)
 
     def _register(self, load: Load, value: Node) -> None:
-        """Register the fields and link forces of a force or moment of the scene."""
-        grip = load.grip
+        """Register the fields and link forces of a force or moment of the scene; weights are listed by body."""
+        grip, name = load.grip, load.action
+        if name == "gravity":
+            return
         bearer, at = grip.bearer or (None, None)
         if grip.at is None:
-            self._register_fields(load.action, acting_moment=value)
-            found = LinkForce("load", load.action, grip.link, bearer, moment=value)
+            parts = {f"{name}.acting_moment": value}
+            found = LinkForce("load", name, grip.link, bearer, moment=value)
         else:
             force = value * grip.direction
-            self._register_fields(load.action, force_x=force.x, force_y=force.y)
-            found = LinkForce("load", load.action, grip.link, bearer, grip.at.r, force)
-        if load.action != "gravity":
-            self.forces.append(found)
-            if bearer is not None:
-                self.forces.append(found.opposite._replace(at=None if grip.at is None else at.r))
-
-    def _register_fields(self, action: str, **parts: Node) -> None:
-        """Register fields of a force or moment of the scene; a spring's damping adds to its pull."""
-        if action == "gravity":
-            return
-        for key, node in parts.items():
-            name = f"{action}.{key}"
-            self.fields[name] = self.fields[name] + node if name in self.fields else node
+            parts = {f"{name}.force_x": force.x, f"{name}.force_y": force.y}
+            found = LinkForce("load", name, grip.link, bearer, grip.at.r, force)
+        for field, node in parts.items():
+            # A spring's damping adds to its pull.
+            self.fields[field] = self.fields[field] + node if field in self.fields else node
+        self.forces.append(found)
+        if bearer is not None:
+            self.forces.append(found.opposite._replace(at=None if grip.at is None else at.r))
 
 
 def forces_on_bodies(kinematics: Kinematics) -> Iterator[LinkForce]:

@@ -173,14 +173,9 @@ class Assembly:
         self.seed_tables: dict[str, mechanism.groups.seed_tables.SeedTables] = {}
         self.solutions: dict[str, tuple[Node, ...]] = {}
 
-    @property
-    def has_cycle(self) -> bool:
-        """Whether the input turns fully, so that the machine has a closed cycle."""
-        return self.scene.has_cycle
-
     def turns(self, link: str) -> Node:
         """Turns of a link over the cycle, relative to the reference of its angle; 0 without a cycle."""
-        if not self.has_cycle:
+        if not self.scene.has_cycle:
             return self.graph.zero
         scene, revolutions, net_turns = self.scene, self.scene.input.revolutions, structure.meshes.net_turns
         return self.graph.derived(f"turns of {link}", lambda n: revolutions * net_turns(scene, link, n))
@@ -221,6 +216,11 @@ class Assembly:
             self.graph.derived(f"cos {path}", lambda n: np.cos(n[path])),
             self.graph.derived(f"sin {path}", lambda n: np.sin(n[path])),
         )
+
+    def guide_on(self, name: str, carrier: Turning) -> GuideLine:
+        """A guide on its carrier."""
+        r, u = self.place("guides", name), self.direction(f"guides.{name}.angle")
+        return GuideLine(carrier, carrier.origin.r + r.to_frame(carrier.u), u.to_frame(carrier.u))
 
     def link(self, name: str, link: Turning) -> None:
         """Register a link of a group."""

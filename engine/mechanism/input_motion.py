@@ -61,13 +61,9 @@ class InputMotion(NamedTuple):
             return self.speed if order == 1 else self.square
         return graph.apply(power, self.speed, graph.number(order) if isinstance(order, str) else order)
 
-    def acceleration(self, second: Node, first: Node) -> Node:
-        """Acceleration ω² r″ + ε r′ from the transfer functions r″ and r′."""
+    def acceleration(self, second: Node | Vector, first: Node | Vector) -> Node | Vector:
+        """Acceleration ω² r″ + ε r′ of a point or an angle from its transfer functions r″ and r′."""
         return self.square * second + self.epsilon * first
-
-    def acceleration_of(self, second: Vector, first: Vector) -> Vector:
-        """Acceleration ω² r″ + ε r′ of a point from its transfer functions r″ and r′."""
-        return Vector(*(self.acceleration(a, v) for a, v in zip(second, first, strict=True)))
 
 
 def multiple_angle(graph: Graph, n: int, revolutions: int = 1) -> tuple[Node, Node]:

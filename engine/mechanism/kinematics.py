@@ -6,8 +6,7 @@ Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on the k
 from engine import laws, mechanism
 from engine.graph.nodes import Graph, Node, Return
 from engine.laws.elementary import direction_of
-from engine.mechanism.assembly import Assembly, Course, DyadStatics, GuideLine, MovingPoint, Slide, Turning
-from engine.mechanism.input_motion import input_span
+from engine.mechanism.assembly import Assembly, Course, DyadStatics, MovingPoint, Slide, Turning
 from engine.mechanism.vectors import Vector, named
 from engine.parts.skeleton import FRAME, CrankInput
 from engine.scene import structure
@@ -113,9 +112,7 @@ class Kinematics(Assembly):
         self.points[name] = link.origin if on_axis else link.at(place.to_frame(link.u)).called(name)
 
     def _guide(self, name: str) -> None:
-        carrier = self.links[self.scene.guides[name].link]
-        r, u = self.place("guides", name), self.direction(f"guides.{name}.angle")
-        self.guides[name] = GuideLine(carrier, carrier.origin.r + r.to_frame(carrier.u), u.to_frame(carrier.u))
+        self.guides[name] = self.guide_on(name, self.links[self.scene.guides[name].link])
 
     def _input(self, name: str) -> None:
         drive, g, (first, second, *_) = self.scene.input, self.graph, self.course
@@ -136,8 +133,7 @@ class Kinematics(Assembly):
         self.statics[name] = kind.add_dyad(self, name)
 
     def _free_group(self, group: "structure.free_groups.FreeGroup") -> None:
-        span = input_span(self.scene, self.graph)
-        self.free[group.name] = mechanism.groups.free.add_free_group(self, group, span, self.has_cycle)
+        self.free[group.name] = mechanism.groups.free.add_free_group(self, group)
 
     def _noncircular_wheel(self, name: str) -> None:
         self.noncircular[name] = mechanism.higher_pairs.noncircular_motion.add_noncircular_wheel(self, name)

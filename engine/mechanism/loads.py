@@ -62,10 +62,9 @@ class Loads:
     def _gravity(self) -> Iterator[Load]:
         """Weights, and the inertia forces of an accelerated base."""
         graph, zero = self.kinematics.graph, self.kinematics.graph.zero
-        back = graph.constant(-1.0)
-        fields = (
-            {"gravity": Vector(zero, back)} if self.scene.gravity != 0.0 or "gravity" in self.kinematics.varied else {}
-        )
+        back, fields = graph.constant(-1.0), {}
+        if self.scene.gravity != 0.0 or "gravity" in self.kinematics.varied:
+            fields["gravity"] = Vector(zero, back)
         if self.scene.base is not None:
             fields |= {"base.acceleration_x": Vector(back, zero), "base.acceleration_y": Vector(zero, back)}
         for name, mass in self.kinematics.masses.items():
@@ -88,8 +87,7 @@ class Loads:
         on_frame = isinstance(moment, actions.TorsionSpring | actions.Brake)
         grip = Grip(moment.on, None, None, (FRAME, kinematics.links[FRAME].origin) if on_frame else None)
         if isinstance(moment, actions.TorsionSpring):
-            spring = mechanism.actions.springs.torsion_spring(kinematics, name)
-            yield load(name, spring, grip, motion.velocity, None)
+            yield load(name, mechanism.actions.springs.torsion_spring(kinematics, name), grip, motion.velocity, None)
             return
         for size in characteristics(kinematics, moment, f"moments.{name}", motion, self._time, self._speed):
             yield load(name, size, grip, motion.velocity, moment.role)

@@ -74,7 +74,7 @@ class Mechanics:
     @property
     def has_cycle(self) -> bool:
         """Whether the input turns fully, so that the machine has a closed cycle."""
-        return self.kinematics.has_cycle
+        return self.scene.has_cycle
 
     @cached_property
     def conservative_moment(self) -> Node:

@@ -151,7 +151,7 @@ def _shaking(kinematics: Kinematics, motion: InputMotion) -> dict[str, Node]:
     second = shaking(kinematics, lambda point: point.a, lambda link: link.e)
     first = shaking(kinematics, lambda point: point.v, lambda link: link.w)
 
-    force = motion.acceleration_of(second.force, first.force)
+    force = motion.acceleration(second.force, first.force)
     return {
         "shaking_force_x": force.x,
         "shaking_force_y": force.y,

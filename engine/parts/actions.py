@@ -84,8 +84,6 @@ class OnLink(Part):
     positive direction. `role` classifies its work: "driving", "useful" or "harmful" (losses).
     """
 
-    by_speed_alone: ClassVar[bool] = True
-
     on: Annotated[LinkRef, Refers("turning link")]
     acts: Literal["always", "along", "against"] = "always"
     role: Role = "useful"
@@ -124,9 +122,14 @@ class Tabled(Part):
         return next(t for t in (self.over_angle, self.over_stroke, self.over_time) if t is not None)
 
     @property
+    def ordinate(self) -> str:
+        """Key of the forces or moments of the table."""
+        return "force" if hasattr(self, "force") else "moment"
+
+    @property
     def ordinates(self) -> list[float]:
         """The forces or moments of the table."""
-        return self.force if hasattr(self, "force") else self.moment
+        return getattr(self, self.ordinate)
 
     def _faults(self) -> Faults:
         given = self.gives("over_angle", "over_stroke", "over_time")
@@ -134,8 +137,7 @@ class Tabled(Part):
             yield "over_stroke and slider belong together: name the slider whose stroke is meant"
         if given != ["over_stroke"] and self.gives("measured_from"):
             yield f"measured_from has no meaning with {given[0]}, only with over_stroke; leave it out"
-        names = (given[0], "force" if hasattr(self, "force") else "moment")
-        rows = self.abscissae, self.ordinates
+        rows, names = (self.abscissae, self.ordinates), (given[0], self.ordinate)
         laws.tables.make_table(*rows, self.interpolation, outside=self.outside, names=names)
 
 
@@ -206,16 +208,12 @@ class ConstantMoment(OnLink):
 class TableMoment(OnLink, Tabled):
     """A moment given by a table."""
 
-    by_speed_alone: ClassVar[bool] = False
-
     type: Literal["table"]
     moment: list[Moment]
 
 
 class FormulaMoment(OnLink, ByFormula):
     """A moment given by a formula, as for forces; `omega` is the angular velocity of the loaded link."""
-
-    by_speed_alone: ClassVar[bool] = False
 
     type: Literal["formula"]
     moment: FormulaText
@@ -253,8 +251,6 @@ class PowerDragMoment(ResistingOnLink):
 
 class Brake(Part):
     """A brake on a link or shaft; it acts against the rotation, in regimes only, unless a regime lists it as `off`."""
-
-    by_speed_alone: ClassVar[bool] = True
 
     on: Annotated[LinkRef, Refers("turning link")]
 
@@ -332,8 +328,6 @@ class TorsionSpring(Part):
     `stiffness` is k. `free_angle` is θ₀.
     """
 
-    by_speed_alone: ClassVar[bool] = False
-
     type: Literal["torsion_spring"]
     on: Annotated[LinkRef, Refers("turning link"), Refers("link with an angle")]
     stiffness: TorsionalStiffness
@@ -346,8 +340,6 @@ class Carried(Part):
     `forwards` is the rotation that moves the masses forwards, which is up for a hoist and for a positive slope.
     `gravity` defaults to the scene's, or to 9.80665 m/s² if the scene has none.
     """
-
-    by_speed_alone: ClassVar[bool] = False
 
     masses: ClassVar[tuple[str, ...]] = ("mass",)
     radius: ClassVar[str] = "drum_radius"

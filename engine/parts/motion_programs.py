@@ -5,6 +5,7 @@ Cam followers and second inputs move by them.
 
 import math
 from collections.abc import Mapping
+from itertools import accumulate
 from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
@@ -118,15 +119,19 @@ class MotionProgram(Part):
             yield f"{total}: nothing is left for the section without an angle; make one smaller"
         if None not in angles and abs(whole - math.tau) > CLOSING:
             yield f"{total}, not to 360 deg; leave out one angle, and it follows"
-        left = 0.0
-        for name, section in self.sections.items():
-            if isinstance(section, ReturnSection) and not left > 0.0:
+        *starts, left = self.displacements
+        for (name, section), before in zip(self.sections.items(), starts, strict=True):
+            if isinstance(section, ReturnSection) and not before > 0.0:
                 yield f"sections.{name}: the follower is back already; a return comes after a rise"
-            left = self._after(section, left)
-        if abs(left - self.advance) > CLOSING * self._maximum_stroke():
+        if abs(left - self.advance) > CLOSING * max(self.displacements):
             yield f"the motion ends the turn {left:g} away from where it began; add a return"
 
-    def _after(self, section: Section, before: float) -> float:
+    @property
+    def displacements(self) -> list[float]:
+        """Displacement before each section, and after the last [m or rad]."""
+        return [*accumulate(self.sections.values(), self._after, initial=0.0)]
+
+    def _after(self, before: float, section: Section) -> float:
         match section:
             case RiseSection():
                 return before + self.stroke_of(section)
@@ -134,9 +139,6 @@ class MotionProgram(Part):
                 stroke = self.stroke_of(section)
                 return 0.0 if stroke is None else before - stroke
         return before
-
-    def _maximum_stroke(self) -> float:
-        return sum(self.stroke_of(s) for s in self.sections.values() if isinstance(s, RiseSection))
 
     def stroke_of(self, section: RiseSection | ReturnSection) -> float | None:
         """Stroke of a section; None for a complete return."""

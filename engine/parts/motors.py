@@ -90,8 +90,6 @@ class DCCharacteristic(Part):
 class Motor(Part):
     """A motor on the crank or a shaft geared to it; its torque depends on its speed only."""
 
-    by_speed_alone: ClassVar[bool] = True
-
     on: Annotated[LinkRef, Refers("driven shaft")]
 
 

@@ -102,10 +102,7 @@ class SecondCrank(MovedByLaw):
     @property
     def advance(self) -> float:
         """Net rotation by its sections per turn of τ [rad]."""
-        before = 0.0
-        for section in self.sections.values():
-            before = self._after(section, before)
-        return before
+        return self.displacements[-1]
 
     def _faults(self) -> Faults:
         if self.ratio == 0.0 and self.speed == 0.0 and not self.repeats:

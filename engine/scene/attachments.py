@@ -176,6 +176,11 @@ def _bearer(scene: Scene, one: Attachment) -> str | None:
     return one.slot if one.guide is None else scene.guides[one.guide].link
 
 
+def crank_of(scene: Scene) -> set[str]:
+    """The crank, if the input turns."""
+    return {scene.input.link} if isinstance(scene.input, CrankInput) else set()
+
+
 def geared_to_input(scene: Scene) -> set[str]:
     """Shafts geared to the input on the frame."""
     return {n for n, s in scene.shafts.items() if s.geared_to == scene.input.link and s.carrier is None}
@@ -192,10 +197,8 @@ def driven_by_gears(scene: Scene) -> set[str]:
 @once
 def turning_evenly(scene: Scene) -> set[str]:
     """Links whose angle is a multiple of the crank's: the crank, and pivoted shafts geared to it through all gears."""
-    if not isinstance(scene.input, CrankInput):
-        return set()
     even = _grown(
-        {FRAME, scene.input.link},
+        {FRAME, *crank_of(scene)},
         lambda known: {n for n, s in scene.shafts.items() if s.pivot and {s.geared_to, s.carrier or FRAME} <= known},
     )
     return even - {FRAME}

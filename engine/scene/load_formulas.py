@@ -45,10 +45,10 @@ TIME = "t"
 NOTHING_REPEATS = "no motion is periodic"
 # Velocities, which are proportional to the input speed.
 _RATES = {"v", "omega", "vx", "vy", "velocity", "angular_velocity"}
-_OF_POINT = {"x": "m", "y": "m", "vx": "m s-1", "vy": "m s-1"}
+OF_POINT = {"x": "m", "y": "m", "vx": "m s-1", "vy": "m s-1"}
 _OF_LINK = {"angle": "rad", "angular_velocity": "rad s-1"}
-_OF_SLIDER = {"slide": "m", "velocity": "m s-1", "stroke": "m", "stroke_low": "m", "stroke_high": "m"}
-_OF_SLIDER |= {"from_low": "m", "from_high": "m"}
+OF_SLIDER = {"slide": "m", "velocity": "m s-1", "stroke": "m", "stroke_low": "m", "stroke_high": "m"}
+OF_SLIDER |= {"from_low": "m", "from_high": "m"}
 # Number of random sets of values of which at least one must give a finite result.
 _DRAWS = 32
 # Accelerations are results of the loads, so formulas can't use them.
@@ -133,7 +133,7 @@ def units_of_names(scene: Scene, formula: LoadFormula) -> dict[str, str]:
     units |= {TIME: "s"}
     points, _, links = definitions(scene)
     moving = [name for name in points if name not in scene.points or scene.points[name].link != FRAME]
-    kinds = ((moving, _OF_POINT), (set(links) - {FRAME}, _OF_LINK), (sliders(scene), _OF_SLIDER))
+    kinds = ((moving, OF_POINT), (set(links) - {FRAME}, _OF_LINK), (sliders(scene), OF_SLIDER))
     for names, of in kinds:
         units |= {f"{name}.{quantity}": unit for name in sorted(names) for quantity, unit in of.items()}
     for name, shaft in scene.shafts.items():
@@ -209,7 +209,7 @@ def _unknown(name: str, units: Mapping[str, str], formula: LoadFormula) -> str:
     what = unknown_name_message(name, units).rstrip("?")
     return (
         f"{what}; a formula may use {listed}, numbers given in [{formula.at}.numbers], "
-        f"POINT.x, .y, .vx, .vy, LINK.angle, .angular_velocity, SLIDER.{', .'.join(_OF_SLIDER)}, "
+        f"POINT.x, .y, .vx, .vy, LINK.angle, .angular_velocity, SLIDER.{', .'.join(OF_SLIDER)}, "
         "and numbers of the scene by their paths"
     )
 

@@ -144,29 +144,12 @@ def centre_along(scene: Scene, body: str, numbers: Mapping[str, Value]) -> Value
     return 0.0
 
 
-def masses(scene: Scene, varied: frozenset[str]) -> dict[str, LinkMass]:
-    """The masses of a scene: bodies by name, replacement masses as BODY__1, BODY__2 and so on.
-
-    Parameters
-    ----------
-    scene : Scene
-    varied : frozenset of str
-        Paths of the varied numbers.
-    """
-    found = {}
-    for name, body in scene.bodies.items():
-        if body.replace is None:
-            found[name] = whole_body(scene, name, varied)
-        else:
-            found |= {point_name(name, i): replacement_mass(scene, name, i) for i in range(count_points(scene, name))}
-    return found
-
-
 def resultant_masses(scene: Scene, varied: frozenset[str]) -> dict[str, LinkMass]:
     """The masses of a scene, combined per link.
 
-    A single mass of a link keeps its name; combined masses are named LINK__bodies. Mass, centre and moment of inertia
-    follow from the sums and the parallel axis theorem.
+    A single mass of a link keeps its name: that of its body, or BODY__1, BODY__2 and so on of masses that replace one.
+    Combined masses are named LINK__bodies. Names in a scene can't hold two underscores in a row. Mass, centre and
+    moment of inertia follow from the sums and the parallel axis theorem.
 
     Parameters
     ----------
@@ -175,8 +158,9 @@ def resultant_masses(scene: Scene, varied: frozenset[str]) -> dict[str, LinkMass
         Paths of the varied numbers.
     """
     on_link: dict[str, dict[str, LinkMass]] = {}
-    for name, mass in masses(scene, varied).items():
-        on_link.setdefault(mass.link, {})[name] = mass
+    for name, body in scene.bodies.items():
+        points = {f"{name}__{i + 1}": replacement_mass(scene, name, i) for i in range(count_points(scene, name))}
+        on_link.setdefault(body.link, {}).update(points or {name: whole_body(scene, name, varied)})
     found = {}
     for link, own in on_link.items():
         found |= own if len(own) == 1 else {f"{link}__bodies": _joined(link, list(own.values()))}
@@ -255,11 +239,6 @@ def replacement_mass(scene: Scene, name: str, i: int) -> LinkMass:
         None if chosen == CENTRE else chosen,
         False,
     )
-
-
-def point_name(body: str, i: int) -> str:
-    """Name of replacement mass `i`, from 0. It is unique: names in a scene can't hold two underscores in a row."""
-    return f"{body}__{i + 1}"
 
 
 def count_points(scene: Scene, body: str) -> int:

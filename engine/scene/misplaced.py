@@ -5,7 +5,8 @@ from collections.abc import Iterator
 from typing import get_args
 
 from engine import laws
-from engine.parts.actions import Carried, MomentAction, Tabled
+from engine.parts.actions import Carried, MomentAction, Tabled, TorsionSpring
+from engine.parts.formulas.by_formula import ByFormula
 from engine.parts.motors import Motor
 from engine.parts.regimes import OF_CRANK, OF_SLIDER, run_keys
 from engine.parts.requirements import wrong_angles
@@ -20,7 +21,7 @@ from engine.scene.structure.closing import how_to_close, is_whole
 
 def misplaced(scene: Scene) -> list[Problem]:
     """Parts that can't work where they are, each with a remedy."""
-    checks = (_shafts, _second_inputs, _one_drive, _cams, _angle_tables, _cycles, _closed_tables, _wanted)
+    checks = (_shafts, _second_inputs, _one_drive, _cams, _cycles, _angle_tables, _wanted)
     checks += (_regimes, _couplings, _at_two_speeds, _machine_drives)
     return [problem for check in checks for problem in check(scene)]
 
@@ -129,34 +130,25 @@ def _cams(scene: Scene) -> Iterator[Problem]:
             yield f"{at}.on", f"shaft {cam.on!r} turns at a separate speed, behind a coupling; name another"
 
 
-def _tables_over_angle(scene: Scene) -> Iterator[tuple[str, str, Tabled]]:
-    """Path, key of the ordinates, and part of each table over the crank's angle."""
-    for table, ordinate in (("forces", "force"), ("moments", "moment")):
-        for name, action in getattr(scene, table).items():
-            if isinstance(action, Tabled) and action.over_angle is not None:
-                yield f"{table}.{name}", ordinate, action
-
-
 def _angle_tables(scene: Scene) -> Iterator[Problem]:
-    if not isinstance(scene.input, CrankInput):
-        for at, _, _ in _tables_over_angle(scene):
+    """Tables over the angle of an input that slides, or that don't close over the cycle of a crank that turns fully."""
+    tables = {f"{table}.{n}": a for table in ("forces", "moments") for n, a in getattr(scene, table).items()}
+    for at, action in tables.items():
+        if not isinstance(action, Tabled) or action.over_angle is None:
+            continue
+        if not isinstance(scene.input, CrankInput):
             yield f"{at}.over_angle", "a sliding input has no crank angle; give over_stroke or over_time"
-
-
-def _closed_tables(scene: Scene) -> Iterator[Problem]:
-    """Tables over the angle that don't close over the cycle of a crank that turns fully."""
-    if not scene.has_cycle:
-        return
-    for at, ordinate, action in _tables_over_angle(scene):
+        if not scene.has_cycle:
+            continue
         if action.gives("outside"):
             message = "a table over the angle of a crank that turns fully repeats with the cycle: nothing is outside; "
             yield f"{at}.outside", f"{message}omit it, and give rows for the whole cycle, two where it jumps"
         try:
             angles, period = [math.degrees(angle) for angle in action.over_angle], 360.0 * scene.input.revolutions
-            names = ("over_angle [deg]", ordinate)
+            names = ("over_angle [deg]", action.ordinate)
             laws.tables.make_table(angles, action.ordinates, action.interpolation, period, names=names)
         except laws.tables.TableError as error:
-            yield f"{at}.{ordinate}", str(error)
+            yield f"{at}.{action.ordinate}", str(error)
 
 
 def _cycles(scene: Scene) -> Iterator[Problem]:
@@ -228,10 +220,8 @@ def _machine_drives(scene: Scene) -> Iterator[Problem]:
                 yield f"{at}.driver", f"{load!r} moves other masses with this shaft; name another"
 
 
-def _by_speed_alone() -> list[str]:
-    """Types of moments that depend on nothing but the speed of their shaft."""
-    kinds = get_args(get_args(MomentAction)[0])
-    return [get_args(kind.model_fields["type"].annotation)[0] for kind in kinds if kind.by_speed_alone]
+# Moments that depend on more than the speed of their shaft.
+_NOT_BY_SPEED = (Tabled, ByFormula, TorsionSpring, Carried)
 
 
 def _couplings(scene: Scene) -> Iterator[Problem]:
@@ -250,9 +240,11 @@ def _couplings(scene: Scene) -> Iterator[Problem]:
             if own.geared_to == shaft:
                 yield f"shafts.{other}.geared_to", f"{speed}; name another"
         for load, moment in on_shaft.items():
-            if not moment.by_speed_alone:
-                allowed = f"a moment on it may depend on that speed only; allowed: {', '.join(_by_speed_alone())}"
-                yield f"moments.{load}.type", f"{speed}, and {allowed}"
+            if isinstance(moment, _NOT_BY_SPEED):
+                kinds = [kind for kind in get_args(get_args(MomentAction)[0]) if not issubclass(kind, _NOT_BY_SPEED)]
+                allowed = ", ".join(get_args(kind.model_fields["type"].annotation)[0] for kind in kinds)
+                message = f"{speed}, and a moment on it may depend on that speed only; allowed: {allowed}"
+                yield f"moments.{load}.type", message
         if len({n in on_shaft for n, m in scene.moments.items() if isinstance(m, Motor)}) == 2:
             yield f"couplings.{name}", "motors are on both of its sides; put them on one"
 

@@ -4,7 +4,15 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import NamedTuple
 
 from engine.parts.skeleton import FRAME, CrankInput
-from engine.scene.attachments import attachments, driven_by_gears, geared_to_input, input_point, sliders, still_links
+from engine.scene.attachments import (
+    attachments,
+    crank_of,
+    driven_by_gears,
+    geared_to_input,
+    input_point,
+    sliders,
+    still_links,
+)
 from engine.scene.pairs import contact_pairs, pairs, rods_of
 from engine.scene.scene import Problem, Scene, SceneError, once
 from engine.words.glossary import listed
@@ -68,10 +76,6 @@ def _on_frame(scene: Scene) -> set[str]:
     return {name for name, point in scene.points.items() if point.link == FRAME}
 
 
-def _crank(scene: Scene) -> set[str]:
-    return {scene.input.link} if isinstance(scene.input, CrankInput) else set()
-
-
 def _without_pivot(scene: Scene) -> set[str]:
     return {name for name, shaft in scene.shafts.items() if shaft.pivot is None}
 
@@ -114,15 +118,15 @@ FITTING = {
     "geared shaft": Referable("is not a shaft geared to the crank", geared_to_input),
     "driven shaft": Referable(
         "can't have one: a motor drives the crank or a shaft geared to it",
-        lambda scene: _crank(scene) | driven_by_gears(scene),
+        lambda scene: crank_of(scene) | driven_by_gears(scene),
         "allowed",
     ),
     "crank or shaft": Referable(
-        "is neither the crank nor a shaft", lambda scene: {*_crank(scene), *scene.shafts}, "allowed"
+        "is neither the crank nor a shaft", lambda scene: {*crank_of(scene), *scene.shafts}, "allowed"
     ),
     "cam shaft": Referable(
         "can't have one: a cam sits on the crank or on a shaft with a pivot that is geared to it",
-        lambda scene: _crank(scene) | geared_to_input(scene) - _without_pivot(scene),
+        lambda scene: crank_of(scene) | geared_to_input(scene) - _without_pivot(scene),
         "allowed",
     ),
     "pair": Referable(

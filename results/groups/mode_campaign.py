@@ -89,7 +89,7 @@ def curves_at(tables: SeedTables, numbers: Numbers, unknowns: np.ndarray, q: np.
 
 def modes_of(tables: SeedTables, numbers: Numbers, seed: int) -> tuple[np.ndarray, np.ndarray]:
     """Modes at the first position: the scene of each, and its unknowns."""
-    scenes = tables._rows(numbers).shape[1]
+    scenes = tables._walk.table(numbers).shape[1]
     wide, q = numbers.of_variants(np.repeat(np.arange(scenes), _STARTS)), np.zeros(scenes * _STARTS)
     unknowns = np.random.default_rng(seed).uniform(-np.pi, np.pi, (2, q.size))
     with np.errstate(all="ignore"):

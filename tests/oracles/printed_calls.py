@@ -1,5 +1,6 @@
 """Printed functions called from Python, and functions compiled by Numba in their place."""
 
+import numpy as np
 from numba import njit, types
 
 from engine.compiling.printed_functions import PrintedFunction, _library, signature_of
@@ -13,6 +14,13 @@ def _call(function, given):
 def call_printed(code, *given):
     """Call a printed function, which only compiled code can call."""
     _call(PrintedFunction(code), given)
+
+
+def filled(functions, code, numbers, q, rows):
+    """What a printed function of a graph makes of a tile."""
+    tile = np.empty((rows, *q.shape))
+    call_printed(functions.codes[code], numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
+    return tile
 
 
 def assembly_of(code):

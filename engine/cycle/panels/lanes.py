@@ -12,8 +12,6 @@ them. The annotations of a record of arrays state which of them are `Memory` in 
 from functools import cache
 from typing import get_type_hints
 
-import numpy as np
-
 from engine.compiling.blocks import LANES, Row, Rows, rows
 from engine.compiling.decorators import routine
 from engine.compiling.memory import Memory, memory
@@ -53,11 +51,6 @@ def fill(rows: Rows, count: int, value: float) -> None:
     for i in range(count):
         for lane in range(LANES):
             rows[i, lane] = value
-
-
-def tiles(count: int) -> np.ndarray:
-    """Allocate zeros (count, POSITIONS, LANES) that begin on a page."""
-    return rows(count, POSITIONS)
 
 
 # Cached, because every evaluation allocates tens of records.

@@ -126,7 +126,7 @@ class MeasuredCycles:
         """
         product, free = np.ones(self._table.shape[1]), self._m.mechanics.kinematics.free
         for group, (sine, _) in zip(self._m.groups, self.sines(), strict=True):
-            loops = len(free[group].closure.slides) if group in free else 1
+            loops = len(free[group].closure.units) if group in free else 1
             product *= np.where((sine > 0.0) & (sine < 1.0), sine, 1.0) / loops
         return product
 

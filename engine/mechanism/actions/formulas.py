@@ -21,7 +21,7 @@ from engine.mechanism.link_loads import Characteristic
 from engine.parts.formulas.expressions import TextOperation, TextQuantity, Tree, evaluate_tree, names_in_tree
 from engine.parts.formulas.speed_powers import NoPowerError, powers_of_speed
 from engine.parts.skeleton import CrankInput
-from engine.scene.load_formulas import TIME, LoadFormula
+from engine.scene.load_formulas import OF_POINT, OF_SLIDER, TIME, LoadFormula
 
 # Integer exponents up to this one are computed by multiplication.
 LARGEST_PRODUCT = 16
@@ -196,7 +196,7 @@ class _Curves:
 
     def _follows_time(self, angle: Tree) -> bool:
         """Whether a part depends on the time of a cycle at constant speed."""
-        uniform = self.kinematics.has_cycle and self.time is uniform_time(self.kinematics)
+        uniform = self.kinematics.scene.has_cycle and self.time is uniform_time(self.kinematics)
         return uniform and TIME in names_in_tree(angle)
 
     def _turns_wholly(self, angle: Tree) -> bool:
@@ -325,9 +325,9 @@ class _Curves:
         if name == TIME:
             return self._with_rate(self.time, time_per_input(k))
         owner, _, quantity = name.rpartition(".")
-        if owner in k.slides and quantity in _OF_SLIDE:
+        if owner in k.slides and quantity in OF_SLIDER:
             return self._of_slider(owner, quantity)
-        if owner in k.points and quantity in _OF_POINT:
+        if owner in k.points and quantity in OF_POINT:
             point, axis = k.points[owner], "xy".index(quantity[-1])
             if quantity[0] == "v":
                 return self._at_speed(point.v[axis], point.a[axis])
@@ -387,8 +387,6 @@ class _Curves:
         return found
 
 
-_OF_SLIDE = ("slide", "velocity", "stroke", "stroke_low", "stroke_high", "from_low", "from_high")
-_OF_POINT = ("x", "y", "vx", "vy")
 _FACTORS = {"negative": -1.0, "radians": math.pi / 180.0, "degrees": 180.0 / math.pi}
 _METHODS = {
     "+": lambda _, a, b: a + b,

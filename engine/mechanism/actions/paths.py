@@ -62,7 +62,7 @@ def uniform_time(kinematics: Kinematics) -> Node:
 
     It continues from cycle to cycle, so quantities that depend on it are not periodic in general.
     """
-    full, drive = kinematics.has_cycle, kinematics.scene.input
+    full, drive = kinematics.scene.has_cycle, kinematics.scene.input
 
     def begin(numbers: dict) -> float | np.ndarray:
         first = 0.0 if full else numbers["input.start"]

@@ -130,7 +130,7 @@ def _piece(graph: Graph, table: Table, x: Node) -> tuple[Node, ...]:
 
 def _period(kinematics: Kinematics, action: Tabled) -> float:
     """Period of a table: the cycle for a table over the angle of a fully turning crank, else 0."""
-    closed = kinematics.has_cycle and action.over_angle is not None
+    closed = kinematics.scene.has_cycle and action.over_angle is not None
     return math.tau * kinematics.scene.input.revolutions if closed else 0.0
 
 

@@ -72,19 +72,18 @@ class ClosureOfFree:
     Attributes
     ----------
     cutting : Cutting
-    slides : tuple of bool
-        Which unknowns are slides.
     size : Node
-        Largest length in the group [m], the unit of slides.
+        Largest length in the group [m].
+    units : list of Node
+        Unit of each unknown: 1 rad, or the size for a slide.
     """
 
     def __init__(self, assembly: Assembly, group: FreeGroup) -> None:
         self.assembly, self.graph, self.group = assembly, assembly.graph, group
         self.cutting: Cutting = cutting_of(group)
-        self.slides = tuple(pair.kind == "prismatic" for _, pair in self.cutting.placed)
         self.cut_links = tuple(self._cut(name) for name in self.cutting.cut_links)
-        self._index = {name: i for i, (name, _) in enumerate(self.cutting.placed)}
         self.size = self._size()
+        self.units = [self.size if pair.kind == "prismatic" else self.graph.one for _, pair in self.cutting.placed]
 
     def _cut(self, name: str) -> CutLink:
         one, other = sorted(self.group.pairs_of(name), key=lambda pair: pair.kind != "revolute")
@@ -123,12 +122,6 @@ class ClosureOfFree:
         """Distance of a slider's origin from its guide, positive to the left."""
         return self.assembly.number(f"links.{link}.offset")
 
-    def guide_on(self, guide: str, carrier: Turning) -> GuideLine:
-        """A guide on its carrier."""
-        r = self.assembly.place("guides", guide)
-        u = self.assembly.direction(f"guides.{guide}.angle")
-        return GuideLine(carrier, carrier.origin.r + r.to_frame(carrier.u), u.to_frame(carrier.u))
-
     def slider_guide(self, pair: Pair) -> str:
         """Name of the guide of a prismatic pair."""
         return self.assembly.scene.links[pair.link].guide
@@ -154,30 +147,25 @@ class ClosureOfFree:
         links = {name: self._known(name, still) for name in sorted(around)}
         for (name, pair), unknown in zip(self.cutting.placed, unknowns, strict=True):
             if isinstance(unknown, Direction):
-                links[name] = self._hinged(links, name, pair, unknown, still)
+                at = self.joint_on(links, pair.beyond(name), pair.joint)
+                links[name] = hinged(Turning(at, *unknown), self.local(name, pair.joint))
             elif name == pair.link:
                 links[name] = self._sliding(links, pair, unknown)
             else:
                 links[name] = self._carrying(links, pair, unknown)
         return links
 
-    def joint_on(self, links: dict[str, Turning], link: str, joint: str, still: bool = False) -> MovingPoint:
+    def joint_on(self, links: dict[str, Turning], link: str, joint: str) -> MovingPoint:
         """Motion of a joint as a point of one of the links that meet there."""
-        if link not in self._index and joint in self.assembly.points:
-            point = self.assembly.points[joint]
-            return self.assembly.at_rest(point.r) if still else point
-        return point_on(links[link], self.local(link, joint))
-
-    def _hinged(self, links: dict[str, Turning], name: str, pair: Pair, unknown: Direction, still: bool) -> Turning:
-        at = self.joint_on(links, pair.beyond(name), pair.joint, still)
-        return hinged(Turning(at, unknown.u, unknown.w, unknown.e), self.local(name, pair.joint))
+        if link in self.group.links or joint not in self.assembly.points:
+            return point_on(links[link], self.local(link, joint))
+        point, moves = self.assembly.points[joint], links[link] == self.assembly.links[link]
+        return point if moves else self.assembly.at_rest(point.r)
 
     def _sliding(self, links: dict[str, Turning], pair: Pair, unknown: Slide) -> Turning:
         """A slider on a guide of a link placed before it."""
-        line = self.guide_on(self.slider_guide(pair), links[pair.other])
-        r = line.r + unknown.d * line.u + self.offset(pair.link) * line.u.normal
-        under, sliding = line.under(r), unknown.v * line.u
-        origin = MovingPoint(r, under.v + sliding, under.a + line.coriolis(sliding) + unknown.a * line.u)
+        line = self.assembly.guide_on(self.slider_guide(pair), links[pair.other])
+        origin = line._replace(r=line.r + self.offset(pair.link) * line.u.normal).along(unknown)
         return Turning(origin, line.u, line.carrier.w, line.carrier.e)
 
     def _carrying(self, links: dict[str, Turning], pair: Pair, unknown: Slide) -> Turning:
@@ -196,17 +184,14 @@ class ClosureOfFree:
 
     # Equations
 
-    def misses(self, links: dict[str, Turning], still: bool = False) -> list[LoopResidual]:
+    def misses(self, links: dict[str, Turning]) -> list[LoopResidual]:
         """Residuals of the loops: of cut links, then of cut pairs."""
-        found = [self._of_link(links, cut, still) for cut in self.cut_links]
-        for pair in self.cutting.cut_pairs:
-            found += self._of_pair(links, pair, still)
-        return found
+        found = [self._of_link(links, cut) for cut in self.cut_links]
+        return found + [miss for pair in self.cutting.cut_pairs for miss in self._of_pair(links, pair)]
 
-    def ends(self, links: dict[str, Turning], cut: CutLink, still: bool = False) -> tuple[MovingPoint, MovingPoint]:
-        """Joints at the ends of a cut link with two joints."""
-        found = [self.joint_on(links, pair.beyond(cut.name), pair.joint, still) for pair in (cut.one, cut.other)]
-        return found[0], found[1]
+    def ends(self, links: dict[str, Turning], cut: CutLink) -> list[MovingPoint]:
+        """Joints at both ends of a cut link with two joints."""
+        return [self.joint_on(links, pair.beyond(cut.name), pair.joint) for pair in (cut.one, cut.other)]
 
     def measures(self) -> list[Node]:
         """Factor of each equation that makes its residual a length: the residual of a cut link is a square."""
@@ -221,28 +206,26 @@ class ClosureOfFree:
         """Guide line of a cut link's joint, on the link beyond the guide, and the joint's distance to its left."""
         joint, guide = self.local(cut.name, cut.one.joint), self.slider_guide(cut.other)
         if cut.other.link == cut.name:
-            return self.guide_on(guide, links[cut.other.other]), self.offset(cut.name) + joint.y
+            return self.assembly.guide_on(guide, links[cut.other.other]), self.offset(cut.name) + joint.y
         slider = links[cut.other.link]
         r = self.assembly.place("guides", guide)
         angle = self.assembly.direction(f"guides.{guide}.angle")
         return GuideLine(slider, slider.origin.r, slider.u), angle.cross(joint - r) - self.offset(cut.other.link)
 
-    def _of_link(self, links: dict[str, Turning], cut: CutLink, still: bool) -> LoopResidual:
+    def _of_link(self, links: dict[str, Turning], cut: CutLink) -> LoopResidual:
         if cut.other.kind == "prismatic":
-            point = self.joint_on(links, cut.one.beyond(cut.name), cut.one.joint, still)
+            point = self.joint_on(links, cut.one.beyond(cut.name), cut.one.joint)
             return _line_residual(*self.line(links, cut), point)
-        one, other = self.ends(links, cut, still)
         bar = self.bar(cut)
-        r, v, a = (two - first for first, two in zip(one, other, strict=True))
+        r, v, a = (two - first for first, two in zip(*self.ends(links, cut), strict=True))
         return LoopResidual((r.dot(r) - bar.dot(bar)) * 0.5, r.dot(v), r.dot(a) + v.dot(v))
 
-    def _of_pair(self, links: dict[str, Turning], pair: Pair, still: bool) -> list[LoopResidual]:
+    def _of_pair(self, links: dict[str, Turning], pair: Pair) -> list[LoopResidual]:
         if pair.kind == "revolute":
-            one = self.joint_on(links, pair.link, pair.joint, still)
-            other = self.joint_on(links, pair.other, pair.joint, still)
-            r, v, a = (first - two for first, two in zip(one, other, strict=True))
+            joints = (self.joint_on(links, link, pair.joint) for link in (pair.link, pair.other))
+            r, v, a = (first - two for first, two in zip(*joints, strict=True))
             return [LoopResidual(r.x, v.x, a.x), LoopResidual(r.y, v.y, a.y)]
-        line, slider = self.guide_on(self.slider_guide(pair), links[pair.other]), links[pair.link]
+        line, slider = self.assembly.guide_on(self.slider_guide(pair), links[pair.other]), links[pair.link]
         sine, cosine = line.u.cross(slider.u), line.u.dot(slider.u)
         w, e = slider.w - line.carrier.w, slider.e - line.carrier.e
         turning = LoopResidual(sine * self.size, cosine * w * self.size, (cosine * e - sine * w * w) * self.size)

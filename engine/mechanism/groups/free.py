@@ -19,6 +19,7 @@ from engine.mechanism.groups.closure_of_free import (
 )
 from engine.mechanism.groups.minors import Inverse, inverse
 from engine.mechanism.groups.seed_tables import SeedTables
+from engine.mechanism.input_motion import input_span
 from engine.mechanism.vectors import Vector, named
 from engine.scene.attachments import joint_owners
 from engine.scene.structure.free_groups import FreeGroup
@@ -34,6 +35,8 @@ class Linearised(NamedTuple):
 
     Attributes
     ----------
+    rest : list of Direction or Slide
+        The unknowns, at rest.
     misses : list of LoopResidual
         Residuals of the loops, with their rates for fixed unknowns.
     units : list of dict of str to Turning
@@ -42,6 +45,7 @@ class Linearised(NamedTuple):
         Inverse of the Jacobian.
     """
 
+    rest: list[Unknown]
     misses: list[LoopResidual]
     units: list[dict[str, Turning]]
     inverse: Inverse
@@ -63,56 +67,47 @@ class FreeMotion(NamedTuple):
     linearised: Linearised
 
 
-def add_free_group(assembly: Assembly, group: FreeGroup, span: tuple[Node, Node], turns: bool) -> FreeMotion:
+def add_free_group(assembly: Assembly, group: FreeGroup) -> FreeMotion:
     """Add a group of free links to a mechanism.
 
     Parameters
     ----------
     assembly : Assembly
     group : FreeGroup
-    span : tuple of Node
-        First and last position of the input.
-    turns : bool
-        Whether the input turns fully, so that the last position is the first again.
     """
     closure = ClosureOfFree(assembly, group)
-    tables = assembly.seed_tables[group.name] = _tables_of(closure, span, turns)
-    places = _seeded(closure, tables, span, turns)
+    tables = assembly.seed_tables[group.name] = _tables_of(closure)
+    places = _seeded(closure, tables)
     for step in range(_CORRECTIONS):
         linear = linearised(closure, places)
         deltas = linear.inverse.times([-miss.r for miss in linear.misses])
         if step == 0:
-            h = named(certificate(closure, places, linear, deltas), f"{group.name}_certificate")
+            h = named(certificate(closure, linear, deltas), f"{group.name}_certificate")
             assembly.certificates[group.name] = h
             deltas = [assembly.graph.apply(proved, h, delta) for delta in deltas]
             assembly.solutions[group.name] = tuple(deltas)
         places = corrected(closure, places, deltas)
     linear = linearised(closure, places)
-    motions = with_rates(closure, places, linear)
+    motions = with_rates(closure, linear)
     links = closure.placed(motions)
     _register(closure, links, motions)
     graph, measures = assembly.graph, closure.measures()
     misses = [abs(m.r) / (size * closure.size) for m, size in zip(linear.misses, measures, strict=True)]
-    assembly.transmits(group.name, transmission(closure, places, linear), _maximum(graph, misses))
+    assembly.transmits(group.name, transmission(closure, linear), _maximum(graph, misses))
     return FreeMotion(closure, links, linear)
 
 
-def _tables_of(closure: ClosureOfFree, span: tuple[Node, Node], turns: bool) -> SeedTables:
+def _tables_of(closure: ClosureOfFree) -> SeedTables:
     """Seed tables of a group, with the curves that make them: one correction and the rates, at given unknowns."""
-    graph, name = closure.graph, closure.group.name
-    given = [graph.given(f"{name} unknown {i}") for i in range(len(closure.slides))]
-    places = _places_of(closure, given)
-    linear = linearised(closure, places)
+    given = [closure.graph.given(f"{closure.group.name} unknown {i}") for i in range(len(closure.units))]
+    linear = linearised(closure, _places_of(closure, given))
     deltas = linear.inverse.times([-miss.r for miss in linear.misses])
-    motions = with_rates(closure, places, linear)
-    scales = [closure.size if slides else graph.one for slides in closure.slides]
-    curves = [delta * scale for delta, scale in zip(deltas, scales, strict=True)]
-    curves += [m.v if isinstance(m, Slide) else m.w for m in motions]
-    curves += [m.a if isinstance(m, Slide) else m.e for m in motions]
-    curves += [certificate(closure, places, linear, deltas), transmission(closure, places, linear), closure.size]
-    links = closure.placed([_at_rest(closure, place) for place in places])
-    points = _points(closure, links)
-    return SeedTables(closure.assembly.scene, closure.group, given, curves, points, span, turns)
+    curves = [delta * unit for delta, unit in zip(deltas, closure.units, strict=True)]
+    _, first, second = zip(*with_rates(closure, linear), strict=True)
+    curves += [*first, *second]
+    curves += [certificate(closure, linear, deltas), transmission(closure, linear), closure.size]
+    points = _points(closure, closure.placed(linear.rest))
+    return SeedTables(closure.assembly.scene, closure.group, given, curves, points)
 
 
 def _points(closure: ClosureOfFree, links: dict[str, Turning]) -> dict[str, Vector]:
@@ -127,28 +122,26 @@ def _points(closure: ClosureOfFree, links: dict[str, Turning]) -> dict[str, Vect
 
 def _places_of(closure: ClosureOfFree, unknowns: Sequence[Node]) -> list[Place]:
     """Directions of the unknowns that are angles; slides as they are."""
-    apply = closure.graph.apply
-    return [
-        node if slides else Vector(*apply(direction_of, node))
-        for node, slides in zip(unknowns, closure.slides, strict=True)
-    ]
+    apply, placed = closure.graph.apply, zip(unknowns, closure.cutting.placed, strict=True)
+    return [node if pair.kind == "prismatic" else Vector(*apply(direction_of, node)) for node, (_, pair) in placed]
 
 
-def _at_rest(closure: ClosureOfFree, place: Place) -> Unknown:
-    zero = closure.graph.zero
-    return Direction(place, zero, zero) if isinstance(place, Vector) else Slide(place, zero, zero)
+def _unknown(place: Place, first: Node, second: Node) -> Unknown:
+    """An unknown with its rates."""
+    return (Direction if isinstance(place, Vector) else Slide)(place, first, second)
 
 
-def _seeded(closure: ClosureOfFree, tables: SeedTables, span: tuple[Node, Node], turns: bool) -> list[Place]:
+def _seeded(closure: ClosureOfFree, tables: SeedTables) -> list[Place]:
     """Interpolate the unknowns between two seeds of the table."""
     graph, name = closure.graph, closure.group.name
-    whole = graph.derived("range of the input", lambda n: span[1].compute(n) - span[0].compute(n))
+    first, last = input_span(closure.assembly.scene, graph)
+    whole, turns = last - first, float(closure.assembly.scene.has_cycle)
     table = graph.number_table(
         f"seeds of {name}",
         [graph.derived(f"{name} seed {i}", lambda n, i=i: tables(n).seeds[i]) for i in range(tables.entries)],
     )
-    x = graph.apply(place_in_range, graph.q, span[0], graph.one / whole, float(turns))
-    count = len(closure.slides)
+    x = graph.apply(place_in_range, graph.q, first, graph.one / whole, turns)
+    count = len(closure.units)
     interval, share, length = graph.apply(place_in_table, table, float(tables.intervals), float(count), x)
     step = whole * length
     seeds = [graph.apply(two_seeds, table, float(i), float(count), interval) for i in range(count)]
@@ -157,17 +150,13 @@ def _seeded(closure: ClosureOfFree, tables: SeedTables, span: tuple[Node, Node],
 
 def linearised(closure: ClosureOfFree, places: Sequence[Place]) -> Linearised:
     """Linearise the loops at given values of the unknowns."""
-    graph = closure.graph
-    rest = [_at_rest(closure, place) for place in places]
-    misses = closure.misses(closure.placed(rest))
-    units, columns = [], []
-    for k, slides in enumerate(closure.slides):
-        rate = closure.size if slides else graph.one
-        moving = [m._replace(**{"v" if slides else "w": rate}) if i == k else m for i, m in enumerate(rest)]
-        links = closure.placed(moving, still=True)
-        units.append(links)
-        columns.append([miss.v for miss in closure.misses(links, still=True)])
-    return Linearised(misses, units, inverse([list(row) for row in zip(*columns, strict=True)]))
+    zero, rest = closure.graph.zero, [_unknown(place, closure.graph.zero, closure.graph.zero) for place in places]
+    units = []
+    for k, unit in enumerate(closure.units):
+        moving = [_unknown(place, unit, zero) if i == k else rest[i] for i, place in enumerate(places)]
+        units.append(closure.placed(moving, still=True))
+    columns = [[miss.v for miss in closure.misses(links)] for links in units]
+    return Linearised(rest, closure.misses(closure.placed(rest)), units, inverse([*zip(*columns, strict=True)]))
 
 
 def corrected(closure: ClosureOfFree, places: Sequence[Place], deltas: Sequence[Node]) -> list[Place]:
@@ -180,29 +169,24 @@ def corrected(closure: ClosureOfFree, places: Sequence[Place], deltas: Sequence[
     ]
 
 
-def with_rates(closure: ClosureOfFree, places: Sequence[Place], linear: Linearised) -> list[Unknown]:
+def with_rates(closure: ClosureOfFree, linear: Linearised) -> list[Unknown]:
     """Add first and second rates to the unknowns."""
-    zero = closure.graph.zero
-    scales = [closure.size if slides else closure.graph.one for slides in closure.slides]
 
     def motions(first: Sequence[Node], second: Sequence[Node]) -> list[Unknown]:
-        return [
-            (Direction if isinstance(place, Vector) else Slide)(place, scale * v, scale * a)
-            for place, scale, v, a in zip(places, scales, first, second, strict=True)
-        ]
+        each = zip(linear.rest, closure.units, first, second, strict=True)
+        return [_unknown(rest[0], unit * v, unit * a) for rest, unit, v, a in each]
 
-    still = [zero] * len(places)
     first = linear.inverse.times([-miss.v for miss in linear.misses])
-    carried = closure.misses(closure.placed(motions(first, still)))
+    carried = closure.misses(closure.placed(motions(first, [closure.graph.zero] * len(first))))
     return motions(first, linear.inverse.times([-miss.a for miss in carried]))
 
 
-def certificate(closure: ClosureOfFree, places: Sequence[Place], linear: Linearised, deltas: Sequence[Node]) -> Node:
+def certificate(closure: ClosureOfFree, linear: Linearised, deltas: Sequence[Node]) -> Node:
     """H of the Newton–Kantorovich theorem: a value up to ½ proves a root near these unknowns."""
     graph = closure.graph
     step = _maximum(graph, [abs(delta) for delta in deltas])
     # For h ≤ ½ the root is within twice the first correction.
-    _, second = closure.bounds([_at_rest(closure, place) for place in places], linear.misses, step + step)
+    _, second = closure.bounds(linear.rest, linear.misses, step + step)
     rows = linear.inverse.rows
     changes = [sum(abs(entry) * bound for entry, bound in zip(row, second, strict=True)) for row in rows]
     return step * _maximum(graph, changes)
@@ -215,12 +199,12 @@ def _maximum(graph: object, nodes: Sequence[Node]) -> Node:
     return worst
 
 
-def transmission(closure: ClosureOfFree, places: Sequence[Place], linear: Linearised) -> Node:
+def transmission(closure: ClosureOfFree, linear: Linearised) -> Node:
     """Transmission index: the Jacobian's determinant, divided by the largest that the bounds of its rows allow.
 
     For a dyad RRR this is the sine of the transmission angle.
     """
-    first, _ = closure.bounds([_at_rest(closure, place) for place in places], linear.misses, closure.graph.zero)
+    first, _ = closure.bounds(linear.rest, linear.misses, closure.graph.zero)
     largest = closure.graph.one
     for row in first:
         largest = largest * closure.graph.function("sqrt", sum(bound * bound for bound in row))
@@ -249,7 +233,7 @@ def _register(closure: ClosureOfFree, links: dict[str, Turning], motions: Sequen
 
 def _slide(closure: ClosureOfFree, slider: str, carrier: str, guide: str) -> Slide:
     links = closure.assembly.links
-    line, origin = closure.guide_on(guide, links[carrier]), links[slider].origin
+    line, origin = closure.assembly.guide_on(guide, links[carrier]), links[slider].origin
     under = line.under(origin.r)
     v = line.u.dot(origin.v - under.v)
     return Slide(line.u.dot(origin.r - line.r), v, line.u.dot(origin.a - under.a - line.coriolis(v * line.u)))

@@ -128,7 +128,7 @@ class _Balance:
             self.reactions[pair.name] = tuple(-force)
             return
         slider, carrier = self._links[pair.link], self._links[pair.other]
-        line = self._closure.guide_on(self._closure.slider_guide(pair), carrier)
+        line = self._closure.assembly.guide_on(self._closure.slider_guide(pair), carrier)
         moment, force = -(one * self._closure.size * line.u.dot(slider.u)), -other * line.u.normal
         self._loads.push(pair.link, slider.origin, force)
         self._loads.push(pair.other, slider.origin, -force)

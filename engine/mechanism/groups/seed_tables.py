@@ -14,9 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import mechanism
-from engine.graph.nodes import Node, Number, reached
+from engine.graph.nodes import Node
 from engine.graph.values import NodeValues
 from engine.laws.kinematics.seeds import LEAST_SHARE, PROVES, SAME, same_unknowns
+from engine.mechanism.input_motion import input_span
 from engine.mechanism.vectors import Vector
 from engine.scene.scene import Numbers, Scene, SceneError, scene_numbers
 from engine.scene.structure.free_groups import FreeGroup, cutting_of
@@ -97,10 +98,6 @@ class SeedTables:
         the group's size.
     points : mapping of str to Vector
         Positions of the group's points.
-    span : tuple of Node
-        First and last position of the input.
-    turns : bool
-        Whether the last position coincides with the first.
 
     Attributes
     ----------
@@ -117,12 +114,9 @@ class SeedTables:
         given: Sequence[Node],
         curves: Sequence[Node],
         points: Mapping[str, Vector],
-        span: tuple[Node, Node],
-        turns: bool,
     ) -> None:
-        self.scene, self.group, self._turns = scene, group, turns
-        self._given, self._curves, self._points, self._span = given, curves, points, span
-        self._revolutions = getattr(scene.input, "revolutions", 1) if turns else 1
+        self.scene, self.group, self._given, self._curves, self._points = scene, group, given, curves, points
+        self._revolutions = scene.input.revolutions if scene.has_cycle else 1
         self.intervals = _EACH_TURN * self._revolutions + _EXTRA
         self.entries = (self.intervals + 1) * (1 + 3 * len(given))
         self.slides = np.array([pair.kind == "prismatic" for _, pair in cutting_of(group).placed])
@@ -131,38 +125,18 @@ class SeedTables:
     @cached_property
     def _walk(self) -> "mechanism.groups.seed_walk.SeedWalk":
         # Compiled code is loaded on first use.
-        return mechanism.groups.seed_walk.SeedWalk(self._given, self._curves, self._span, self.slides)
+        span = input_span(self.scene, self._given[0].graph)
+        return mechanism.groups.seed_walk.SeedWalk(self._given, self._curves, span, self.slides)
 
     @property
     def _own(self) -> Numbers:
         """The scene's numbers, unvaried."""
         return Numbers(scene_numbers(self.scene), {})
 
-    @cached_property
-    def _needed(self) -> list[Number]:
-        """Numbers on which the group depends, the ends of the input's range first."""
-        return list(dict.fromkeys([*self._span, *(n for n in reached(self._curves) if isinstance(n, Number))]))
-
-    def _rows(self, numbers: Numbers) -> np.ndarray:
-        """Values of these numbers for all variants, (numbers, variants); one variant if none of them varies."""
-        with np.errstate(all="ignore"):
-            return np.stack(np.broadcast_arrays(np.zeros(1), *(n.compute(numbers) for n in self._needed)))[1:]
-
-    @cached_property
-    def _values(self) -> NodeValues:
-        return NodeValues(self._curves[0].graph, self._own)
-
-    def _at(self, numbers: Numbers) -> Callable[..., np.ndarray]:
-        """Function that evaluates curves at given unknowns and the first position, (curves, variants)."""
-        values = self._values.for_numbers(numbers)
-        with np.errstate(all="ignore"):
-            first = self._span[0].compute(numbers)
-
-        def evaluated(unknowns: np.ndarray, curves: Sequence[Node] = self._curves) -> np.ndarray:
-            q = np.broadcast_to(first, unknowns.shape[1:])
-            return np.array(values(curves, q, dict(zip(self._given, unknowns, strict=True))))
-
-        return evaluated
+    def _at(self, numbers: Numbers) -> Callable[[np.ndarray], np.ndarray]:
+        """Function that evaluates the curves at given unknowns and the first position, (curves, points)."""
+        table = self._walk.table(numbers)
+        return lambda unknowns: self._walk.curves(table, np.resize(table[0], unknowns.shape[1]), unknowns)
 
     # Modes of the scene
 
@@ -213,14 +187,10 @@ class SeedTables:
 
     def _places(self, numbers: Numbers, unknowns: np.ndarray) -> list[dict[str, tuple[float, float]]]:
         """Positions of the group's points at the first position, for each column of unknowns."""
-        if not self._points:
-            return [{} for _ in range(unknowns.shape[1])]
-        found = self._at(numbers)(unknowns, [node for point in self._points.values() for node in point])
-        pairs = found.reshape(len(self._points), 2, -1)
-        return [
-            {name: (float(x[i]), float(y[i])) for name, (x, y) in zip(self._points, pairs, strict=True)}
-            for i in range(unknowns.shape[1])
-        ]
+        q, known = np.resize(self._walk.table(numbers)[0], unknowns.shape[1]), zip(self._given, unknowns, strict=True)
+        nodes, values = [node for r in self._points.values() for node in r], NodeValues(self._given[0].graph, numbers)
+        places = np.reshape(values(nodes, q, dict(known)), (len(self._points), 2, q.size))
+        return [dict(zip(self._points, map(tuple, own.tolist()), strict=True)) for own in np.moveaxis(places, 2, 0)]
 
     def near_points(self, numbers: Numbers) -> dict[str, tuple[float, float]] | None:
         """Positions of the points in `near` for one variant; None if its mode isn't reached."""
@@ -238,11 +208,8 @@ class SeedTables:
         given = [name for name in self.scene.near if name in self._points]
         if not given:
             return 0 if len(places) == 1 else None
-        wanted = self.scene.near
-        far = [
-            sum((at[name][0] - wanted[name].x) ** 2 + (at[name][1] - wanted[name].y) ** 2 for name in given) ** 0.5
-            for at in places
-        ]
+        wanted = [x for name in given for x in (self.scene.near[name].x, self.scene.near[name].y)]
+        far = [math.dist([x for name in given for x in at[name]], wanted) for at in places]
         order = np.argsort(far)
         if len(far) > 1 and not far[order[1]] > (1.0 + _NEARER) * far[order[0]]:
             return None
@@ -282,29 +249,23 @@ class SeedTables:
 
     def _made(self, numbers: Numbers) -> SeedAnswers:
         self.check()
-        first, last = self._rows(numbers)[:2]
-        variants = first.size
+        first, last = self._walk.table(numbers)[:2]
         chosen = [mode for mode in self.modes if mode.chosen]
-        verdict = np.full(variants, int(Verdict.OK))
         if not chosen:
-            seeds = np.full((self.entries, variants), np.nan)
-            return SeedAnswers(seeds, np.full(variants, int(Verdict.CANNOT_ASSEMBLE)), first.copy())
+            seeds = np.full((self.entries, first.size), np.nan)
+            return SeedAnswers(seeds, np.full(first.size, int(Verdict.CANNOT_ASSEMBLE)), first.copy())
         start, sines, arrived = self._carried(numbers, chosen[0])
         paths = self.walked(numbers, self._polished(numbers, start), sines)
-        verdict[~np.isnan(paths.short_at)] = Verdict.MODE_NOT_REACHED
-        verdict[~np.isnan(paths.ends_at)] = Verdict.SINGULAR
-        at = np.where(np.isnan(paths.ends_at), paths.short_at, paths.ends_at)
-        verdict[~paths.closes] = Verdict.OTHER_MODE
-        at[~paths.closes] = last[~paths.closes]
-        verdict[~arrived] = Verdict.MODE_NOT_REACHED
-        at[~arrived] = first[~arrived]
         paths.seeds[:, ~arrived] = np.nan
-        return SeedAnswers(paths.seeds, verdict, at)
+        where = [~arrived, ~paths.closes, ~np.isnan(paths.ends_at), ~np.isnan(paths.short_at)]
+        verdicts = [Verdict.MODE_NOT_REACHED, Verdict.OTHER_MODE, Verdict.SINGULAR, Verdict.MODE_NOT_REACHED]
+        at = np.select(where, [first, last, paths.ends_at, paths.short_at], np.nan)
+        return SeedAnswers(paths.seeds, np.select(where, list(map(int, verdicts)), int(Verdict.OK)), at)
 
     def walked(self, numbers: Numbers, start: np.ndarray, sines: np.ndarray) -> "mechanism.groups.seed_walk.SeedPaths":
         """Paths from the unknowns at the first position, with their transmission index."""
         longest = _LONGEST_INTERVAL / self._revolutions
-        return self._walk(numbers, start, sines, self.intervals, longest, self._turns)
+        return self._walk(self._walk.table(numbers), start, sines, self.intervals, longest, self.scene.has_cycle)
 
     def _polished(self, numbers: Numbers, unknowns: np.ndarray) -> np.ndarray:
         """Unknowns at the first position, bitwise independent of the continuation: rounded, then corrected."""
@@ -319,12 +280,10 @@ class SeedTables:
 
     def _carried(self, numbers: Numbers, mode: AssemblyMode) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The scene's mode at the first position of each variant, its transmission index, whether it was reached."""
-        rows, count = self._rows(numbers), self.slides.size
-        curves = [*self._curves[:count], *self._curves[3 * count : 3 * count + 2]]
+        rows, own, count = self._walk.table(numbers), self._walk.table(self._own), self.slides.size
         variants = rows.shape[1]
         unknowns, sines = np.repeat(mode.unknowns[:, None], variants, axis=1), np.full(variants, mode.transmission)
-        rates, own = np.zeros_like(unknowns), self._rows(self._own)
-        step = np.full(variants, _FIRST_STEP)
+        rates, step = np.zeros_like(unknowns), np.full(variants, _FIRST_STEP)
         progress = ((rows == own) | np.isnan(own)).all(axis=0).astype(float)
         while True:
             going = (progress < 1.0) & (step > _SHORTEST_STEP)
@@ -334,12 +293,13 @@ class SeedTables:
             at = self._at(numbers.interpolated(ahead if variants > 1 else ahead[0]))
             with np.errstate(all="ignore"):
                 moved = unknowns + rates * (ahead - progress)
-                *deltas, certificate, sine = at(moved, curves)
-                accepted = going & (certificate <= PROVES)
+                found = at(moved)
+                accepted = going & (found[3 * count] <= PROVES)
                 for _ in range(4 if accepted.any() else 0):
-                    moved = moved + deltas
-                    *deltas, _, sine = at(moved, curves)
-                accepted &= (np.abs(deltas) < SAME).all(axis=0)
+                    moved = moved + found[:count]
+                    found = at(moved)
+                sine = found[3 * count + 1]
+                accepted &= (np.abs(found[:count]) < SAME).all(axis=0)
                 accepted &= sine / sines > LEAST_SHARE
                 # The next step starts from the secant through the last two points.
                 rates = np.where(accepted, (moved - unknowns) / (ahead - progress), rates)

@@ -266,12 +266,12 @@ _TOKEN = re.compile(
 )
 _JOINING = re.compile(r"(?i:and|or|not|if|else)")
 _UNFINISHED = re.compile(r"(?:[-+*/^<>=,(]|\b(?:and|or|not|if|else))\s*$")
-_UNIT_POWER = r"(?:(?:\^|\*\*)-?[1-9]|[1-9])?(?![\w.(])"
-_UNIT = re.compile(rf"([^\W\d_]+){_UNIT_POWER}")
-# Elsewhere a hyphen between units is a minus.
-_FOOT_POUND = re.compile(rf"(?:ft|in)-(lbf|lbs?){_UNIT_POWER}|(?:lbf|lbs?)-(ft|in){_UNIT_POWER}")
-# Brackets in a denominator: "/(m s)".
-_UNITS_IN_BRACKETS = re.compile(rf"\(([^\W\d_]+{_UNIT_POWER}(?:[ *][^\W\d_]+{_UNIT_POWER})*)\)")
+# A unit with its power. A hyphen joins pounds with feet or inches; elsewhere it is a minus.
+_UNIT = rf"(?:(?:ft|in)-lb[fs]?|lb[fs]?-(?:ft|in)|{'|'.join(UNIT_NAMES)})(?![^\W\d_])"
+_UNIT += r"(?:(?:\^|\*\*)-?[1-9]|[1-9])?(?![\w.(])"
+# The units that follow a number. Blanks join units, as in "N m". A slash without blanks joins units, as in "N/mm" or
+# "N/(m s)"; with blanks it divides.
+_UNITS = re.compile(rf" *(?:[%°]|{_UNIT}(?: *{_UNIT})*(?:/(?:{_UNIT}|\({_UNIT}(?:[ *]{_UNIT})*\)))*)")
 
 
 def _code_of(line: str) -> _Code:
@@ -283,9 +283,9 @@ def _code_of(line: str) -> _Code:
         end = token.end() if token else place + 1
         if token:
             _check_token(line, token)
-        if token and token["number"] and (after := _end_of_units(line, end)) > end:
-            pieces += [("'", place), *((line[i], i) for i in range(place, after)), ("'", after - 1)]
-            end = after
+        if token and token["number"] and (units := _UNITS.match(line, end)):
+            end = units.end()
+            pieces += [("'", place), *((line[i], i) for i in range(place, end)), ("'", end - 1)]
         elif token and token["sign"]:
             pieces += [(character, place) for character in _SIGNS[token["sign"]]]
         else:
@@ -310,50 +310,12 @@ def _check_token(line: str, token: re.Match) -> None:
         raise _refusal(line, token.start(), f"the quotation mark {token[0]} is never closed")
 
 
-def _end_of_units(line: str, place: int) -> int:
-    """End of the unit that follows a number; end of the number if no unit follows.
-
-    Blanks join units, as in "N m". A slash without blanks joins units, as in "N/mm" or "N/(m s)"; with blanks it
-    divides.
-    """
-    end, divided = place, False
-    if line.startswith(("%", "°"), sign := _after_blanks(line, place)):
-        return sign + 1
-    while True:
-        bar = line.startswith("/", end) and end > place
-        if bar and (brackets := _UNITS_IN_BRACKETS.match(line, end + 1)) and _are_units(brackets[1]):
-            end = brackets.end()
-            divided = True
-            continue
-        begin = end + 1 if bar else _after_blanks(line, end)
-        if (pound := _FOOT_POUND.match(line, begin)) is not None and not divided:
-            end = pound.end()
-            continue
-        unit = _UNIT.match(line, begin)
-        if not unit or unit[1] not in UNIT_NAMES or (unit[1] != "in" and keyword.iskeyword(unit[1])):
-            return end
-        if divided and not bar:
-            return end
-        end, divided = unit.end(), divided or bar
-
-
-def _after_blanks(line: str, place: int) -> int:
-    while place < len(line) and line[place] == " ":
-        place += 1
-    return place
-
-
-def _are_units(text: str) -> bool:
-    return all(unit[1] in UNIT_NAMES for unit in _UNIT.finditer(text))
-
-
 def _no_stray_word(line: str, end: int) -> None:
     """Reject a word after a quantity and a blank: an operator is missing, or the word is not a unit."""
-    place = _after_blanks(line, end)
-    word = re.compile(r"[^\W\d]\w*").match(line, place)
-    if place == end or not word or keyword.iskeyword(word[0]) or _JOINING.fullmatch(word[0]):
-        return
-    raise _refusal(line, place, f"{word[0]!r} is not a valid unit here, or an operator is missing before it")
+    word = re.compile(r" +([^\W\d]\w*)").match(line, end)
+    if word and not keyword.iskeyword(word[1]) and not _JOINING.fullmatch(word[1]):
+        what = f"{word[1]!r} is not a valid unit here, or an operator is missing before it"
+        raise _refusal(line, word.start(1), what)
 
 
 def _syntax_tree(code: _Code) -> ast.expr:

@@ -9,8 +9,8 @@ link is known.
 import numpy as np
 
 from engine import laws
-from engine.parts.skeleton import FRAME, CrankInput
-from engine.scene.attachments import guide_of, places_on, sliders
+from engine.parts.skeleton import FRAME
+from engine.scene.attachments import crank_of, guide_of, places_on, sliders
 from engine.scene.pairs import drive_base
 from engine.scene.scene import Numbers, Problem, Scene
 from engine.scene.structure.input_laws import drive_turns
@@ -47,7 +47,7 @@ def mesh_problems(scene: Scene) -> list[Problem]:
 def _wrong_wheel(scene: Scene, name: str) -> list[Problem]:
     wheel, drive, at = scene.noncircular_wheels[name], scene.input, f"noncircular_wheels.{name}"
     on_frame = {n for n, shaft in scene.shafts.items() if shaft.carrier is None and has_known_angle(scene, n)}
-    on_frame |= set(scene.noncircular_wheels) | ({drive.link} if isinstance(drive, CrankInput) else set())
+    on_frame |= set(scene.noncircular_wheels) | crank_of(scene)
     if wheel.geared_to not in on_frame:
         message = "is in mesh with the crank, a shaft with a pivot on the frame, or another such wheel; "
         return [(f"{at}.geared_to", message + did_you_mean(wheel.geared_to, on_frame - {name}))]
@@ -102,9 +102,8 @@ def _unheld(scene: Scene, path: str, pivot: str, guide: str) -> list[Problem]:
 
 def _turning(scene: Scene) -> set[str]:
     """Turning links whose total angle over all turns is known."""
-    crank = {scene.input.link} if isinstance(scene.input, CrankInput) else set()
     return (
-        crank
+        crank_of(scene)
         | {name for name in scene.shafts if has_known_angle(scene, name)}
         | {*scene.pinions, *scene.noncircular_wheels}
         | {name for name, second in scene.inputs.items() if second.type == "crank"}
@@ -126,8 +125,8 @@ def root_of(scene: Scene, link: str) -> str:
     """Reference of a link's total angle over all turns: the frame, a link of a structural group, or the link itself."""
     while (carrier := carrier_of(scene, link)) is not None:
         link = carrier
-    crank = {scene.input.link} if isinstance(scene.input, CrankInput) else set()
-    return FRAME if link in {*crank, *scene.noncircular_wheels} or has_known_angle(scene, link) else link
+    turning = crank_of(scene) | set(scene.noncircular_wheels)
+    return FRAME if link in turning or has_known_angle(scene, link) else link
 
 
 def has_known_angle(scene: Scene, shaft: str) -> bool:
@@ -162,4 +161,4 @@ def net_turns(scene: Scene, link: str, numbers: Numbers | None = None) -> float 
         ratio = shaft.ratio if numbers is None else numbers[f"shafts.{link}.ratio"]
         carried = net_turns(scene, shaft.carrier or FRAME, numbers)
         return laws.kinematics.geared_links.willis(ratio, net_turns(scene, shaft.geared_to, numbers), carried)
-    return 1.0 if link == scene.input.link and isinstance(scene.input, CrankInput) else 0.0
+    return float(link in crank_of(scene))

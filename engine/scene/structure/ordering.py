@@ -68,15 +68,16 @@ def group_links(scene: Scene, name: str) -> tuple[str, str]:
 
 
 class _Step(NamedTuple):
-    """A part to be ordered: its path in the scene, its needs, and what is known after it.
+    """A part to be ordered: its kind and name, its path in the scene, its needs, and what is known after it.
 
     Things needed and known are ("point" | "guide" | "link", name).
     """
 
-    part: OrderedPart
+    kind: str
+    name: str
     path: str
-    needs: frozenset[tuple[str, str]]
-    gives: frozenset[tuple[str, str]]
+    needs: set[tuple[str, str]]
+    gives: set[tuple[str, str]]
 
 
 def _outer(one: Attachment) -> tuple[str, str]:
@@ -87,31 +88,27 @@ def _steps(scene: Scene) -> Iterator[_Step]:
     """All parts but groups of free links, in order of preference where several could come next."""
     for kind, table in (("point", scene.points), ("guide", scene.guides)):
         for name, part in table.items():
-            yield _step(kind, name, f"{kind}s.{name}", {("link", part.link)}, {(kind, name)})
+            yield _Step(kind, name, f"{kind}s.{name}", {("link", part.link)}, {(kind, name)})
     for name, shaft in scene.shafts.items():
         needs = {("link", shaft.geared_to), ("link", shaft.carrier or FRAME)}
         needs |= {("point", shaft.pivot)} if shaft.pivot is not None else set()
-        yield _step("shaft", name, f"shafts.{name}.geared_to", needs, {("link", name)})
+        yield _Step("shaft", name, f"shafts.{name}.geared_to", needs, {("link", name)})
     for name, second in scene.inputs.items():
         path = f"inputs.{name}.{'guide' if second.type == 'slider' else 'pivot'}"
-        yield _step("second input", name, path, {_outer(attached(scene)[name])}, {("link", name)})
+        yield _Step("second input", name, path, {_outer(attached(scene)[name])}, {("link", name)})
     for name, wheel in scene.noncircular_wheels.items():
         needs = {("link", wheel.geared_to), ("point", wheel.pivot)}
-        yield _step("noncircular wheel", name, f"noncircular_wheels.{name}.geared_to", needs, {("link", name)})
+        yield _Step("noncircular wheel", name, f"noncircular_wheels.{name}.geared_to", needs, {("link", name)})
     for kind, table in (("rack", scene.racks), ("pinion", scene.pinions)):
         for name, part in table.items():
-            yield _step(kind, name, f"{kind}s.{name}", _needs_of_mesh(scene, part), {("link", name)})
+            yield _Step(kind, name, f"{kind}s.{name}", _needs_of_mesh(scene, part), {("link", name)})
     for name, cam in scene.cams.items():
         needs = {("link", cam.on), _outer(attached(scene)[cam.follower.link])}
-        yield _step("cam", name, f"cams.{name}.on", needs, {("link", cam.follower.link)})
+        yield _Step("cam", name, f"cams.{name}.on", needs, {("link", cam.follower.link)})
     for name, group in scene.groups.items():
         links = group_links(scene, name)
         known = {("link", link) for link in links} | ({("point", group.inner)} if hasattr(group, "inner") else set())
-        yield _step("group", name, f"groups.{name}", {_outer(attached(scene)[link]) for link in links}, known)
-
-
-def _step(kind: str, name: str, path: str, needs: set[tuple[str, str]], gives: set[tuple[str, str]]) -> _Step:
-    return _Step(OrderedPart(kind, name), path, frozenset(needs), frozenset(gives))
+        yield _Step("group", name, f"groups.{name}", {_outer(attached(scene)[link]) for link in links}, known)
 
 
 def _needs_of_mesh(scene: Scene, part: Rack | Pinion) -> set[tuple[str, str]]:
@@ -145,7 +142,7 @@ def _ordered(scene: Scene) -> _Ordering:
         before = len(found.elements)
         for step in list(found.waiting):
             if step.needs <= known:
-                found.elements.append(step.part)
+                found.elements.append(OrderedPart(step.kind, step.name))
                 found.waiting.remove(step)
                 known |= step.gives
         if len(found.elements) > before:
@@ -234,10 +231,10 @@ _WAITING = {
 def _why_unordered(scene: Scene, ordering: _Ordering) -> Iterator[Problem]:
     """Reasons why some parts could not be reached."""
     for kind, words in _WAITING.items():
-        waiting = [step for step in ordering.waiting if step.part.kind == kind]
+        waiting = [step for step in ordering.waiting if step.kind == kind]
         if not waiting:
             continue
-        lacks = {step.part.name: [name for _, name in sorted(step.needs - ordering.known)] for step in waiting}
+        lacks = {step.name: [name for _, name in sorted(step.needs - ordering.known)] for step in waiting}
         yield (
             waiting[0].path,
             words.format(
@@ -263,36 +260,23 @@ def order(scene: Scene) -> Structure:
     """
     if scene.input is None:
         raise SceneError([("input", "is missing: add one; this scene has only machine elements and no mechanism")])
-    # Phases: checking ends with the first that finds problems, as these cause others in the next.
-    for phase in (_of_names, _of_order, _of_parts, _of_gears, _of_details):
-        if problems := phase(scene):
+    for problems in _phases(scene):
+        if problems:
             raise SceneError(problems)
     ordering = _ordered(scene)
     moving = tuple(one.link for one in attachments(scene) if one.pair or one.link in scene.links)
     return Structure(tuple(ordering.elements), moving, sliders(scene), ordering.free_groups)
 
 
-def _of_names(scene: Scene) -> list[Problem]:
-    return wrong_references(scene, DEFINED)
-
-
-def _of_order(scene: Scene) -> list[Problem]:
+def _phases(scene: Scene) -> Iterator[list[Problem]]:
+    """Problems by phases: checking ends with the first that finds any, as these cause others in the next."""
+    yield wrong_references(scene, DEFINED)
     ordering = _ordered(scene)
     ungrouped = structure.free_matching.why_not_grouped(scene, ordering.links) if scene.links else []
-    return [*_why_unordered(scene, ordering), *ungrouped]
-
-
-def _of_parts(scene: Scene) -> list[Problem]:
-    ordering, wrong = _ordered(scene), wrong_references(scene, FITTING)
-    wrong = [*_immovable(scene), *(wrong or misplaced(scene))]
-    return [*wrong, *_free_problems(scene, ordering), *_sliding_loops(scene, ordering)]
-
-
-def _of_gears(scene: Scene) -> list[Problem]:
-    wrong = structure.trains.train_problems(scene) if scene.shafts else []
+    yield [*_why_unordered(scene, ordering), *ungrouped]
+    misfits = wrong_references(scene, FITTING) or misplaced(scene)
+    yield [*_immovable(scene), *misfits, *_free_problems(scene, ordering), *_sliding_loops(scene, ordering)]
+    yield structure.trains.train_problems(scene) if scene.shafts else []
     toothed = scene.noncircular_wheels or scene.racks or scene.pinions
-    return wrong or (structure.meshes.mesh_problems(scene) if toothed else [])
-
-
-def _of_details(scene: Scene) -> list[Problem]:
-    return [*replacement_problems(scene), *friction_problems(scene), *formula_problems(scene)]
+    yield structure.meshes.mesh_problems(scene) if toothed else []
+    yield [*replacement_problems(scene), *friction_problems(scene), *formula_problems(scene)]

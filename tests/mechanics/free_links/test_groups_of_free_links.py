@@ -5,6 +5,8 @@ import math
 import numpy as np
 import pytest
 from commands import said
+from driving_cams import changed
+from each_case import refusals
 from free_link_scenes import KINDS, free_link_scene, triad_data
 from link_coordinates import LinkCoordinates
 from machines import moving
@@ -52,32 +54,12 @@ def test_class__depends_on_the_driven_link():
     assert [(g.group_class, set(g.links)) for g in groups] == [(2, {"lower", "plate"}), (2, {"crank", "rod"})]
 
 
-def refused(data: dict) -> str:
-    with pytest.raises(SceneError) as caught:
-        order(Scene.model_validate(data))
-    return str(caught.value)
-
-
-def test_links_with_a_freedom_of_their_own__are_refused_by_name():
-    data = triad_data()
-    del data["links"]["upper"], data["bodies"]["upper_body"]
-    message = refused(data)
-    assert "moves too freely: rod, lower, plate" in message
-    assert "W = 3·3 − 2·4 = 1" in message
-
-
-def test_links_that_cannot_move__are_refused_by_name():
-    data = triad_data()
-    data["links"]["brace"] = {"joints": ["P", "D"], "length": 0.2}
-    message = refused(data)
-    assert "can't move" in message
-    assert "W = 3·1 − 2·2 = -1" in message
-
-
-def test_group_on_the_frame_alone__is_refused():
-    data = triad_data()
-    data["links"]["rod"]["joints"] = ["O", "B"]
-    assert "are joined to the frame only" in refused(data)
+test_links_that_make_no_group__are_refused_by_name = refusals(
+    lambda changes: order(Scene.model_validate(changed(triad_data(), **changes))),
+    ({"links__upper": None, "bodies__upper_body": None}, "moves too freely: rod, lower, plate … W = 3·3 − 2·4 = 1"),
+    ({"links__brace": {"joints": ["P", "D"], "length": 0.2}}, "can't move … W = 3·1 − 2·2 = -1"),
+    ({"links__rod__joints": ["O", "B"]}, "are joined to the frame only"),
+)
 
 
 # Positions, rates

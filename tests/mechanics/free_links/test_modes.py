@@ -56,8 +56,12 @@ def test_group_without_points__has_its_modes_listed():
 CAMPAIGN = Path(__file__).parents[3] / "results" / "groups"
 
 
-def test_modes_of_random_triads__end_as_with_50_digits(monkeypatch: pytest.MonkeyPatch):
+@pytest.fixture(autouse=True)
+def campaigns(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.syspath_prepend(str(CAMPAIGN))
+
+
+def test_modes_of_random_triads__end_as_with_50_digits():
     from mode_campaign import campaign
 
     found = list(campaign(2, seed=3))
@@ -71,18 +75,9 @@ def test_modes_of_random_triads__end_as_with_50_digits(monkeypatch: pytest.Monke
         assert not mode.place_apart > 1e-6
 
 
-@pytest.fixture
-def campaigns(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.syspath_prepend(str(CAMPAIGN))
-    import exact_triads
-    import mode_campaign
-    import triad_estimates
+def test_triads_near_dead_centres__errors_are_within_their_estimates():
+    from triad_estimates import compared
 
-    return exact_triads, mode_campaign, triad_estimates
-
-
-def test_triads_near_dead_centres__errors_are_within_their_estimates(campaigns):
-    *_, estimates = campaigns
-    found = estimates.compared(1, 10, 2, None)
+    found = compared(1, 10, 2, None)
     for name, (error, estimate, *_) in found.items():
         assert (error <= estimate).all(), name

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from driving_cams import BALANCE, asked, changed, rows_of
 from each_case import refusals
+from five_bars import JOINED
 from geared_links import CRANK
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from machines import rrr
+from two_bars import joint, power
 
 from engine import Machine, Scene
 from engine.machine.results import AskError
@@ -31,27 +32,16 @@ SECOND = {
     "harmonics": {"two": {"order": 2, "cosine": 0.1, "sine": -0.06}},
     "sections": SWINGS,
 }
-MACHINE = {
-    "gravity": 9.81,
-    "points": {"C": {"x": 0.2, "y": 0.02}, "D": {"link": "second", "x": 0.04, "y": 0.01}},
-    "groups": {"arms": rrr("B", ("left", "A", 0.19), ("right", "D", 0.17))},
-    "bodies": {
-        "left_body": {"link": "left", "mass": 0.7, "x": 0.09, "inertia": 0.002},
-        "right_body": {"link": "right", "mass": 0.8, "x": 0.08, "inertia": 0.003},
-        "second_body": {"link": "second", "mass": 1.5, "x": 0.04, "y": 0.01, "inertia": 0.002},
-    },
-}
 # Over 0 … 7 rad of a crank no turn of which is like another, as 2.5 turns of it take 5/8 of two periods.
-OVER_RANGE = MACHINE | {
-    "points": MACHINE["points"] | {"O": {"x": 0, "y": 0}},
+OVER_RANGE = JOINED | {
     "input": CRANK | {"speed": SPEED, "start": 0.0, "stop": 7.0},
     "inputs": {"second": SECOND | {"period": PERIOD, "speed": TURNING}},
 }
-SLIDING = MACHINE | {
+SLIDING = JOINED | {
     "guides": {"way": {"angle": 0.1}},
     "input": {"type": "slider", "link": "ram", "guide": "way", "point": "A", "start": -0.05, "stop": 0.05, "speed": 1},
     "inputs": {"second": SECOND | {"travel": 0.06}},
-    "bodies": MACHINE["bodies"] | {"ram_body": {"link": "ram", "mass": 2.0}},
+    "bodies": JOINED["bodies"] | {"ram_body": {"link": "ram", "mass": 2.0}},
 }
 FIELDS = ["B.x", "B.y", "second.angle", "second.angle_phi", "second.angle_phiphi"]
 DRIVES = ["input_moment_by_equilibrium", "second.driving_moment", "input_moment_by_power", "input_moment"]
@@ -73,39 +63,17 @@ def away_from_joins(tau: float) -> bool:
     return np.abs(turned - np.radians([0.0, 120.0, 210.0, 360.0])).min() > 1e-6
 
 
-def joint(one: mpmath.mpc, psi: mpmath.mpf) -> tuple[mpmath.mpc, mpmath.mpc]:
-    """Where both bars meet, and the end of the second."""
-    other = mpmath.mpc(0.2, 0.02) + mpmath.mpc(0.04, 0.01) * mpmath.expj(psi)
-    line = other - one
-    near = (abs(line) ** 2 + mpmath.mpf(0.19) ** 2 - mpmath.mpf(0.17) ** 2) / (2 * abs(line))
-    return one + line / abs(line) * mpmath.mpc(near, mpmath.sqrt(mpmath.mpf(0.19) ** 2 - near**2)), other
-
-
-def energy_change(one, psi, time: mpmath.mpf, ram: float) -> mpmath.mpf:
-    """Power that changes the energy, from positions over time alone."""
-
-    def parts(t: mpmath.mpf) -> list[tuple[mpmath.mpc, mpmath.mpc]]:
-        inner, other = joint(one(t), psi(t))
-        left, right = (inner - one(t)) / mpmath.mpf(0.19), (inner - other) / mpmath.mpf(0.17)
-        return [(one(t) + 0.09 * left, left), (other + 0.08 * right, right), (other, mpmath.expj(psi(t)))]
-
-    def energy(t: mpmath.mpf) -> mpmath.mpf:
-        total = mpmath.mpf(0)
-        for i, (mass, inertia) in enumerate([(0.7, 0.002), (0.8, 0.003), (1.5, 0.002)]):
-            centre, direction = (mpmath.diff(lambda x, i=i, k=k: parts(x)[i][k], t) for k in (0, 1))
-            total += mass * abs(centre) ** 2 / 2 + inertia * abs(direction) ** 2 / 2
-            total += mass * 9.81 * parts(t)[i][0].imag
-        return total + ram * 9.81 * one(t).imag
-
-    return mpmath.diff(energy, time)
-
-
 def compared(rows: dict[str, np.ndarray], k: int, one, psi, time: mpmath.mpf, speed: float, ram: float = 0.0) -> None:
     """Position and power at a node; motions over time."""
+
+    def ends(t: mpmath.mpf) -> tuple[mpmath.mpc, ...]:
+        turned = mpmath.expj(psi(t))
+        return one(t), mpmath.mpc(0.2, 0.02) + mpmath.mpc(0.04, 0.01) * turned, turned
+
     with mpmath.workdps(40):
-        true, angle = joint(one(time), psi(time))[0], psi(time)
+        true, angle = joint(*ends(time)[:2], 0.19, 0.17), psi(time)
         rate, bend = (mpmath.diff(psi, time, n) / mpmath.mpf(speed) ** n for n in (1, 2))
-        power = energy_change(one, psi, time, ram)
+        taken = power(ends, 0.19, 0.17, time, ram)
     # Angles of about ten radians, and what loops of 0.2 m make of them.
     assert abs(complex(rows["B.x"][k], rows["B.y"][k]) - complex(true)) < 400 * EPS
     assert abs(math.remainder(rows["second.angle"][k] - float(angle), 2 * math.pi)) < 100 * EPS
@@ -115,7 +83,7 @@ def compared(rows: dict[str, np.ndarray], k: int, one, psi, time: mpmath.mpf, sp
     own, turning = rows["input_moment_by_equilibrium"][k], rows["second.driving_moment"][k]
     whole = own + turning * rows["second.angle_phi"][k]
     size = max(np.abs(rows["input_moment"]).max(), np.abs(rows["second.driving_moment"]).max() * scale)
-    assert abs(whole * speed - float(power)) < 1e4 * EPS * abs(speed) * size
+    assert abs(whole * speed - float(taken)) < 1e4 * EPS * abs(speed) * size
     np.testing.assert_allclose(whole, rows["input_moment_by_power"][k], atol=1e4 * EPS * size)
     np.testing.assert_allclose(whole, rows["input_moment"][k], atol=1e4 * EPS * size)
 

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from plan_machines import HIGHER, MACHINES, rubbing
+from plan_machines import FREE, HIGHER, MACHINES, rubbing
 
 from engine import FRAME, MovingMachine
 
-TESTED = {name: MACHINES[name] for name in ("PRP", "turning yoke", "geared to a rocker")} | HIGHER
+TESTED = {name: MACHINES[name] for name in ("PRP", "turning yoke", "geared to a rocker")} | HIGHER | FREE
 TESTED["rubbing yoke"] = rubbing("turning yoke")
 # Forces are added up about links' origins, some tens of them with roundings of their own.
 EXACT = 1e-12

@@ -1,7 +1,8 @@
-"""Second inputs that slide, rest for a while, and stand on moving links, against closed forms and 50 digits."""
+"""Second inputs that slide, rest for a while, stand on moving links and rub, against closed forms and 50 digits."""
 
 import math
 
+import five_bars
 import mpmath
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from machines import moving, rrr
 from scipy.interpolate import CubicSpline
+from two_bars import joint, power
 
 from engine import Machine, Scene
 from engine.machine.results import AskError
@@ -57,37 +59,11 @@ def lift(phi: mpmath.mpf, begin: float, reach: float) -> mpmath.mpf:
     return reach * (1 - (10 * u**3 - 15 * u**4 + 6 * u**5))
 
 
-class Loop:
-    """The joined machine by its loop equation alone, in 50 digits."""
-
-    def __init__(self, begin: float, reach: float) -> None:
-        self.begin, self.reach = begin, reach
-
-    def places(self, phi: mpmath.mpf) -> tuple[mpmath.mpc, ...]:
-        """Ends of both bars, and the slider's origin."""
-        one = mpmath.mpf(CRANK["length"]) * mpmath.expj(phi)
-        along = mpmath.expj(mpmath.radians(25))
-        ram = mpmath.mpc(0.2, -0.03) + (0.02 + lift(phi, self.begin, self.reach)) * along
-        other = ram + mpmath.mpc(0.01, 0.02) * along
-        line = other - one
-        near = (abs(line) ** 2 + mpmath.mpf(0.2) ** 2 - mpmath.mpf(0.18) ** 2) / (2 * abs(line))
-        inner = one + line / abs(line) * mpmath.mpc(near, mpmath.sqrt(mpmath.mpf(0.2) ** 2 - near**2))
-        return one, inner, other, ram
-
-    def energy(self, time: mpmath.mpf, omega: float) -> mpmath.mpf:
-        """Kinetic and potential energy as a function of time."""
-
-        def parts(t: mpmath.mpf) -> list[tuple[mpmath.mpc, mpmath.mpc]]:
-            one, inner, other, _ = self.places(omega * t)
-            left, right = (inner - one) / mpmath.mpf(0.2), (inner - other) / mpmath.mpf(0.18)
-            return [(one + 0.09 * left, left), (other + 0.08 * right, right), (other, mpmath.mpc(1))]
-
-        total = mpmath.mpf(0)
-        for i, (mass, inertia) in enumerate([(0.7, 0.002), (0.8, 0.003), (1.5, 0.002)]):
-            centre, direction = (mpmath.diff(lambda t, i=i, k=k: parts(t)[i][k], time) for k in (0, 1))
-            total += mass * abs(centre) ** 2 / 2 + inertia * abs(direction) ** 2 / 2
-            total += mass * 9.81 * parts(time)[i][0].imag
-        return total
+def ends(phi: mpmath.mpf, begin: float, reach: float) -> tuple[mpmath.mpc, ...]:
+    """Of the bars of the joined machine, by its loop equation alone, and the direction of the slider."""
+    along = mpmath.expj(mpmath.radians(25))
+    ram = mpmath.mpc(0.2, -0.03) + (0.02 + lift(phi, begin, reach)) * along
+    return mpmath.mpf(CRANK["length"]) * mpmath.expj(phi), ram + mpmath.mpc(0.01, 0.02) * along, mpmath.mpc(1)
 
 
 @settings(max_examples=6, deadline=None)
@@ -95,25 +71,28 @@ class Loop:
 def test_slider_with_dwells__moves_as_its_loop_in_50_digits_and_powers_change_the_energy(begin, reach, omega, k):
     numbers = {"inputs__ram__begin": begin, "inputs__ram__sections__out__lift": reach, "input__speed": omega}
     q, rows = asked(changed(JOINED, **numbers), [*MOTION, *DRIVES], NODES)
+
+    def inner(phi: mpmath.mpf) -> mpmath.mpc:
+        return joint(*ends(phi, begin, reach)[:2], 0.2, 0.18)
+
     with mpmath.workdps(50):
-        loop, phi = Loop(begin, reach), mpmath.mpf(float(q[k]))
-        place = loop.places(phi)[1]
+        phi = mpmath.mpf(float(q[k]))
+        place = inner(phi)
         turned = float((phi - begin) % (2 * mpmath.pi))
-        ends = np.radians([0.0, 100.0, 170.0, 290.0, 360.0])
-        between = np.abs(turned - ends).min() > 1e-6
-        slope, bend = (mpmath.diff(lambda q: loop.places(q)[1], phi, n) for n in (1, 2)) if between else (None, None)
-        power = mpmath.diff(lambda t: loop.energy(t, omega), phi / omega) if between else None
+        between = np.abs(turned - np.radians([0.0, 100.0, 170.0, 290.0, 360.0])).min() > 1e-6
+        slope, bend = (mpmath.diff(inner, phi, n) for n in (1, 2)) if between else (None, None)
+        taken = power(lambda t: ends(omega * t, begin, reach), 0.2, 0.18, phi / omega) if between else None
     # Rounding of loops of 0.2 m; of rates by the angles of the sections, 1.7 rad and more.
     for name, value, bound in (("", place, 50), ("_phi", slope, 200), ("_phiphi", bend, 2000)):
         if value is not None:
             found = complex(rows[f"B.x{name}"][k], rows[f"B.y{name}"][k])
             assert abs(found - complex(value)) < bound * EPS
     np.testing.assert_allclose(rows["ram.slide"][k], 0.02 + float(lift(phi, begin, reach)), atol=8 * EPS)
-    if power is not None:
+    if taken is not None:
         own, pushing = rows["input_moment_by_equilibrium"], rows["ram.driving_force"] * rows["ram.slide_phi"]
         # Forces of 3 kg at accelerations of up to 0.5 m ω² and that of gravity, on arms of 0.2 m.
         size = 3.0 * (0.5 * omega**2 + 9.81) * 0.2
-        assert abs(omega * (own + pushing)[k] - float(power)) < 1e3 * EPS * omega * size
+        assert abs(omega * (own + pushing)[k] - float(taken)) < 1e3 * EPS * omega * size
         np.testing.assert_allclose(own + pushing, rows["input_moment_by_power"], atol=1e3 * EPS * size)
         np.testing.assert_allclose(own + pushing, rows["input_moment"], atol=1e3 * EPS * size)
 
@@ -247,6 +226,22 @@ def test_index_table__goes_on_by_a_quarter_in_each_turn_and_rests():
     assert greatest == pytest.approx(0.05 * (2 * 90 / 120) ** 2, rel=1e-13)
 
 
+HARMONICS = {"one": {"order": 1, "cosine": 0.2, "sine": -0.3}, "three": {"order": 3, "cosine": 0.04, "sine": 0.05}}
+FIVE_BAR = five_bars.JOINED | {
+    "inputs": {"second": {"type": "crank", "pivot": "C", "ratio": -1, "phase": 0.5, "harmonics": HARMONICS}}
+}
+
+
+def test_friction__is_borne_by_both_drives():
+    friction = {
+        "own": {"pair": "second", "coefficient": 0.1, "diameter": 0.02},
+        "inner": {"pair": "arms.inner", "coefficient": 0.15, "diameter": 0.02},
+    }
+    names = ["input_moment_with_friction", "input_moment_by_equilibrium", "second.driving_moment", "second.angle_phi"]
+    whole, own, second, rate = asked(changed(FIVE_BAR, friction=friction), names)[1].values()
+    np.testing.assert_allclose(whole, own + second * rate, atol=8 * EPS * (np.abs(own) + np.abs(second * rate)).max())
+
+
 # Refusals
 
 
@@ -264,6 +259,7 @@ test_wrong_laws__are_refused_in_words = refusals(
     ({"inputs__ram__ratio": 1.0}, "ratio"),
     ({"inputs__ram__sections": {"out": OUT, "rest": {"type": "dwell"}}}, "ends the turn 0.01 away from where"),
     ({"inputs": {"arm": {"type": "crank", "pivot": "O", "sections": TOO_FAR}}}, "returns exceed the rises by 60 deg"),
+    ({"inputs": {"arm": {"type": "crank", "pivot": "O"}}}, "never moves: give a ratio, a speed, harmonics"),
 )
 
 
@@ -274,6 +270,20 @@ test_misplaced_second_inputs__are_refused_in_words = refusals(
     ({"guides__way__link": "left"}, "inputs.ram.guide: 'way' is on a link that this input drives"),
     ({"inputs__fore": {"type": "crank", "pivot": "B", "ratio": 1}}, "inputs.fore.pivot: 'B' is a joint of two links"),
     ({"input__start": 0.0, "input__stop": 1.0, "flywheel": {"inertia": 1.0}}, "flywheel"),
+)
+
+
+SLIDER = {"type": "slider", "link": "crank", "guide": "way", "point": "A", "start": 0, "stop": 0.05, "speed": 0.1}
+
+
+test_wrong_second_cranks__are_refused_in_words = refusals(
+    lambda changes: order(Scene.model_validate(changed(FIVE_BAR, **changes))),
+    ({"inputs__second__pivot": "B"}, "inputs.second.pivot: 'B' is on a link that this input drives"),
+    ({"inputs__second__ratio": 0.5}, "makes 0.5 turns in a cycle of 1 of the crank"),
+    ({"inputs": {"left": {"type": "crank", "pivot": "C", "ratio": 1}}}, "link 'left' is already moved by inputs.left"),
+    ({"input": SLIDER, "guides": {"way": {}}}, "inputs.second: the first input slides and has no angle"),
+    ({"regimes": {"idle": {"type": "steady"}}}, "regimes.idle: needs a single drive"),
+    ({"flywheel": {"speed_fluctuation": 0.05}}, "flywheel: needs a single drive, but 'second' has its own"),
 )
 
 

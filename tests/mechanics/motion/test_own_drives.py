@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from driving_cams import changed
 from each_case import refusals
-from geared_links import CRANK
+from five_bars import JOINED
 from machines import rrr
 from scipy.integrate import solve_ivp
 
@@ -21,18 +21,9 @@ BRAKE = {"type": "against_motion", "on": "crank", "moment": 1.5}
 PUSH = {"type": "constant", "on": "B", "force": 7.0, "angle": 0.4}
 SWING = {"one": {"order": 1, "cosine": 0.3, "sine": -0.2}, "two": {"order": 2, "sine": 0.1}}
 SECOND = {"type": "crank", "pivot": "C", "phase": 0.5, "period": 0.5, "harmonics": SWING}
-FIVE_BAR = {
-    "gravity": GRAVITY,
-    "points": {"O": {"x": 0, "y": 0}, "C": {"x": 0.2, "y": 0.02}, "D": {"link": "second", "x": 0.04, "y": 0.01}},
-    "input": CRANK,
+FIVE_BAR = JOINED | {
     "inputs": {"second": SECOND},
-    "groups": {"arms": rrr("B", ("left", "A", 0.19), ("right", "D", 0.17))},
-    "bodies": {
-        "crank_body": {"link": "crank", "mass": 1.1, "x": 0.01, "inertia": 0.004},
-        "left_body": {"link": "left", "mass": 0.7, "x": 0.09, "inertia": 0.002},
-        "right_body": {"link": "right", "mass": 0.8, "x": 0.08, "inertia": 0.003},
-        "second_body": {"link": "second", "mass": 1.5, "x": 0.04, "y": 0.01, "inertia": 0.002},
-    },
+    "bodies": {"crank_body": {"link": "crank", "mass": 1.1, "x": 0.01, "inertia": 0.004}, **JOINED["bodies"]},
     "forces": {"push": PUSH, "oil": {"type": "linear_drag", "on": "B", "coefficient": 5.0, "angle": 0.0}},
     "moments": {"motor": MOTOR, "fan": FAN, "brake": BRAKE},
     "springs": {"coil": {"between": ["O", "B"], "stiffness": 300.0, "free_length": 0.1, "damping": 4.0}},

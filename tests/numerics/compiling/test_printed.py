@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from packed import assert_packed
-from printed_calls import assembly_of, call_printed
+from printed_calls import assembly_of, call_printed, filled
 
 from engine.compiling import kept_code, printed_functions, sources
 from engine.compiling.blocks import LANES, PANEL_POSITIONS
@@ -60,8 +60,7 @@ def coupler_rows(code: PrintedCode, functions: object) -> np.ndarray:
     q = np.arange(POSITIONS) * (2 * np.pi / POSITIONS)
     p = np.array([n.compute({}) for n in functions.numbers])
     rows = np.empty((2, 1, POSITIONS))
-    arguments = p, functions.memory, q, np.cos(q), np.sin(q), 0, rows
-    call_printed(code, *arguments)
+    call_printed(code, p, functions.memory, q, np.cos(q), np.sin(q), 0, rows)
     return rows[:, 0]
 
 
@@ -91,8 +90,7 @@ def test_tile__is_the_same_to_the_last_bit_in_every_lane_and_at_every_position(f
     functions, *_ = coupler()
     numbers = np.repeat(np.array([[n.compute({})] for n in functions.numbers]), LANES, axis=1)
     q = np.full((PANEL_POSITIONS, LANES), 1.234)
-    tile = np.empty((2, PANEL_POSITIONS, LANES))
-    call_printed(functions.codes["curves"], numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
+    tile = filled(functions, "curves", numbers, q, 2)
     assert (tile == tile[:, :1, :1]).all()
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from printed_calls import call_printed
+from printed_calls import call_printed, filled
 
 from engine.compiling.blocks import LANES, PANEL_POSITIONS
 from engine.compiling.decorators import scalar
@@ -123,6 +123,7 @@ def some_graph() -> tuple[Graph, list[Node]]:
     return g, [x, shared, root, deep, moment, switch * x, abs(y), -root, a * g.q]
 
 
+Q = np.linspace(0, 6, PANEL_POSITIONS * LANES).reshape(PANEL_POSITIONS, LANES)
 NUMBERS = {"a": np.linspace(0.5, 2, LANES), "b": np.linspace(-1, 1, LANES), "load": np.linspace(3, 9, LANES)}
 
 
@@ -139,24 +140,13 @@ def prepared(graph: Graph, asked: list[Node]) -> tuple[object, np.ndarray]:
 def test_printed_tile__is_the_graph_worked_out_by_numpy():
     graph, asked = some_graph()
     functions, numbers = prepared(graph, asked)
-    q = np.linspace(0, 6, PANEL_POSITIONS * LANES).reshape(PANEL_POSITIONS, LANES)
-    middle = q[8:9].copy()
+    middle = Q[8:9].copy()
     switching = 2 * len(functions.events)
-    filled = np.empty((switching + len(functions.held_rows), 1, LANES))
-    call_printed(
-        functions.codes["events"],
-        numbers,
-        functions.memory,
-        middle,
-        np.cos(middle),
-        np.sin(middle),
-        filled,
-    )
-    for row, values in zip(functions.held_rows, filled[switching:], strict=True):
+    held = filled(functions, "events", numbers, middle, switching + len(functions.held_rows))[switching:]
+    for row, values in zip(functions.held_rows, held, strict=True):
         numbers[row] = values[0]
-    tile = np.empty((len(asked), PANEL_POSITIONS, LANES))
-    call_printed(functions.codes["curves"], numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
-    expected = values_of(asked, NUMBERS, q)
+    tile = filled(functions, "curves", numbers, Q, len(asked))
+    expected = values_of(asked, NUMBERS, Q)
     # What switches keeps the value of the panel's middle.
     switched = values_of([asked[0] - graph.number("b")], NUMBERS, middle)[0] > 0
     expected[5] = switched * expected[0]
@@ -172,18 +162,13 @@ def test_printed_fields__are_the_graph_worked_out_by_numpy(dtype):
     fields = np.empty((len(asked), 5, nodes.size), dtype)
     fill = field_function(asked, functions.rows, dtype)
     for v in range(5):
-        arguments = numbers[:, v].copy(), functions.memory, *places(nodes), v, fields
-        call_printed(fill, *arguments)
+        call_printed(fill, numbers[:, v].copy(), functions.memory, nodes, np.cos(nodes), np.sin(nodes), v, fields)
     # Sums of some twenty terms of up to a hundred, computed in double precision whatever they are kept in.
     tolerance = max(2e3 * np.finfo(float).eps, np.finfo(dtype).eps)
     for v in range(5):
         own = {name: values[v] for name, values in NUMBERS.items()}
         for found, value in zip(fields[:, v], values_of(asked, own, nodes), strict=True):
             np.testing.assert_allclose(found, value, rtol=tolerance, atol=tolerance)
-
-
-def places(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    return nodes, np.cos(nodes), np.sin(nodes)
 
 
 @scalar
@@ -199,11 +184,9 @@ def test_law__may_take_tuples_of_several_lengths_in_one_function():
     a, b = g.number("a"), g.number("b")
     asked = [g.apply(total, (a, g.cos_q)), g.apply(total, (a, b, g.sin_q)), g.apply(total, (b, g.q))]
     functions, numbers = prepared(g, asked)
-    q = np.linspace(0, 3, PANEL_POSITIONS * LANES).reshape(PANEL_POSITIONS, LANES)
-    tile = np.empty((len(asked), PANEL_POSITIONS, LANES))
-    call_printed(functions.codes["curves"], numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
+    tile = filled(functions, "curves", numbers, Q, len(asked))
     a, b = NUMBERS["a"], NUMBERS["b"]
-    np.testing.assert_allclose(tile, [a + np.cos(q), a + b + np.sin(q), b + q], rtol=1e-14, atol=1e-15)
+    np.testing.assert_allclose(tile, [a + np.cos(Q), a + b + np.sin(Q), b + Q], rtol=1e-14, atol=1e-15)
 
 
 def test_crossings__are_those_of_curves_that_what_is_asked_depends_on():
@@ -226,8 +209,7 @@ def test_position_by_position__given_numbers_are_read_and_what_is_held_is_comput
     numbers = np.zeros((len(functions.rows), LANES))
     numbers[functions.rows[speed]] = np.arange(LANES)
     q = np.linspace(0.0, 6.0, LANES)[None]
-    tile = np.zeros((1, 1, LANES))
-    call_printed(functions.codes["curves_at"], numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
+    tile = filled(functions, "curves_at", numbers, q, 1)
     np.testing.assert_array_equal(tile[0], np.where(np.cos(q) > 0.0, np.arange(LANES) ** 2.0, 0.0))
     assert functions.crossings == ((0, functions.rows[g.zero], 0.0),)
     assert functions.held_rows == ()
@@ -251,10 +233,8 @@ def test_any_expression__is_printed_as_it_is_meant(symbols, random):
         nodes.append(g.operation(symbol, a, divisor if symbol == "/" else b))
     asked = list(dict.fromkeys(nodes[-3:]))
     functions, numbers = prepared(g, asked)
-    q = np.linspace(0, 3, PANEL_POSITIONS * LANES).reshape(PANEL_POSITIONS, LANES)
-    tile = np.empty((len(asked), PANEL_POSITIONS, LANES))
-    call_printed(functions.codes["curves"], numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
-    for found, value in zip(tile, values_of(asked, NUMBERS, q), strict=True):
+    tile = filled(functions, "curves", numbers, Q, len(asked))
+    for found, value in zip(tile, values_of(asked, NUMBERS, Q), strict=True):
         np.testing.assert_allclose(found, value, rtol=1e-12, atol=1e-12)
 
 

@@ -8,7 +8,19 @@ import pytest
 from each_case import each
 from matplotlib.figure import Figure
 from matplotlib.text import Text
-from plan_machines import CLOSED, HIGHER, MACHINES, cycle_of, moment_about, poses, rubbing
+from plan_machines import (
+    CLOSED,
+    EVERY,
+    EXACT,
+    FREE,
+    HIGHER,
+    assert_in_equilibrium,
+    assert_legs_meet,
+    cycle_of,
+    largest,
+    poses,
+    rubbing,
+)
 from rubbing_machines import RHO, press, yoke
 
 from engine import Scene
@@ -21,31 +33,24 @@ from sweeps.pictures.plans.polygons import accelerations, velocities
 from sweeps.pictures.plans.pose import MachineCycle
 from sweeps.pictures.plans.sheets import force_sheet
 
-# A plan adds a few vectors of the engine's, each good to some tens of roundings of the largest in it.
-EXACT = 1e-12
 # Derivatives by Fourier series of 720 points: a rounding of the positions, 1e-16 of the mechanism's size (at most ten
 # cranks), is multiplied by the highest order, 360, once or twice, and summed over as many.
 BY_FOURIER = 10 * 1e-16 * 360**2 * math.sqrt(360)
 
 
-def largest(plan):
-    return max(map(abs, plan.images.values()))
-
-
 # Velocities and accelerations
 
 
-@each("name", [*MACHINES, *HIGHER])
+@each("name", EVERY)
 @each("plan_of", [velocities, accelerations])
 def test_legs__meet_in_the_images_of_points(name, plan_of):
     for pose in poses(name):
         plan = plan_of(pose)
+        assert_legs_meet(plan)
         for leg in plan.legs:
-            end = plan.images.get(leg.start, 0j) + sum(step.vector for step in leg.steps)
-            assert abs(end - plan.images.get(leg.end, 0j)) < EXACT * largest(plan)
-            start, end = (name.rstrip("'") for name in (leg.start, leg.end))
+            start, end = (point.rstrip("'") for point in (leg.start, leg.end))
             kinds = [step.kind for step in leg.steps]
-            if "tangential" in kinds:
+            if "tangential" in kinds and name not in FREE:
                 # Along the bar and across it, so that their sum leaves no choice.
                 arm = np.subtract(*(plan.places[n] if n in plan.places else pose.point(n).place for n in (end, start)))
                 (normal, tangential), room = (step.vector for step in leg.steps), EXACT * largest(plan) * abs(arm)
@@ -55,7 +60,7 @@ def test_legs__meet_in_the_images_of_points(name, plan_of):
             # What touches where wheels roll has no other acceleration against each other.
             assert leg.start != f"{end}'" or end not in plan.places or end[0] != "P" or kinds == ["normal"]
         # A second way to a point is what makes the plan a polygon: every group has one, every shaft its own.
-        assert len(plan.legs) >= 1 + 2 * len(pose.scene.groups)
+        assert len(plan.legs) >= 1 + 2 * len(pose.scene.groups) + len(pose.scene.links)
 
 
 @each("name", CLOSED)
@@ -73,7 +78,7 @@ def test_images__derivatives_of_positions_by_fourier(name):
                 assert abs(image - rate) < BY_FOURIER * crank_length * abs(cycle.omega) ** order
 
 
-@each("name", [*MACHINES, *HIGHER])
+@each("name", EVERY)
 def test_places_of_links__move_as_their_points(name):
     for pose in poses(name):
         for point, part in pose.scene.points.items():
@@ -107,19 +112,6 @@ def test_link_of_three_points__is_a_triangle_of_its_images():
 # Forces
 
 
-def assert_in_equilibrium(pose):
-    on_links = loads_on_links(pose)
-    scale = max([abs(load.force) for loads in on_links.values() for load in loads], default=0.0)
-    size = abs(np.ptp(np.concatenate(list(pose.motion.points.values()))))
-    for link, loads in on_links.items():
-        origin = pose.origin(link).place
-        # A few roundings of the largest force, and of its moment over the size of the mechanism, times what the
-        # transmission of forces enlarges them by: ten and more near the ends of a swing.
-        least = max([scale * size, *(abs(load.moment) for load in loads)])
-        assert abs(sum(load.force for load in loads)) <= EXACT * scale
-        assert abs(moment_about(origin, loads)) <= EXACT * least
-
-
 def assert_closed(pose, parts):
     """Plans of forces of groups or links."""
     for part in parts:
@@ -127,11 +119,11 @@ def assert_closed(pose, parts):
         assert abs(sum(forces)) <= EXACT * max(map(abs, forces), default=0.0)
 
 
-@each("name", [*MACHINES, *HIGHER])
+@each("name", EVERY)
 def test_loads__every_link_in_equilibrium_and_every_force_plan_closed(name):
     for pose in poses(name):
         assert_in_equilibrium(pose)
-        assert_closed(pose, pose.scene.groups)
+        assert_closed(pose, [*pose.scene.groups, *pose.cycle.structure.free_groups])
 
 
 def test_force_plan_of_a_group__without_its_inner_pair_and_reactions_last():

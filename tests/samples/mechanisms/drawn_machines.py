@@ -3,29 +3,22 @@
 import math
 from fractions import Fraction
 
+import machines
 from machines import frame, on, rpp, rpr, rrp, rrr
 
 from engine import Scene
 
 
-def crank(length=0.05, **others):
-    return {"type": "crank", "pivot": "O", "pin": "A", "length": length, "speed": 6.0, **others}
+def crank(length=0.05, speed=6.0, **others):
+    return machines.crank(length=length, speed=speed, **others)
 
 
 def slider_crank(angle=0.0, offset=0.0, **others):
-    return Scene.model_validate(
-        {
-            "points": {"O": frame(0, 0)},
-            "guides": {"way": {"angle": angle, "y": offset}},
-            "input": crank(),
-            "groups": {"g": rrp("B", ("rod", "A", 0.2), "piston", "way")},
-            "bodies": {
-                "rod": {"link": "rod", "mass": 2.0, "x": 0.07, "inertia": 0.01},
-                "piston": {"link": "piston", "mass": 1.5},
-            },
-        }
-        | others
-    )
+    way = {"way": {"angle": angle, "y": offset}}
+    rod = {"link": "rod", "mass": 2.0, "x": 0.07, "inertia": 0.01}
+    bodies = {"rod": rod, "piston": {"link": "piston", "mass": 1.5}}
+    parts = {"guides": way, "bodies": bodies} | others
+    return Scene.model_validate(machines.slider_crank(speed=6.0, slider="piston", **parts))
 
 
 def four_bar(**others):

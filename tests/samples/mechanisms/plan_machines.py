@@ -2,18 +2,25 @@
 
 from functools import cache
 
+import numpy as np
 from drawn_machines import GALLERY, crank, four_bar
 from driving_cams import SLIDING, SWINGING, changed
-from geared_links import CARDAN, CRANK, TRAIN
+from five_bars import JOINED
+from free_link_scenes import free_link_scene
+from geared_links import CARDAN, TRAIN
 from machines import prp, rpp, rrr
 from noncircular_wheels import CHAIN, ELLIPSES
 from racks import LIFT, ON_CRANK
 
 from engine import Scene
 from engine.scene.pairs import pairs
+from sweeps.pictures.plans.forces.loads import loads_on_links
 from sweeps.pictures.plans.pose import MachineCycle
 from sweeps.text.scene_text import read_scene
 from sweeps.text.templates import bundled_templates, templates
+
+# A plan adds a few vectors of the engine's, each good to some tens of roundings of the largest in it.
+EXACT = 1e-12
 
 PRP = Scene.model_validate(
     {
@@ -77,11 +84,8 @@ _KNIFE_EDGE = changed(SLIDING, cams__cam__follower={
     "type": "translating", "link": "tappet", "guide": "way", "contact": "knife edge",
 })  # fmt: skip
 # Beside the crank one link is turned by a law, driven by the crank, and one slides on it with a drive of its own.
-_SERVOS = {
-    "gravity": 9.81,
-    "points": {"O": {"x": 0, "y": 0}, "C": {"x": 0.2, "y": 0.02}, "D": {"link": "second", "x": 0.04, "y": 0.01}},
+_SERVOS = JOINED | {
     "guides": {"bar": {"link": "second", "x": 0.01, "y": 0.03, "angle": 0.3}},
-    "input": CRANK,
     "inputs": {
         "second": {
             "type": "crank",
@@ -92,12 +96,7 @@ _SERVOS = {
         },
         "ram": {"type": "slider", "guide": "bar", "harmonics": {"one": {"order": 2, "sine": 0.02}}},
     },
-    "groups": {"arms": rrr("B", ("left", "A", 0.19), ("right", "D", 0.17))},
-    "bodies": {
-        "left_body": {"link": "left", "mass": 0.7, "x": 0.09, "y": 0.01, "inertia": 0.002},
-        "second_body": {"link": "second", "mass": 1.5, "x": 0.01, "y": 0.02, "inertia": 0.002},
-        "ram_body": {"link": "ram", "mass": 0.5, "x": 0.01, "inertia": 0.001},
-    },
+    "bodies": JOINED["bodies"] | {"ram_body": {"link": "ram", "mass": 0.5, "x": 0.01, "inertia": 0.001}},
 }
 _LOSING_RACKS = changed(LIFT, pinions__gear__efficiency=0.9, racks__post__efficiency=0.8)
 _LOSING_WHEELS = changed(CHAIN, noncircular_wheels__middle__efficiency=0.9, noncircular_wheels__last__efficiency=0.8)
@@ -115,6 +114,16 @@ HIGHER = {
     "servos": _SERVOS,
 }
 HIGHER = {name: Scene.model_validate(data) for name, data in HIGHER.items()}
+# A group that begins with a special point, and one that has none and slides; both rub.
+_FREE_FRICTION = {
+    "three bars": {"pair": "lower.C", "coefficient": 0.2, "diameter": 0.05},
+    "sliding plate": {"pair": "plate.slot", "coefficient": 0.2, "length": 0.1},
+}
+FREE = {
+    name: Scene.model_validate(free_link_scene(name).model_dump(exclude_unset=True) | {"friction": {"one": friction}})
+    for name, friction in _FREE_FRICTION.items()
+}
+EVERY = MACHINES | HIGHER | FREE
 CLOSED = [name for name, scene in MACHINES.items() if scene.input.type == "crank" and scene.input.start is None]
 
 
@@ -130,7 +139,7 @@ def rubbing(name, length=None):
 
 @cache
 def cycle_of(name):
-    return MachineCycle((MACHINES | HIGHER)[name])
+    return MachineCycle(EVERY[name])
 
 
 def poses(name):
@@ -141,3 +150,27 @@ def poses(name):
 def moment_about(place, loads):
     """Moment of loads on a link about a place [N·m]."""
     return sum(load.moment + ((load.at - place).conjugate() * load.force).imag for load in loads)
+
+
+def largest(plan):
+    return max(map(abs, plan.images.values()))
+
+
+def assert_legs_meet(plan, bound=EXACT):
+    """In the images of the points that they lead to."""
+    for leg in plan.legs:
+        end = plan.images.get(leg.start, 0j) + sum(step.vector for step in leg.steps)
+        assert abs(end - plan.images.get(leg.end, 0j)) < bound * largest(plan), leg
+
+
+def assert_in_equilibrium(pose, bound=EXACT):
+    """Every link, under its loads."""
+    on_links = loads_on_links(pose)
+    scale = max([abs(load.force) for loads in on_links.values() for load in loads], default=0.0)
+    size = abs(np.ptp(np.concatenate(list(pose.motion.points.values()))))
+    for link, loads in on_links.items():
+        # A few roundings of the largest force, and of its moment over the size of the mechanism, times what the
+        # transmission of forces enlarges them by: ten and more near the ends of a swing.
+        least = max([scale * size, *(abs(load.moment) for load in loads)])
+        assert abs(sum(load.force for load in loads)) <= bound * scale
+        assert abs(moment_about(pose.origin(link).place, loads)) <= bound * least, link
