@@ -471,7 +471,7 @@ def _machine_over_cycle(ready: Ready, count: int) -> tuple[DrivenMachine, np.nda
     given = dict(zip((sizes.stiffness, sizes.damping, sizes.motor_inertia), ready.given.T, strict=True))
     for side in (sizes.machine, sizes.motors):
         given |= dynamics.sized(side, bare.numbers, way) | {side.wheel: bare.flywheel, side.way: way, side.facing: 1.0}
-    numbers = ready.system.tabulation.parameters(bare.numbers, way, bare.ends, given)
+    numbers = ready.system.tabulation.parameters(bare.numbers, way, bare.ends | given)
     places = (way * every[:-1]).reshape(-1, STAGES + 1, variants)[:, 1:].reshape(-1, variants)
     machine = DrivenMachine(np.ascontiguousarray(steps.T), places, inertia, ready.system, numbers)
     return machine, guess, rigid

@@ -26,12 +26,11 @@ from engine.motion.coupled.two_sides import (
 from engine.motion.coupled.two_speeds import CRANK_SPEED, GRIP, SHAFT_SPEED, SHAFT_TURNED, TURNED, Ending
 from engine.motion.fields.recorded_motion import Observer
 from engine.motion.moments.breaks import JUMP
-from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.runs.run_progress import ADAPTIVE, Ends, MachineRuns, Standing, Stepping
 from engine.stepping.methods import EIGHT, NINE
 from engine.stepping.recorded import EXCEEDS, RECORDED, made_steps, tops_in_steps, weighted, weights_at
 from engine.stepping.records import some
-from engine.stepping.system import SHOWN, Walks
+from engine.stepping.system import SHOWN, Start, Walks
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
 
@@ -344,7 +343,8 @@ class CoupledRuns(MachineRuns):
         lanes = self.lanes(who, faced[0], farthest=self.farthest_step, **step, **goals)
         state[CRANK_SPEED], state[SHAFT_SPEED] = np.abs(state[[CRANK_SPEED, SHAFT_SPEED]])
         task = system.task(self.cycle, method, longer=self.longer)
-        return system.run(task, numbers, self.edges(who, self.start[who]), None, lanes, state, recorded=RECORDED)
+        edges = self.edges(who, self.start[who])
+        return system.run(task, Start(numbers, lanes, state, edges, recorded=RECORDED))
 
     def _advance(self, who: np.ndarray, method: int) -> None:
         """Walk by a method until something changes, and handle the change."""
@@ -447,7 +447,7 @@ class CoupledRuns(MachineRuns):
         found = sides.apart_moment(joined, moving, time)
         if holds.any():
             system, own, (turned, speed, other, shaft_speed) = sides.two.system, who[holds], moving[..., holds]
-            ways, crank = joined.crank_direction[holds], EquationOfMotion(self.dynamics, self.variants, self.start, own)
+            ways, crank = joined.crank_direction[holds], self.form.of(own)
             # Torques jump at the ends of a step, not within it.
             turned[0] += ways * crank.break_offset(turned[0])
             turned[-1] -= ways * crank.break_offset(turned[-1])

@@ -263,7 +263,7 @@ class CoupledSides(NamedTuple):
                 given |= dynamics.sized(side, variants.numbers, facing * variants.direction)
                 given |= {side.facing: facing, side.way: facing * variants.direction, side.wheel: variants.flywheel}
             way_of_crank = way * variants.direction
-            kept[key] = system.tabulation.parameters(variants.numbers, way_of_crank, variants.ends, given)
+            kept[key] = system.tabulation.parameters(variants.numbers, way_of_crank, variants.ends | given)
         return kept[key]
 
 
