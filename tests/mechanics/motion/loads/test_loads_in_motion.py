@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from motion_scenes import ECCENTRIC_MASS, MOMENTS, RAM_MASS, Found, ask, slider_crank, steady
+from motion_scenes import ECCENTRIC_MASS, MOMENTS, RAM_MASS, Found, ask, crank_alone, slider_crank, steady
 from oracle import EPS
 from test_loads_in_runs import COLUMNS, PAIRS
 
@@ -33,11 +33,6 @@ def rows_of(found: Found) -> dict[str, np.ndarray]:
     """Fields of the only variant, without the regime's name."""
     assert found.status == [Verdict.OK], found.status
     return {name.partition(".")[2]: row[0] for name, row in found.fields.items()}
-
-
-def numbers_of(found: Found) -> list[str]:
-    """Statistics that aren't places: of two that are nearly as great, either may be the place of the greatest."""
-    return [name for name in found.values if not name.endswith("_at")]
 
 
 @pytest.mark.parametrize("speed", [10.0, -10.0])
@@ -93,8 +88,8 @@ def test_brake_left_on__is_borne_by_the_frame():
 def test_error_figures__cover_what_little_accuracy_misses(only, flywheel, steeper):
     motor = {"stall_moment": MOMENTS["dc"]["stall_moment"] * steeper}
     rough, fine = (settled(only, accuracy=each, flywheel=flywheel, dc=motor) for each in (1e-3, 1e-10))
-    for name in numbers_of(rough):
-        assert abs(rough[name] - fine[name]) <= rough.figure(name) + fine.figure(name), name
+    # Of two extremes that are nearly as great, either may be the place of the greatest.
+    rough.agrees(fine, *(name for name in rough.values if not name.endswith("_at")))
 
 
 # An engine
@@ -128,13 +123,7 @@ def test_idling_engine__gas_of_the_ignition_on_its_pin():
 
 
 def test_table_of_positions__without_regimes():
-    scene = {
-        "points": {"O": {"x": 0, "y": 0}},
-        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.1, "speed": 10.0},
-        "bodies": {"wheel": {"link": "crank", "mass": 2.0, "inertia": 0.1}},
-        "moments": {"dc": MOMENTS["dc"] | {"on": "crank"}, "fan": MOMENTS["fan"]},
-        "regimes": {"on": {"type": "steady"}},
-    }
+    scene = crank_alone(0.1, {name: MOMENTS[name] for name in ("dc", "fan")}, {"on": {"type": "steady"}}, 10.0)
     names = readings_at(Scene.model_validate(scene), 8).values
     assert "input.reaction" in names
     assert not [name for name in names if name.startswith("on.")]
