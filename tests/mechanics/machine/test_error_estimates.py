@@ -9,6 +9,7 @@ import pytest
 from machines import crank, frame, rpp, rrp, rrr, slider_crank
 from noncircular_wheels import ELLIPSES
 from scenes_of_parts import SCENES
+from slider_crank_motion import slider_motion
 
 from engine import Machine, Scene
 from engine.compiling.running import mean_of_rows, sum_of_rows
@@ -133,7 +134,7 @@ RODS = np.random.default_rng(5).uniform(1.2, 6.0, 128)
 def true_slider_motion():
     """Position of a slider-crank's slider with two derivatives, by Fourier series of the closed formula; by summary."""
     q = np.arange(4096) * (TURN / 4096)
-    x = np.cos(q) + np.sqrt(RODS[:, None] ** 2 - np.sin(q) ** 2)
+    x, _, _ = slider_motion(q, 1.0, RODS[:, None], by=np)
     order = np.arange(2049)
     found = {}
     for power, name in enumerate(("B.x", "B.x_phi", "B.x_phiphi")):

@@ -11,6 +11,7 @@ import pytest
 from machines import slider_crank
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
+from slider_crank_motion import slider_motion
 
 from engine import Machine, Scene, Verdict
 
@@ -86,14 +87,8 @@ def test_machine__moves_with_the_fluctuation_asked_for(machines, force, mass, de
     outcome = evaluate(machines, force, {path: np.array([value]) for path, value in numbers.items()})
     wheel, drive = (outcome.summaries[k][0] for k in ("flywheel_wittenbauer", "required_drive_moment"))
 
-    def transfer(phi):
-        s, c = math.sin(phi), math.cos(phi)
-        root = math.sqrt(ROD**2 - (R * s) ** 2)
-        first = -R * s - R * R * s * c / root
-        return R * c + root, first, -R * c - R * R * (c * c - s * s) / root - (R * R * s * c) ** 2 / root**3
-
     def load(phi):
-        x, first, _ = transfer(phi)
+        x, first, _ = slider_motion(phi, R, ROD)
         if force is DRAG:
             return -30.0 * SPEED * first**2
         # Inwards for the first half of the turn; the steps lie 20 and 50 mm from the outer dead centre.
@@ -101,7 +96,7 @@ def test_machine__moves_with_the_fluctuation_asked_for(machines, force, mass, de
         return (2000.0 if come < 0.02 else 500.0 if come < 0.05 else 0.0) * first * (phi % (2 * math.pi) < math.pi)
 
     def slope(phi, state):
-        _, first, second = transfer(phi)
+        _, first, second = slider_motion(phi, R, ROD)
         inertia = INERTIA + wheel + mass * first**2
         # ½ω² is what a step of a load bends, not breaks.
         return (drive + load(phi) - 2 * state * mass * first * second) / inertia

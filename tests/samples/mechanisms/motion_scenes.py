@@ -11,6 +11,7 @@ from typing import NamedTuple
 import machines
 import numpy as np
 from mpmath import mp
+from slider_crank_motion import slider_motion
 
 from engine import Machine, Scene, Verdict
 
@@ -213,21 +214,20 @@ def ask(
 
 def reduced(phi: object, ram: float = RAM_MASS, flywheel: float = 0.0) -> tuple:
     """I, dI/dφ, the transfer function of the ram and the moment of gravity of `slider_crank` at φ, in mpmath."""
-    r, length, eccentric = mp.mpf(RADIUS), mp.mpf(ROD), mp.mpf(ECCENTRIC_MASS) * mp.mpf(ECCENTRICITY)
-    c, s = mp.cos(phi), mp.sin(phi)
-    rod_x = mp.sqrt(length**2 - (r * s) ** 2)
-    rate = -r * s - r * r * s * c / rod_x
-    curve = -r * c - r * r * (c * c - s * s) / rod_x - (r * r * s * c) ** 2 / rod_x**3
+    eccentric = mp.mpf(ECCENTRIC_MASS) * mp.mpf(ECCENTRICITY)
+    _, rate, curve = slider_motion(phi, mp.mpf(RADIUS), mp.mpf(ROD), by=mp)
     fixed = mp.mpf(CRANK_INERTIA) + eccentric * mp.mpf(ECCENTRICITY) + mp.mpf(flywheel)
-    return fixed + mp.mpf(ram) * rate**2, 2 * mp.mpf(ram) * rate * curve, rate, -eccentric * mp.mpf(GRAVITY) * c
+    return (
+        fixed + mp.mpf(ram) * rate**2,
+        2 * mp.mpf(ram) * rate * curve,
+        rate,
+        -eccentric * mp.mpf(GRAVITY) * mp.cos(phi),
+    )
 
 
 def inertia_at(phi: float) -> tuple[float, float]:
     """I(φ) of `slider_crank` without a flywheel, and its derivative, in floats."""
-    c, s = math.cos(phi), math.sin(phi)
-    x = math.sqrt(ROD**2 - (RADIUS * s) ** 2)
-    rate = -RADIUS * s - RADIUS**2 * s * c / x
-    curve = -RADIUS * c - RADIUS**2 * (c * c - s * s) / x - (RADIUS**2 * s * c) ** 2 / x**3
+    _, rate, curve = slider_motion(phi, RADIUS, ROD)
     fixed = CRANK_INERTIA + ECCENTRIC_MASS * ECCENTRICITY**2
     return fixed + RAM_MASS * rate**2, 2 * RAM_MASS * rate * curve
 

@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from motion_scenes import ECCENTRIC_MASS, MOMENTS, RAM_MASS, Found, ask, crank_alone, slider_crank, steady
+from motion_scenes import ECCENTRIC_MASS, MOMENTS, RADIUS, RAM_MASS, ROD, Found, ask, crank_alone, slider_crank, steady
 from oracle import EPS
+from slider_crank_motion import slider_motion
 from test_loads_in_runs import COLUMNS, PAIRS
 
 from engine import Machine, Scene, Verdict
@@ -42,9 +43,7 @@ def test_slider_crank__shaking_force_is_what_all_masses_take(speed):
     omega, epsilon = rows["speed"], rows["acceleration"]
     assert np.ptp(omega) > 1.0
     s, c = np.sin(phi), np.cos(phi)
-    root = np.sqrt(0.2**2 - (0.05 * s) ** 2)
-    first = -0.05 * s - 0.05**2 * s * c / root
-    second = -0.05 * c - 0.05**2 * (c * c - s * s) / root - (0.05**2 * s * c) ** 2 / root**3
+    _, first, second = slider_motion(phi, RADIUS, ROD, by=np)
     ram = RAM_MASS * (omega**2 * second + epsilon * first)
     arm = ECCENTRIC_MASS * 0.03
     x = -ram + arm * (omega**2 * c + epsilon * s)

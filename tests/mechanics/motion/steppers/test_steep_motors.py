@@ -23,24 +23,21 @@ from motion_scenes import (
 )
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
+from slider_crank_motion import slider_motion
 
 from engine import Verdict
 
 SYNCHRONOUS = MOMENTS["induction"]["synchronous_speed"] / RATIO
 
 
-def ram(phi: float) -> tuple[float, float]:
-    """Place of the ram and its derivative by φ."""
-    c, s = math.cos(phi), math.sin(phi)
-    root = math.sqrt(ROD**2 - (RADIUS * s) ** 2)
-    return RADIUS * c + root, -RADIUS * s - RADIUS**2 * s * c / root
-
-
 def cut_begins_and_ends() -> tuple[float, float]:
     """Angles between which the tool cuts, on the ram's way to the high end of its stroke."""
     top = RADIUS + ROD
     begin, end = CUT["over_stroke"][1], CUT["over_stroke"][0]
-    return tuple(brentq(lambda phi, left=left: top - ram(phi)[0] - left, -math.pi, 0.0) for left in (begin, end))
+    return tuple(
+        brentq(lambda phi, left=left: top - slider_motion(phi, RADIUS, ROD)[0] - left, -math.pi, 0.0)
+        for left in (begin, end)
+    )
 
 
 def settled(slip: float, wheel: float, ratio: float) -> tuple[float, float, float]:
@@ -54,10 +51,10 @@ def settled(slip: float, wheel: float, ratio: float) -> tuple[float, float, floa
     near, far = CUT["over_stroke"]
 
     def inertia(phi: float) -> float:
-        return fixed + RAM_MASS * ram(phi)[1] ** 2
+        return fixed + RAM_MASS * slider_motion(phi, RADIUS, ROD)[1] ** 2
 
     def rates(phi: float, state: np.ndarray, cuts: bool) -> list[float]:
-        place, rate = ram(phi)
+        place, rate, _ = slider_motion(phi, RADIUS, ROD)
         omega = math.sqrt(2.0 * state[0] / inertia(phi))
         s = 1.0 - omega / SYNCHRONOUS
         motor = RATIO * 2.0 * breakdown * s * slip / (s * s + slip * slip)
