@@ -16,8 +16,8 @@ from engine.laws.loads import fluid_coupling_moment, slip_of
 from engine.laws.tables import make_table
 from engine.motion.coupled.two_speeds import at_two_speeds, ramp
 from engine.motion.moments.dynamics import Dynamics, Reduction, Variants
-from engine.motion.moments.equation_of_motion import EquationOfMotion, MotionAt
-from engine.motion.one_speed import CHANNELS, MachineSystem
+from engine.motion.moments.equation_of_motion import EquationOfMotion
+from engine.motion.one_speed import MachineSystem
 from engine.parts.couplings import Coupling, FluidCoupling, FrictionClutch
 from engine.scene.scene import Numbers, Scene
 from engine.stepping.records import some
@@ -206,17 +206,6 @@ class CoupledSides(NamedTuple):
         crank, coupling = self.crank.some(who), some(self.coupling, who)
         return self._replace(crank=crank, shaft=shaft, coupling=coupling, whole=(self, who))
 
-    def apart_moment(self, joined: Joined, moving: np.ndarray, time: np.ndarray) -> np.ndarray:
-        """Torque of a coupling on the crank if it isn't locked [N·m]; parameters as for `coupling_pull`."""
-        _, crank, twist, shaft = moving
-        if self.is_elastic:
-            return self.coupling.moment(joined.touch, twist, shaft - crank)
-        if self.two.is_fluid:
-            return self.coupling.fluid_moment(crank, shaft)
-        if self.two.open:
-            return np.zeros_like(time)
-        return joined.mode * self.coupling.capacity_at(joined.engaged + time)
-
     def numbers(self, joined: Joined) -> np.ndarray:
         """Numbers of the motion at two speeds, (numbers, variants), without those of the joining and of the ends."""
         faced = faced_ways(joined)
@@ -270,56 +259,6 @@ class CoupledSides(NamedTuple):
 def faced_ways(joined: Joined) -> tuple[np.ndarray, np.ndarray]:
     """Direction that each side faces, +1 or −1; standing sides face forwards."""
     return np.where(joined.crank_direction < 0.0, -1.0, 1.0), np.where(joined.shaft_direction < 0.0, -1.0, 1.0)
-
-
-class Pull(NamedTuple):
-    """Torques and accelerations of both sides at some instants, each (instants, variants).
-
-    Attributes
-    ----------
-    moment : ndarray
-        Torque of the coupling on the crank [N·m]; for locked sides the torque required.
-    crank, shaft : MotionAt
-        Both with the inertia of the crank.
-    """
-
-    moment: np.ndarray
-    crank: MotionAt
-    shaft: MotionAt
-
-
-def coupling_pull(
-    sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray, moves: bool = True
-) -> Pull:
-    """Torques and accelerations of both sides.
-
-    Parameters
-    ----------
-    sides : CoupledSides
-    joined : Joined
-    moving : ndarray (4, …, variants)
-        Angle and speed of the crank, and of the shaft.
-    time : ndarray (…, variants)
-        From the start of the run [s].
-    moves : bool
-        Whether the torques accelerate the sides.
-    """
-    system, (turned, w1, other, w2), faced = sides.two.system, moving, faced_ways(joined)
-    held = {} if moves else dict.fromkeys((system.sizes.joining.moves, system.sizes.joining.shaft_moves), 0.0)
-    numbers = system.limited(sides.numbers(joined), sides.joining(joined) | held)
-    places = sides.crank.start + sides.crank.variants.direction * turned
-    names = ["inertia", "acceleration", "motors", *CHANNELS]
-    wanted = [system.shown[f"{side} {name}"] for side in ("crank", "shaft") for name in names]
-    wanted.append(system.shown["coupling"])
-    states = turned, faced[0] * w1, other, faced[1] * w2
-    *found, moment = system.at(numbers, places, states, wanted, joined.clock + time)
-    crank, shaft = (
-        MotionAt(inertia, way * epsilon, way * motors, way * np.array(loads))
-        for way, (inertia, epsilon, motors, *loads) in zip(
-            faced, (found[: len(names)], found[len(names) :]), strict=True
-        )
-    )
-    return Pull(moment, crank, shaft)
 
 
 class OnElasticShaft:
