@@ -145,11 +145,9 @@ class AskedRegimes:
 
     def variants(self, numbers: Numbers, count: int) -> Variants:
         """A number of variants, with the flywheel of the scene."""
-        direction = np.broadcast_to(np.sign(numbers["input.speed"]), (count,)).astype(float)
-        flywheel = np.zeros(count)
-        if "flywheel.inertia" in numbers:
-            flywheel = np.broadcast_to(numbers["flywheel.inertia"], (count,)).astype(float)
-        return self.reduction.variants(numbers, direction, flywheel)
+        has_wheel = "flywheel.inertia" in numbers
+        flywheel = numbers.of_each("flywheel.inertia", count) if has_wheel else np.zeros(count)
+        return self.reduction.variants(numbers, np.sign(numbers.of_each("input.speed", count)), flywheel)
 
 
 def _refuse_losses_behind_couplings(scene: Scene) -> None:

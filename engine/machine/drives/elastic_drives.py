@@ -175,7 +175,7 @@ class ElasticDrives:
 
     def _of_run(self, name: str, ready: "Ready", key: str) -> np.ndarray:
         """A number of a drive's run, (variants,)."""
-        return np.broadcast_to(ready.bare.numbers[f"elements.{name}.run.{key}"], (ready.which.size,)).astype(float)
+        return ready.bare.numbers.of_each(f"elements.{name}.run.{key}", ready.which.size)
 
     def _run(
         self,
@@ -236,10 +236,10 @@ class ElasticDrives:
         """Inertia at the motor end, reduced to the crank, and the part of it that isn't in the scene."""
         n, drive = variants.numbers, self.drives[name]
         if drive.driver is None:
-            own = np.broadcast_to(n[f"elements.{name}.motor_inertia"], (variants.count,)).astype(float)
+            own = n.of_each(f"elements.{name}.motor_inertia", variants.count)
             return own, own
-        own = n[f"shafts.{drive.driver}.inertia"] * n[f"shafts.{drive.driver}.ratio"] ** 2
-        return np.broadcast_to(own, (variants.count,)).astype(float), np.zeros(variants.count)
+        own, ratio = (n.of_each(f"shafts.{drive.driver}.{key}", variants.count) for key in ("inertia", "ratio"))
+        return own * ratio**2, np.zeros(variants.count)
 
 
 class DriveCycle(NamedTuple):

@@ -104,7 +104,7 @@ def coupling_numbers(scene: Scene, numbers: Numbers, count: int) -> CouplingNumb
     """
     name, coupling = coupling_of(scene)
     at, none = f"couplings.{name}", np.zeros((0, count))
-    ratio = _of_all(np.abs(numbers[f"shafts.{coupling.shaft}.ratio"]), count)
+    ratio = np.abs(numbers.of_each(f"shafts.{coupling.shaft}.ratio", count))
     if isinstance(coupling, FluidCoupling):
         table = make_table(coupling.slip, coupling.coefficient, coupling.interpolation)
         unit = fluid_coupling_moment(1.0, numbers[f"{at}.density"], ratio, numbers[f"{at}.diameter"])
@@ -119,12 +119,8 @@ def _engagement(clutch: FrictionClutch, at: str, numbers: Numbers, count: int) -
         return tuple(np.repeat(np.array(row)[:, None], count, axis=1) for row in (clutch.over_time, clutch.share))
     if clutch.engagement is not None:
         zero, one = np.zeros(count), np.ones(count)
-        return np.array([zero, _of_all(numbers[f"{at}.engagement"], count)]), np.array([zero, one])
+        return np.array([zero, numbers.of_each(f"{at}.engagement", count)]), np.array([zero, one])
     return np.zeros((1, count)), np.ones((1, count))
-
-
-def _of_all(values: float | np.ndarray, count: int) -> np.ndarray:
-    return np.broadcast_to(values, (count,)).astype(float)
 
 
 class ShaftSide(NamedTuple):
@@ -379,6 +375,6 @@ class TwoSides:
         of_crank = self.crank.reduction.variants(numbers, whole.direction, whole.flywheel)
         crank = EquationOfMotion(self.crank, self.crank.driven(of_crank), start)
         coupling = coupling_numbers(self.scene, n, count)
-        inertia = coupling.ratio**2 * _of_all(n[f"shafts.{self.coupling.shaft}.inertia"], count)
+        inertia = coupling.ratio**2 * n.of_each(f"shafts.{self.coupling.shaft}.inertia", count)
         shaft = ShaftSide(EquationOfMotion(self.shaft, self.shaft.driven(whole), np.zeros(count)), inertia)
         return CoupledSides(crank, shaft, coupling, self)
