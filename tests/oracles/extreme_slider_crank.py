@@ -11,8 +11,8 @@ from itertools import pairwise
 
 import mpmath as mp
 import numpy as np
+from closed_forms import slider_motion
 from machines import slider_crank
-from slider_crank_motion import slider_motion
 
 POSITIONS, ROUNDINGS = 24, 4
 EPS = {np.float64: 2.0**-52, np.float32: 2.0**-23}

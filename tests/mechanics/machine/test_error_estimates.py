@@ -6,10 +6,10 @@ from functools import cache
 import mpmath
 import numpy as np
 import pytest
+from closed_forms import rocker_swing, slider_motion
 from machines import crank, frame, rpp, rrp, rrr, slider_crank
 from noncircular_wheels import ELLIPSES
 from scenes_of_parts import SCENES
-from slider_crank_motion import slider_motion
 
 from engine import Machine, Scene
 from engine.compiling.running import mean_of_rows, sum_of_rows
@@ -41,18 +41,11 @@ def near_change_points(count):
     return np.array([r, *links]), short
 
 
-def true_swing(*lengths):
-    """Between the positions with crank and rod in line."""
-    r, rod, rocker, base = map(mpmath.mpf, lengths)
-    angles = [mpmath.acos((base**2 + rocker**2 - far**2) / (2 * base * rocker)) for far in (rod + r, rod - r)]
-    return angles[0] - angles[1]
-
-
 def test_swing_near_a_change_point__is_right_whatever_else_is_asked():
     lengths, short = near_change_points(128)
     varied = dict(zip(LENGTHS, lengths, strict=True))
     with mpmath.workdps(40):
-        true = [true_swing(*variant) for variant in lengths.T]
+        true = [rocker_swing(*variant) for variant in lengths.T]
         for beside in ((), BESIDE[:1], BESIDE):
             found = Machine(four_bar(0.5, 1.5, 1.5, 1.5), ["rocker.swing", *beside], (), LENGTHS).evaluate(varied)
             swing, error = found.summaries["rocker.swing"], found.errors["rocker.swing"]

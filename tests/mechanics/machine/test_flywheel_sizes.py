@@ -8,10 +8,10 @@ import math
 
 import numpy as np
 import pytest
+from closed_forms import slider_motion
 from machines import slider_crank
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
-from slider_crank_motion import slider_motion
 
 from engine import Machine, Scene, Verdict
 

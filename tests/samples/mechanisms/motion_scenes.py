@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import machines
 import numpy as np
+from closed_forms import slider_motion
 from mpmath import mp
-from slider_crank_motion import slider_motion
 
 from engine import Machine, Scene, Verdict
 

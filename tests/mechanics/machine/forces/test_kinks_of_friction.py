@@ -12,9 +12,9 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from closed_forms import slider_motion
 from machines import on, slider_crank
 from scipy.optimize import brentq, minimize_scalar
-from slider_crank_motion import slider_motion
 
 from engine import Machine, Scene, Verdict
 from engine.scene.scene import Numbers, scene_numbers

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from closed_forms import slider_motion
 from machines import frame, slider_crank
-from slider_crank_motion import slider_motion
 
 from engine import Machine, Scene
 

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from closed_forms import slider_motion
 from motion_scenes import ECCENTRIC_MASS, MOMENTS, RADIUS, RAM_MASS, ROD, Found, ask, crank_alone, slider_crank, steady
 from oracle import EPS
-from slider_crank_motion import slider_motion
 from test_loads_in_runs import COLUMNS, PAIRS
 
 from engine import Machine, Scene, Verdict

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from closed_forms import slider_motion
 from motion_scenes import (
     CRANK_INERTIA,
     CUT,
@@ -23,7 +24,6 @@ from motion_scenes import (
 )
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
-from slider_crank_motion import slider_motion
 
 from engine import Verdict
 
