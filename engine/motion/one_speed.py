@@ -122,7 +122,7 @@ def moments_of(
     return StateMoments(sum(motors_of(mechanics, sizes, speed, off).values(), graph.zero), channels)
 
 
-def motors_of(mechanics: Mechanics, sizes: Sizes, speed: Node, off: frozenset[str] = frozenset()) -> dict[str, Node]:
+def motors_of(mechanics: Mechanics, sizes: Sizes, speed: Node, off: frozenset[str]) -> dict[str, Node]:
     """Torque of each motor, in the direction of motion, without those in `off`."""
     acting = {name: on for on, name in sizes.motors.items() if name not in off}
     return {name: motor_at_speed(mechanics.kinematics, name, on, sizes.facing, speed) for name, on in acting.items()}
@@ -176,7 +176,7 @@ def along_angle(mechanics: Mechanics, asked: frozenset[str]) -> tuple[System, Si
     return system, sizes
 
 
-def along_time(mechanics: Mechanics, asked: frozenset[str], rubs: bool = False) -> tuple[System, Sizes]:
+def along_time(mechanics: Mechanics, asked: frozenset[str], rubs: bool) -> tuple[System, Sizes]:
     """The equation of motion over time; parameters as in `along_angle`, and whether there is friction in pairs."""
     graph = mechanics.graph
     turned, speed = (graph.given(label, Stage.STATE) for label in ("angle turned", "speed of a state"))

@@ -50,7 +50,7 @@ class Regimes:
         The regimes in order; None if no result of them is requested.
     """
 
-    def __init__(self, mechanics: Mechanics, asked: Iterable[str], steps: int, accuracy: float | None = None) -> None:
+    def __init__(self, mechanics: Mechanics, asked: Iterable[str], steps: int, accuracy: float | None) -> None:
         self._scene = mechanics.scene
         self.summaries = {quantity.name: quantity for quantity in motion_summaries(mechanics.scene)}
         self._of_cycles = {quantity.name: quantity for quantity in motion_fields(mechanics)}

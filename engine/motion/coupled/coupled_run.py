@@ -15,7 +15,7 @@ from engine.motion.coupled.two_sides import APART, BACKWARDS, FORWARDS, TOGETHER
 from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, SHAFT_TURNED, TURNED, Ending
 from engine.motion.fields.recorded_motion import Observer
 from engine.motion.moments.breaks import JUMP
-from engine.motion.runs.run_progress import ADAPTIVE, Ends, MachineRuns, Standing, Stepping
+from engine.motion.runs.run_progress import Ends, MachineRuns, Standing, Stepping
 from engine.stepping.methods import EIGHT, NINE
 from engine.stepping.recorded import EXCEEDS, RECORDED, made_steps, tops_in_steps, weighted, weights_at
 from engine.stepping.records import some
@@ -98,8 +98,8 @@ class CoupledRuns(MachineRuns):
         sides: CoupledSides,
         standing: Standing,
         ends: Ends,
-        stepping: Stepping = ADAPTIVE,
-        observers: Sequence[Observer] = (),
+        stepping: Stepping,
+        observers: Sequence[Observer],
     ) -> None:
         super().__init__(sides.crank, standing, ends, stepping, observers)
         self.sides, self.cycle, count = sides, self.dynamics.cycle, sides.count

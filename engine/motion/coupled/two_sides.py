@@ -329,7 +329,7 @@ class TwoSides:
         Whether it is a fluid coupling or a clutch, and not open.
     """
 
-    def __init__(self, reduction: Reduction, off: frozenset[str], works: bool, rubs: bool = False) -> None:
+    def __init__(self, reduction: Reduction, off: frozenset[str], works: bool, rubs: bool) -> None:
         self.scene = reduction.mechanics.scene
         self.name, self.coupling = coupling_of(self.scene)
         self.open = self.name in off
@@ -351,10 +351,6 @@ class TwoSides:
         acting, rubs = (self._on_shaft, self._elsewhere), self.crank.rubs
         return MachineSystem(*at_two_speeds(mechanics, coupling, knots, *acting, self.crank.works, rubs), mechanics)
 
-    def without_shaft(self, numbers: Numbers, count: int) -> Numbers:
-        """Numbers of machines without the coupled shaft's inertia on the crank."""
-        return numbers.with_values({f"shafts.{self.coupling.shaft}.inertia": np.zeros(count)})
-
     def without_inertia(self, whole: Variants) -> np.ndarray:
         """Whether a side lacks inertia, (variants,) of bool."""
         sides = self.of(whole, np.zeros(whole.count))
@@ -370,11 +366,11 @@ class TwoSides:
         start : ndarray (variants,)
             Crank angle at zero angle turned [rad].
         """
-        count, n = whole.count, whole.numbers
-        numbers = self.without_shaft(n, count)
-        of_crank = self.crank.reduction.variants(numbers, whole.direction, whole.flywheel)
+        count, n, inertia_of_shaft = whole.count, whole.numbers, f"shafts.{self.coupling.shaft}.inertia"
+        bare = n.with_values({inertia_of_shaft: np.zeros(count)})
+        of_crank = self.crank.reduction.variants(bare, whole.direction, whole.flywheel)
         crank = EquationOfMotion(self.crank, self.crank.driven(of_crank), start)
         coupling = coupling_numbers(self.scene, n, count)
-        inertia = coupling.ratio**2 * n.of_each(f"shafts.{self.coupling.shaft}.inertia", count)
+        inertia = coupling.ratio**2 * n.of_each(inertia_of_shaft, count)
         shaft = ShaftSide(EquationOfMotion(self.shaft, self.shaft.driven(whole), np.zeros(count)), inertia)
         return CoupledSides(crank, shaft, coupling, self)

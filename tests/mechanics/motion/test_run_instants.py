@@ -30,10 +30,10 @@ POWERS = ("motors_power", "driving_power", "useful_power", "harmful_power", "bra
 FIELDS = ("speed", "acceleration", "motor_moment", "load_moment", "kinetic_energy", *POWERS, "instantaneous_efficiency")
 
 
-def kept(scene: dict, other: str, names=FIELDS, varied=None) -> tuple:
-    """Fields of the run "go", `other` among them, of the first variant by their names; and what was found."""
-    asked = [f"go.{name}" for name in (*names, other)]
-    found = ask(scene, "go.time", 240, " ".join(asked), varied)
+def kept(scene: dict, other: str) -> tuple:
+    """Fields of the run "go", `other` among them, by their names; and what was found."""
+    asked = [f"go.{name}" for name in (*FIELDS, other)]
+    found = ask(scene, "go.time", 240, " ".join(asked))
     return {name.removeprefix("go."): found.fields[name][0] for name in asked}, found
 
 
