@@ -231,6 +231,26 @@ def test_capacity_below_the_load__never_brings_the_sides_together():
     assert found.status == [Verdict.SLIPS, Verdict.OK]
 
 
+def test_clutch_between_sides_at_rest__slips_where_one_is_held_and_the_other_pulls_beyond_its_capacity():
+    """A motor on a crank held by friction, and a load against a shaft held by friction: together both would stand."""
+    capacity, until, motor = 4.0, 0.01, MOMENTS["dc"]
+    still = {"from_speed": 0.0, "from_shaft_speed": 0.0, "time": until}
+    scene = rotor({"go": run("dc rub", **still)}, rub={"moment": 200.0})
+    found = ask(coupled(scene, capacity=capacity), of("go", NAMES))
+    # J ω' = M₀ (1 − ω/ω₀) − C.
+    stall, fastest = motor["stall_moment"], motor["no_load_speed"]
+    speed = fastest * (1.0 - capacity / stall) * -math.expm1(-stall / fastest / SHAFT_INERTIA * until)
+    assert found["go.motor_shaft_final_speed"] == pytest.approx(speed, rel=1e-9)
+    assert found["go.final_speed"] == 0.0
+    scene = rotor({"go": run("load rub", **still)}, rub={"moment": 20.0, "on": "motor_shaft"})
+    loads = np.array([-40.0, -20.0])
+    found = ask(coupled(scene, capacity=capacity), of("go", NAMES), varied={"moments.load.moment": loads})
+    assert found.status == [Verdict.OK] * 2
+    slipping = np.minimum(loads + RATIO * capacity, 0.0) / INERTIA * until
+    assert found.values["go.final_speed"] == pytest.approx(slipping, rel=1e-9)
+    assert (found.values["go.motor_shaft_final_speed"] == 0.0).all()
+
+
 @pytest.mark.parametrize("end", [{"lock_up": True}, {"rest": True}, {"speed": 30.0}, {"cycles": 3.0}])
 def test_load_that_falls_through_its_clutch__is_known_to_fall_for_ever_after_a_cycle(end):
     scene = coupled(rotor({"go": run("dc load", from_shaft_speed=80.0, **end)}, load={"moment": -40.0}))
