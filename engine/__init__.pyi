@@ -72,7 +72,7 @@ from engine.machine.machine import Machine, numbers_for_trains, seconds_of_runs
 from engine.machine.one_machine.assembly_modes import assembly_modes, assembly_ranges, near_of_variant
 from engine.machine.one_machine.history import History, history, history_fields
 from engine.machine.one_machine.moving_machine import Motions, MovingMachine, NowhereDefinedError
-from engine.machine.one_machine.warned_machine import summaries_for_warnings, warnings_from_numbers, warnings_in_words
+from engine.machine.one_machine.warned_machine import summaries_for_warnings, warnings_in_words
 from engine.machine.results import AskError, Outcome
 from engine.mechanism.assembly import MovingPoint
 from engine.mechanism.groups.seed_tables import AssemblyMode
@@ -402,7 +402,6 @@ __all__ = [
     "v_engine",
     "velocity_picture",
     "w_engine",
-    "warnings_from_numbers",
     "warnings_in_words",
     "wound_stresses",
     "wrong_input",

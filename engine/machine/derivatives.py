@@ -7,6 +7,7 @@ estimate is part of the derivative's.
 """
 
 from collections.abc import Callable, Mapping
+from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -15,9 +16,10 @@ from annotated_types import Ge, Gt, Le, Lt
 from engine.machine.elements.elements_alone import ElementsAlone
 from engine.machine.extrapolation import Differences, Estimate, derivative_of
 from engine.machine.machine import Machine
-from engine.machine.results import AskError, Outcome
+from engine.machine.results import AskError
 from engine.parts.skeleton import CrankInput, NonZero
 from engine.scene.scene import Scene, SceneNumber, scene_numbers
+from engine.stepping.records import on_arrays
 from engine.words.verdicts import Verdict
 
 # Assumed rounding error of a summary, in units of the machine epsilon.
@@ -90,19 +92,21 @@ def derivatives_along(machine: Machine | ElementsAlone, move: Move) -> Derivativ
     names, status = machine.asked_summaries, here.status.copy()
     values, errors = ({name: np.full(move.at.shape, np.nan) for name in names} for _ in range(2))
     left, seen = np.flatnonzero(status == Verdict.OK), []
-    for ladder in LADDERS:
+    for i, ladder in enumerate(LADDERS):
         if not left.size:
             break
-        seen.append(_Neighbours.of(machine, move, left, ladder))
-        around = _Neighbours.joined(seen)
+        seen.append(_neighbours(machine, move, left, ladder))
+        around, steps = on_arrays(lambda *rows: np.concatenate(rows, axis=1), *seen), np.concatenate(LADDERS[: i + 1])
         nearest = around.status[:, -1]
         status[left] = np.where((nearest == Verdict.OK).any(axis=1), Verdict.OK, nearest[:, 0])
         again = (nearest != Verdict.OK).any(axis=1)
         for name in names:
-            found = _estimate(machine, around, name, here.summaries[name][left], here.errors[name][left])
+            own = here.summaries[name][left], here.errors[name][left]
+            samples = Differences(steps, around.width, *own, around.summaries[name], around.errors[name])
+            found = derivative_of(samples, ROUNDING * float(np.finfo(machine.dtype).eps))
             values[name][left], errors[name][left] = found.value, found.error
             again |= _is_open(found, here.summaries[name][left], move.scale[left])
-        left, seen = left[again], [part.some(again) for part in seen]
+        left, seen = left[again], [on_arrays(itemgetter(again), part) for part in seen]
     return Derivatives(values, errors, status)
 
 
@@ -115,50 +119,29 @@ def _is_open(found: Estimate, here: np.ndarray, scale: np.ndarray) -> np.ndarray
 
 
 class _Neighbours(NamedTuple):
-    """Neighbours of some variants: steps (levels,), displacements, verdicts and results (variants, levels, 2)."""
+    """Neighbours of some variants: displacements, verdicts and results (variants, levels, 2)."""
 
-    steps: np.ndarray
     width: np.ndarray
     status: np.ndarray
     summaries: dict[str, np.ndarray]
     errors: dict[str, np.ndarray]
 
-    @classmethod
-    def of(
-        cls, machine: Machine | ElementsAlone, move: Move, variants: np.ndarray, ladder: tuple[float, ...]
-    ) -> "_Neighbours":
-        """Evaluate the neighbours of some variants."""
-        at, steps = move.at[variants, None, None], np.array(ladder)
-        places = at + move.scale[variants, None, None] * steps[:, None] * np.array([1.0, -1.0])
-        whose = np.broadcast_to(variants[:, None, None], places.shape)
-        outcome = machine.evaluate(move.varied(places.ravel(), whose.ravel()))
-        return cls(steps, places - at, outcome.status.reshape(places.shape), *_tables(outcome, places.shape))
 
-    @classmethod
-    def joined(cls, parts: "list[_Neighbours]") -> "_Neighbours":
-        """Combine neighbours of the same variants over several ladders."""
-        whole = [np.concatenate([part[i] for part in parts], axis=min(i, 1)) for i in range(3)]
-        tables = ({n: np.concatenate([part[i][n] for part in parts], axis=1) for n in parts[0][i]} for i in (3, 4))
-        return cls(*whole, *tables)
-
-    def some(self, chosen: np.ndarray) -> "_Neighbours":
-        """Neighbours of some of the variants."""
-        tables = ({name: values[chosen] for name, values in table.items()} for table in self[3:])
-        return _Neighbours(self.steps, self.width[chosen], self.status[chosen], *tables)
-
-
-def _tables(outcome: Outcome, shape: tuple[int, ...]) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """Summaries and error estimates of neighbours; NaN for those that fail."""
+def _neighbours(
+    machine: Machine | ElementsAlone, move: Move, variants: np.ndarray, ladder: tuple[float, ...]
+) -> _Neighbours:
+    """Evaluate the neighbours of some variants."""
+    at = move.at[variants, None, None]
+    places = at + move.scale[variants, None, None] * np.array(ladder)[:, None] * np.array([1.0, -1.0])
+    whose = np.broadcast_to(variants[:, None, None], places.shape)
+    outcome = machine.evaluate(move.varied(places.ravel(), whose.ravel()))
     failed = outcome.status != Verdict.OK
-    tables = (outcome.summaries, outcome.errors)
-    return tuple({n: np.where(failed, np.nan, v).reshape(shape) for n, v in table.items()} for table in tables)
 
+    def known(table: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        return {name: np.where(failed, np.nan, row).reshape(places.shape) for name, row in table.items()}
 
-def _estimate(
-    machine: Machine | ElementsAlone, around: _Neighbours, name: str, here: np.ndarray, here_error: np.ndarray
-) -> Estimate:
-    samples = Differences(around.steps, around.width, here, here_error, around.summaries[name], around.errors[name])
-    return derivative_of(samples, ROUNDING * float(np.finfo(machine.dtype).eps))
+    status = outcome.status.reshape(places.shape)
+    return _Neighbours(places - at, status, known(outcome.summaries), known(outcome.errors))
 
 
 # Scales

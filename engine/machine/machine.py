@@ -385,7 +385,9 @@ class Machine:
         finite = np.ones(keep.size, bool)
         if self._kept_curves:
             ends = self._measuring.ends if self._ranges_vary else machine.measuring.kept_fields.NONE
-            finite = self._kept.fill(table, self._positions_kept, room[: len(self._kept_curves)], keep, ends)
+            # Input positions, or shares of each variant's range.
+            positions = self.nodes if self._ranges_vary else self.input_values
+            finite = self._kept.fill(table, positions, room[: len(self._kept_curves)], keep, ends)
         for name, curve in self._followed.items():
             # A value may become infinite in single precision.
             with np.errstate(over="ignore"):
@@ -398,11 +400,6 @@ class Machine:
     def _ranges_vary(self) -> bool:
         """Whether the input's range differs between variants."""
         return not isinstance(self.scene.input, CrankInput) and bool({"input.start", "input.stop"} & set(self.varied))
-
-    @property
-    def _positions_kept(self) -> np.ndarray:
-        """Input positions of the fields, or shares of each variant's range."""
-        return self.nodes if self._ranges_vary else self.input_values
 
     # Accuracy
 

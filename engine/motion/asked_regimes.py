@@ -65,9 +65,8 @@ class AskedRegimes:
         self.steps, self.regimes, self.keys = steps, scene.regimes, run_keys(scene.input)
         _refuse_losses_behind_couplings(scene)
         own = ((name, n) for name, regime in scene.regimes.items() for n in only_motor(scene, regime))
-        pairs = (
-            (f"{name}.{n}_shaft_torque_{key}", f"{name}.motor_moment_{key}", n) for name, n in own for key in AT_SHAFT
-        )
+        shaft = ((f"{name}.{key.format(n=n)}", name, key.rpartition("_")[2], n) for name, n in own for key in AT_SHAFT)
+        pairs = ((at_shaft, f"{name}.motor_moment_{kind}", n) for at_shaft, name, kind, n in shaft)
         # Torques of motors at their own shafts, with the torques reduced to the input from which they follow.
         self.at_shaft = {name: (reduced, n) for name, reduced, n in pairs if name in asked}
         self.only_for_shafts = {reduced for reduced, _ in self.at_shaft.values()} - asked
@@ -146,11 +145,9 @@ class AskedRegimes:
 
     def variants(self, numbers: Numbers, count: int) -> Variants:
         """A number of variants, with the flywheel of the scene."""
-        direction = np.broadcast_to(np.sign(numbers["input.speed"]), (count,)).astype(float)
-        flywheel = np.zeros(count)
-        if "flywheel.inertia" in numbers:
-            flywheel = np.broadcast_to(numbers["flywheel.inertia"], (count,)).astype(float)
-        return self.reduction.variants(numbers, direction, flywheel)
+        has_wheel = "flywheel.inertia" in numbers
+        flywheel = numbers.of_each("flywheel.inertia", count) if has_wheel else np.zeros(count)
+        return self.reduction.variants(numbers, np.sign(numbers.of_each("input.speed", count)), flywheel)
 
 
 def _refuse_losses_behind_couplings(scene: Scene) -> None:

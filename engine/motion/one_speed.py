@@ -6,6 +6,7 @@ is never negative: a machine that moves backwards has the opposite nominal direc
 """
 
 from collections.abc import Callable
+from enum import IntEnum
 from typing import NamedTuple
 
 from engine.compiling.decorators import Law
@@ -21,7 +22,8 @@ from engine.mechanism.mechanics import Mechanics
 from engine.mechanism.reactions import Reactions
 from engine.motion.moments.own_drives import WithServos, loads_of
 from engine.motion.moments.tabulation import Tabulation
-from engine.stepping.system import Guard, PrintedSystem, System
+from engine.stepping.system import PrintedSystem, System
+from engine.stepping.walk_task import Why
 
 # Kinds of work that are reported separately.
 CHANNELS = ("driving", "useful", "harmful", "braking", "other")
@@ -37,6 +39,9 @@ SLOPES = {
     **{law: {law.py_func.__code__.co_argcount - 1: _motor_slope(slope)} for law, slope in BY_SPEED.items()},
     sized: {1: lambda result, size, _: result.graph.apply(sized, size, 1.0)},
 }
+# Reasons for the end of a walk: the guards of each form of the equation of motion, target speeds first.
+AngleEnd = IntEnum("AngleEnd", "ABOVE BELOW SLOW", start=Why.GUARD)
+TimeEnd = IntEnum("TimeEnd", "ABOVE BELOW BRISK REST", start=Why.GUARD)
 # Replaces a speed of zero, with a sign [rad/s].
 AT_REST = 1e-150
 # Fraction of its energy that a machine with a steep motor may lose before it counts as near rest.
@@ -117,7 +122,7 @@ def moments_of(
     return StateMoments(sum(motors_of(mechanics, sizes, speed, off).values(), graph.zero), channels)
 
 
-def motors_of(mechanics: Mechanics, sizes: Sizes, speed: Node, off: frozenset[str] = frozenset()) -> dict[str, Node]:
+def motors_of(mechanics: Mechanics, sizes: Sizes, speed: Node, off: frozenset[str]) -> dict[str, Node]:
     """Torque of each motor, in the direction of motion, without those in `off`."""
     acting = {name: on for on, name in sizes.motors.items() if name not in off}
     return {name: motor_at_speed(mechanics.kinematics, name, on, sizes.facing, speed) for name, on in acting.items()}
@@ -145,12 +150,12 @@ def along_angle(mechanics: Mechanics, asked: frozenset[str]) -> tuple[System, Si
     known = {"motors": moments.motors, **moments.channels, "squares": squares, "fading": steepness}
     slope = total - (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)
     size = abs(moments.motors) + abs(total - moments.motors)
-    guards = (
-        Guard("above", sizes.above - speed),
-        Guard("below", speed - sizes.below),
+    guards = {
+        AngleEnd.ABOVE: sizes.above - speed,
+        AngleEnd.BELOW: speed - sizes.below,
         # A steep motor restores the speed before much of the energy is lost.
-        Guard("slow", graph.apply(greater, sizes.brisk, -MUCH * steepness) * energy + total),
-    )
+        AngleEnd.SLOW: graph.apply(greater, sizes.brisk, -MUCH * steepness) * energy + total,
+    }
     gathered = {"time": pace} | {name: node for name, node in known.items() if name in asked}
     responses = tuple(derivative(node, {energy: graph.one}, SLOPES) for node in gathered.values())
     system = System(
@@ -165,13 +170,13 @@ def along_angle(mechanics: Mechanics, asked: frozenset[str]) -> tuple[System, Si
         gathered=gathered,
         slopes=(steepness,),
         responses=responses,
-        guards=guards,
+        guards=tuple(map(guards.get, AngleEnd)),
         shown=shown_of(inertia, slope / inertia, moments),
     )
     return system, sizes
 
 
-def along_time(mechanics: Mechanics, asked: frozenset[str], rubs: bool = False) -> tuple[System, Sizes]:
+def along_time(mechanics: Mechanics, asked: frozenset[str], rubs: bool) -> tuple[System, Sizes]:
     """The equation of motion over time; parameters as in `along_angle`, and whether there is friction in pairs."""
     graph = mechanics.graph
     turned, speed = (graph.given(label, Stage.STATE) for label in ("angle turned", "speed of a state"))
@@ -202,12 +207,12 @@ def along_time(mechanics: Mechanics, asked: frozenset[str], rubs: bool = False) 
         powers["driving"] += of_drives
         shown = {"energy": servos.energy} | {f"{name} power": power for name, power in powers.items()}
     known = {"motors": moments.motors * speed, **powers, "squares": moments.motors * moments.motors}
-    guards = (
-        Guard("above", sizes.above - speed),
-        Guard("below", speed - sizes.below),
-        Guard("brisk", abs(total) + sizes.stay - sizes.brisk * (inertia * (0.5 * speed * speed))),
-        Guard("rest", speed),
-    )
+    guards = {
+        TimeEnd.ABOVE: sizes.above - speed,
+        TimeEnd.BELOW: speed - sizes.below,
+        TimeEnd.BRISK: abs(total) + sizes.stay - sizes.brisk * (inertia * (0.5 * speed * speed)),
+        TimeEnd.REST: speed,
+    }
     gathered = {name: node for name, node in known.items() if name in asked}
     rates = (sizes.facing * speed, epsilon)
     system = System(
@@ -221,7 +226,7 @@ def along_time(mechanics: Mechanics, asked: frozenset[str], rubs: bool = False) 
         unknown=unknown,
         gathered=gathered,
         slopes=(steepness,),
-        guards=guards,
+        guards=tuple(map(guards.get, TimeEnd)),
         shown=shown_of(inertia, epsilon, moments) | shown,
     )
     return system, sizes

@@ -49,8 +49,12 @@ STEADY = {
     "multiplier": ("factor by which a small disturbance of the energy grows from cycle to cycle in {name}", "1"),
     "return_residual": ("relative difference of the energy after a cycle in {name}", "1"),
 }
-# Torques at the shaft of a single driving motor.
-AT_SHAFT = {"peak": "peak torque", "rms": "rms torque over time"}
+# Torques at the shaft of a single driving motor; `{n}` is its name, `{motor}` the same in words.
+AT_SHAFT = {
+    f"{{n}}_shaft_torque_{key}": (f"{words} of {{motor}} in {{name}}, at its own shaft", "N m")
+    for key, words in {"peak": "peak torque", "rms": "rms torque over time"}.items()
+}
+SLIP = {"{n}_slip": ("mean slip of {motor} in {name}", "1")}
 # Summaries that check the others.
 CHECKS = ("work_residual", "multiplier", "return_residual", "implicit_steps")
 RUN = {
@@ -116,6 +120,8 @@ LOADS = (
     *(f"shaking_{part}" for part in ("force", "force_x", "force_y", "moment")),
 )
 
+# Statistics of fields of steady running, whose means are over time.
+OVER_TIME = STATISTICS | {"mean": "time average of", "rms": "rms over time of"}
 # Statistics of fields of runs: extremes, with their positions and instants.
 EXTREMES = {key: words for key, words in STATISTICS.items() if key not in ("mean", "rms")} | {
     "min_time": "time (after the start) of the minimum",
@@ -184,13 +190,14 @@ class Asked(NamedTuple):
         return cls(regime, field, statistic) if field and known else cls(regime, rest, "")
 
 
-def _made(scene: Scene, name: str, table: dict[str, tuple[str, str]]) -> list[Quantity]:
+def _made(scene: Scene, name: str, table: dict[str, tuple[str, str]], **parts: str) -> list[Quantity]:
+    """Quantities of a regime from a table; `parts` are the names in its braces next to the regime's."""
     if isinstance(scene.input, SliderInput):
         table = {SLIDING.get(key, key): of_sliding(*row) for key, row in table.items()}
     return [
         Quantity(
-            f"{name}.{key}",
-            words.format(name=name),
+            f"{name}.{key.format(**parts)}",
+            words.format(name=name, **parts),
             unit,
             key in MAY_BE_UNDEFINED,
             rank=Rank.CHECK if key in CHECKS else Rank.FURTHER,
@@ -223,13 +230,11 @@ def motion_summaries(scene: Scene) -> list[Quantity]:
         found += _made(scene, name, COMMON | (STEADY if regime.type == "steady" else RUN | limited))
         found += _of_couplings(scene, name)
         for n in only_motor(scene, regime):
-            of = f"of {called('motor', n)} in {name}, at its own shaft"
-            found += [
-                Quantity(f"{name}.{n}_shaft_torque_{key}", f"{words} {of}", "N m") for key, words in AT_SHAFT.items()
-            ]
+            found += _made(scene, name, AT_SHAFT, n=n, motor=called("motor", n))
         if regime.type == "steady":
-            motors = [n for n, m in scene.moments.items() if isinstance(m, InductionMotor) and n not in regime.off]
-            found += [Quantity(f"{name}.{n}_slip", f"mean slip of {called('motor', n)} in {name}", "1") for n in motors]
+            for n, motor in scene.moments.items():
+                if isinstance(motor, InductionMotor) and n not in regime.off:
+                    found += _made(scene, name, SLIP, n=n, motor=called("motor", n))
             sized = scene.flywheel is not None and scene.flywheel.speed_fluctuation is not None
             if sized and not _at_two_speeds(scene, regime):
                 words = (
@@ -257,19 +262,14 @@ def _at_two_speeds(scene: Scene, regime: Regime) -> bool:
 
 def _of_couplings(scene: Scene, name: str) -> list[Quantity]:
     """Summaries of a run with a coupling."""
-    found: list[Quantity] = []
-    regime = scene.regimes[name]
+    found, regime = [], scene.regimes[name]
     for coupling, model in scene.couplings.items():
         table = AT_TWO_SPEEDS if regime.type == "run" else HELD
         if regime.type == "steady" and model.type == "fluid_coupling":
             table = COUPLED | FLUID | MEAN_SPEED
         if regime.type == "run" and coupling not in regime.off:
             table = COUPLED | (CLUTCHED if model.type == "friction_clutch" else FLUID) | table
-        words = {"name": name, "coupling": coupling, "shaft": model.shaft}
-        found += [
-            Quantity(f"{name}.{key.format(**words)}", text.format(**words), unit, key in MAY_BE_UNDEFINED)
-            for key, (text, unit) in table.items()
-        ]
+        found += _made(scene, name, table, coupling=coupling, shaft=model.shaft)
     return found
 
 
@@ -321,21 +321,16 @@ def load_fields(mechanics: Mechanics) -> dict[str, tuple[str, str]]:
     return {key: (f"{words} in {{name}}, at its true motion", unit) for key, (words, unit) in table.items()}
 
 
-def cycle_statistics(field: Quantity) -> list[Quantity]:
-    """Statistics of a field of a steady regime: means are over time."""
-    over = {"mean": "time average of", "rms": "rms over time of"}
-    return [
-        Quantity(
-            f"{field.name}.{suffix}",
-            f"{over.get(suffix, words)} {field.long_name}",
-            "rad" if suffix.endswith("_at") else field.units,
-        )
-        for suffix, words in STATISTICS.items()
-    ]
+def statistics_of(field: Quantity, table: dict[str, str], q: str) -> list[Quantity]:
+    """Statistics of a field of a regime, with positions in the unit `q` of the input.
 
-
-def run_extremes(field: Quantity, q: str) -> list[Quantity]:
-    """Extremes of a field in a run, with their positions, in the unit `q` of the input, and instants."""
+    Parameters
+    ----------
+    field : Quantity
+    table : dict of str to str
+        OVER_TIME in steady running, EXTREMES in a run.
+    q : str
+    """
     units = {"_at": q, "_time": "s"}
     return [
         Quantity(
@@ -343,5 +338,5 @@ def run_extremes(field: Quantity, q: str) -> list[Quantity]:
             f"{words} {field.long_name}",
             next((unit for end, unit in units.items() if suffix.endswith(end)), field.units),
         )
-        for suffix, words in EXTREMES.items()
+        for suffix, words in table.items()
     ]

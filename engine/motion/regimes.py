@@ -9,14 +9,15 @@ from engine.graph.nodes import Node
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.quantities import (
     EFFICIENCY_NOW,
+    EXTREMES,
+    OVER_TIME,
     Asked,
     KeptAt,
-    cycle_statistics,
     kept_at_of,
     kept_fields,
     motion_fields,
     motion_summaries,
-    run_extremes,
+    statistics_of,
 )
 from engine.quantities.register import InputUnits
 from engine.scene.scene import Numbers
@@ -49,13 +50,12 @@ class Regimes:
         The regimes in order; None if no result of them is requested.
     """
 
-    def __init__(self, mechanics: Mechanics, asked: Iterable[str], steps: int, accuracy: float | None = None) -> None:
+    def __init__(self, mechanics: Mechanics, asked: Iterable[str], steps: int, accuracy: float | None) -> None:
         self._scene = mechanics.scene
         self.summaries = {quantity.name: quantity for quantity in motion_summaries(mechanics.scene)}
-        self.fields = {quantity.name: quantity for quantity in motion_fields(mechanics)}
-        self._of_cycles, instants = frozenset(self.fields), kept_at_of(mechanics.scene)
-        kept = {quantity.name: quantity for quantity in kept_fields(mechanics)}
-        self.fields |= kept
+        self._of_cycles = {quantity.name: quantity for quantity in motion_fields(mechanics)}
+        kept, instants = {q.name: q for q in kept_fields(mechanics)}, kept_at_of(mechanics.scene)
+        self.fields = self._of_cycles | kept
         self.kept_at: dict[str, KeptAt] = {name: instants[name.partition(".")[0]] for name in kept}
         self._along_runs = {quantity.name: quantity for quantity in motion_fields(mechanics, "run")}
         asked = list(dict.fromkeys(asked))
@@ -70,9 +70,8 @@ class Regimes:
         # Without input power the efficiency is undefined, and so is its minimum.
         asked = (one for one in map(Asked.of, names) if one.statistic and one.field != EFFICIENCY_NOW)
         fields = {f"{one.regime}.{one.field}" for one in asked}
-        known = [s for name in fields if name in self._of_cycles for s in cycle_statistics(self.fields[name])]
-        runs, q = self._along_runs, InputUnits.of(self._scene).q
-        known += [s for name in fields if name in runs for s in run_extremes(runs[name], q)]
+        q, kinds = InputUnits.of(self._scene).q, ((self._of_cycles, OVER_TIME), (self._along_runs, EXTREMES))
+        known = (s for own, table in kinds for n in fields & own.keys() for s in statistics_of(own[n], table, q))
         found = {s.name: s for s in known}
         return {name: found[name] for name in names if name in found}
 

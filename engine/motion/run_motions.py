@@ -66,9 +66,9 @@ class RunMotion(RegimeMotion):
 
     def _number(self, key: str, variants: Variants) -> np.ndarray:
         """A number of a run for every variant; infinite if it is not given."""
-        given = getattr(self.regime, key) is not None
-        value = variants.numbers[f"regimes.{self.name}.{key}"] if given else np.inf
-        return np.broadcast_to(value, (variants.count,)).astype(float)
+        if getattr(self.regime, key) is None:
+            return np.full(variants.count, np.inf)
+        return variants.numbers.of_each(f"regimes.{self.name}.{key}", variants.count)
 
     def run(
         self,

@@ -89,13 +89,20 @@ class SteadyAtOneSpeed(SteadyMotion):
         """
         if not self.asks("flywheel"):
             return variants, np.full(variants.count, Verdict.OK, np.uint8)
-        delta = np.broadcast_to(variants.numbers["flywheel.speed_fluctuation"], (variants.count,))
+        delta = variants.numbers.of_each("flywheel.speed_fluctuation", variants.count)
         wheel, verdict = flywheel_for(self.dynamics, variants, self._asked.tolerance, delta, longer)
         wheel = np.where(verdict == Verdict.OK, wheel, variants.flywheel)
         return variants._replace(flywheel=wheel, kept={}), verdict
 
+    def after(self, variants: Variants, steady: Steady, verdict: np.ndarray) -> Standing:
+        """State at the end of steady running, with given verdicts."""
+        zero = np.zeros(variants.count)
+        omega = np.sqrt(2.0 * steady.energy / self.dynamics.inertia(variants, zero))
+        held = CoupledStanding(omega, np.full(variants.count, np.inf)) if self.two else None
+        return Standing(zero, omega, zero, verdict.astype(np.uint8), held)
+
     def _follow(self, variants: Variants, standing: Standing, longer: float) -> OneRegime:
-        zero, kept = np.zeros(variants.count), variants.kept
+        kept = variants.kept
         variants, verdict = self.with_sized_flywheel(variants, longer)
         found = {"flywheel": variants.flywheel} if self.asks("flywheel") else {}
         steady, off, answers = self._settled(variants, kept, longer)
@@ -112,9 +119,7 @@ class SteadyAtOneSpeed(SteadyMotion):
         # δ is a difference of speeds, and rounds as they do.
         answers.scales["speed_fluctuation"] = np.ones(variants.count)
         verdict = np.where(standing.verdict != Verdict.OK, standing.verdict, np.maximum(verdict, steady.verdict))
-        begin = np.sqrt(2.0 * steady.energy / self.dynamics.inertia(variants, zero))
-        held = CoupledStanding(begin, np.full(variants.count, np.inf)) if self.two else None
-        after = Standing(zero, begin, zero, verdict.astype(np.uint8), held)
+        after = self.after(variants, steady, verdict)
         return OneRegime(answers, after, float(self._asked.steps), found["energy"], known=not self.dynamics.rubs)
 
     def _settled(self, variants: Variants, kept: dict, longer: float) -> tuple[Steady, Steady | None, FieldAnswers]:

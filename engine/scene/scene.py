@@ -257,6 +257,10 @@ class Numbers(Mapping[str, float | np.ndarray]):
         # A NumPy float: overflow and division by zero give inf or NaN, as in an array.
         return np.float64(self._fixed[path].value)
 
+    def of_each(self, path: str, count: int) -> np.ndarray:
+        """A number of each of `count` variants, also if it isn't varied."""
+        return np.broadcast_to(self[path], (count,)).astype(float)
+
     def with_values(self, values: Mapping[str, np.ndarray]) -> "Numbers":
         """Copy with some of the numbers replaced."""
         return Numbers(self._fixed, {**self._varied, **values})

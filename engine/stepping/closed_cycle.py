@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import LANES, Row, scatter_row
+from engine.compiling.blocks import LANES, Row, scatter_rows
 from engine.compiling.decorators import driver, routine
 from engine.compiling.packed import call_at
 from engine.cycle.panels.lanes import one, rows
@@ -49,44 +49,47 @@ class CycleSearch(NamedTuple):
     ----------
     energy : row
         At the start of the current cycle.
+    off : row
+        |P(E) − E|/E of the cycle found.
+    verdict : row
+    carried_error : row
+        Error estimate of the energy found [J]; 0 before. The error of a cycle recurs in the next one, so it is the sum
+        of a geometric series.
     low, high : row
         Highest energy known to rise or to stall, lowest energy known to fall [J].
     stalls : row
         1 if the machine stalls from the lower one.
     rising : row
         1 if the energy rose in the last complete cycle.
-    off, cycles : row
-        |P(E) − E|/E of the cycle found, and the number of cycles.
+    cycles : row
+        Their number.
     change : row
         Correction by which Newton's method led to the current energy; infinite if it didn't [J].
     moved : row
         1 if any step was made.
-    verdict : row
     laying : row
         1 if the next cycle chooses its steps.
-    carried_error : row
-        Error estimate of the energy found [J]; 0 before. The error of a cycle recurs in the next one, so it is the sum
-        of a geometric series.
     last : row
         1 in the cycle from the energy found.
     """
 
     energy: Row
+    off: Row
+    verdict: Row
+    carried_error: Row
     low: Row
     high: Row
     stalls: Row
     rising: Row
-    off: Row
     cycles: Row
     change: Row
     moved: Row
-    verdict: Row
     laying: Row
-    carried_error: Row
     last: Row
 
 
-OUTCOME = ("off", "verdict", "carried_error")
+# The first rows are the outcome of the search.
+OUTCOME = CycleSearch._fields[: CycleSearch._fields.index("low")]
 
 
 class CycleRoom(NamedTuple):
@@ -107,8 +110,6 @@ class CycleBatch(NamedTuple):
         Settings of the last cycle.
     farthest : float
         Its largest step [rad]; infinite if it takes those of the search, 0 if there is none.
-    energies : ndarray (variants,)
-        At the starts of the cycles found.
     outcome : ndarray (OUTCOME, variants)
     fading : int
         Row of the states with ∮ ∂M/∂E dφ.
@@ -117,7 +118,6 @@ class CycleBatch(NamedTuple):
     walks: WalkBatch
     last: WalkTask
     farthest: float
-    energies: np.ndarray
     outcome: np.ndarray
     fading: int
 
@@ -289,7 +289,4 @@ def find_cycles(
                 begin_cycle(lane, search.energy[lane], edges, task, room)
         make_cycles(first, 1.0, addresses, batch, batch.last, room)
         store_block(first, walks, task, room.walk)
-        scatter_row(search.energy, first, batch.energies)
-        for lane in range(min(LANES, batch.energies.shape[0] - first)):
-            batch.outcome[0, first + lane], batch.outcome[1, first + lane] = search.off[lane], search.verdict[lane]
-            batch.outcome[2, first + lane] = search.carried_error[lane]
+        scatter_rows(search, first, batch.outcome)

@@ -39,17 +39,6 @@ NEVER = dict.fromkeys(("other_goal", "farthest", "longest"), np.inf)
 ORDINARY = NEVER | {"start": 0.0, "direction": 1.0, "facing": 1.0, "clock": 0.0, "turned": 0.0, "floor": 0.0}
 
 
-class Guard(NamedTuple):
-    """An event that ends a step: its name, and a number that is positive before it.
-
-    It `ends` the walk, or changes what is held.
-    """
-
-    name: str
-    value: Node
-    ends: bool = True
-
-
 class System(NamedTuple):
     """A system of ordinary differential equations.
 
@@ -74,9 +63,12 @@ class System(NamedTuple):
         Jacobian of the rates of the energy or the speeds, where an implicit method may pay.
     responses : tuple of Node
         Derivatives of the integrands with respect to the first state, where errors are propagated.
-    guards : tuple of Guard
+    guards : tuple of Node
+        Numbers that are positive until an event ends the walk, `Why.GUARD` and the next ones.
+    switches : tuple of Node
+        Numbers that are positive until an event ends a step and changes what is held.
     held : dict of Given to Node
-        Numbers and states held until a guard ends a step but not the walk, and the new value of each after that.
+        Numbers and states held until a switch, and the new value of each after that.
     signed : bool
         Whether speeds may be negative; else each side faces in its direction of motion.
     scales : tuple of Node
@@ -97,11 +89,34 @@ class System(NamedTuple):
     gathered: Mapping[str, Node] = MappingProxyType({})
     slopes: tuple[Node, ...] = ()
     responses: tuple[Node, ...] = ()
-    guards: tuple[Guard, ...] = ()
+    guards: tuple[Node, ...] = ()
+    switches: tuple[Node, ...] = ()
     held: Mapping[Given, Node] = MappingProxyType({})
     signed: bool = False
     scales: tuple[Node, ...] = ()
     shown: Mapping[str, Node] = MappingProxyType({})
+
+
+class Start(NamedTuple):
+    """Where a number of walks start, (…, variants) each.
+
+    Attributes
+    ----------
+    numbers, states, edges, instants, carried_errors : ndarray
+        As in `WalkBatch`; by default, there are no edges, instants and errors.
+    lanes : dict of str to ndarray or float
+        Inputs of `Lane` by name.
+    recorded : int
+        Number of steps to record.
+    """
+
+    numbers: np.ndarray
+    lanes: Mapping[str, np.ndarray | float]
+    states: np.ndarray
+    edges: np.ndarray | None = None
+    instants: np.ndarray | None = None
+    carried_errors: np.ndarray | None = None
+    recorded: int = 0
 
 
 class Walks(NamedTuple):
@@ -134,10 +149,10 @@ class Closed(NamedTuple):
 
     Attributes
     ----------
-    energy : ndarray (variants,)
-        At the start [J].
     cycle : Walks
-        From there; meaningless without a last cycle.
+        Meaningless without a last cycle.
+    energy : ndarray (variants,)
+        At its start [J].
     off : ndarray (variants,)
         |P(E) − E|/E.
     verdict : ndarray (variants,)
@@ -146,8 +161,8 @@ class Closed(NamedTuple):
         Error estimate of the energy [J].
     """
 
-    energy: np.ndarray
     cycle: Walks
+    energy: np.ndarray
     off: np.ndarray
     verdict: np.ndarray
     carried_error: np.ndarray
@@ -175,10 +190,9 @@ class PrintedSystem:
     def __init__(self, system: System, graph: Graph, first: Node, last: Node) -> None:
         self.system = system
         self.rates = [*system.rates, *system.gathered.values()]
-        guards = (guard.value for guard in system.guards)
         size, steepness = (graph.zero if node is None else node for node in (system.size, system.steepness))
         before = system.speed, size, steepness, system.slope
-        behind = *system.scales, *system.shown.values(), *system.held.values(), *guards
+        behind = *system.scales, *system.shown.values(), *system.held.values(), *system.guards, *system.switches
         self.watched = [*before, *system.responses, *system.slopes, *behind]
         self.last = (*system.states, *system.unknown.values())
         self.functions: Functions = functions_in_motion(graph, first, last, self.rates, self.watched, self.last)
@@ -238,8 +252,8 @@ class PrintedSystem:
             states=len(system.states),
             width=len(self.rates),
             watched=len(self.watched),
-            guards=len(system.guards),
-            ends=np.array([guard.ends for guard in system.guards], bool),
+            guards=len(system.guards) + len(system.switches),
+            endings=len(system.guards),
             carries=len(system.responses) > 0 and bool(made.fine.any()),
             first_place=len(rows) - len(self.last) - len(self.functions.curves),
             places=len(self.functions.curves),
@@ -253,28 +267,12 @@ class PrintedSystem:
             signed=system.signed,
         )
 
-    def run(
-        self,
-        asked: Packed,
-        numbers: np.ndarray,
-        edges: np.ndarray | None,
-        instants: np.ndarray | None,
-        given: Mapping[str, np.ndarray],
-        states: np.ndarray,
-        carried_errors: np.ndarray | None = None,
-        recorded: int = 0,
-    ) -> Walks:
-        """Walk; parameters as in `WalkBatch`, `given` rows of lanes by name, steps to record."""
-        task, count = asked.record, states.shape[1]
-        edges = np.repeat(NO_EDGES, count, axis=1) if edges is None else edges
-        instants = np.zeros((0, count)) if instants is None else instants
-        states = np.array(states, float, order="C")
-        numbers = numbers.copy() if self.system.held else numbers
-        carried_errors = np.zeros_like(states) if carried_errors is None else np.array(carried_errors, float, order="C")
-        batch = self._batch(task, numbers, edges, instants, given, states, carried_errors, recorded)
-        repeats = not (task.along_time or task.implicit or recorded) and np.isfinite(task.cycle)
+    def run(self, asked: Packed, start: Start) -> Walks:
+        """Walk with the settings of a task."""
+        task, batch = asked.record, self._batch(asked.record, start)
+        repeats = not (task.along_time or task.implicit or start.recorded) and np.isfinite(task.cycle)
         self._go(walk, asked, batch, room_of, bool(repeats))
-        return Walks(states, carried_errors, batch.ending, *batch.found, batch.recorded, batch.numbers)
+        return _walks(batch)
 
     def at(
         self,
@@ -315,54 +313,30 @@ class PrintedSystem:
         spread(evaluate_states, -(-places.size // LANES), lambda: (given, asked, room_of(asked, len(numbers), 1)))
         return found.reshape(len(wanted), *places.shape)
 
-    def close(
-        self,
-        asked: Packed,
-        numbers: np.ndarray,
-        edges: np.ndarray,
-        given: Mapping[str, np.ndarray],
-        energies: np.ndarray,
-        last: Packed,
-        farthest: float,
-    ) -> Closed:
+    def close(self, asked: Packed, start: Start, last: Packed, farthest: float) -> Closed:
         """Find the cycles that return to their own energies, from energies at which loads should dominate.
 
         Other parameters are those of `run` and `CycleBatch`.
         """
-        task = asked.record
-        states, nothing = np.zeros((task.width, energies.size)), np.zeros((0, energies.size))
-        states[0] = energies
-        walks = self._batch(task, numbers, edges, nothing, given, states, np.zeros_like(states), 0)
-        batch = CycleBatch(
-            walks,
-            last.record,
-            farthest,
-            np.empty_like(energies),
-            np.empty((len(OUTCOME), energies.size)),
-            self.names["fading"],
-        )
-        self._go(find_cycles, asked, batch, cycle_room_of, not task.implicit)
-        cycle = Walks(states, walks.carried_errors, walks.ending, *walks.found, walks.recorded, walks.numbers)
-        return Closed(batch.energies, cycle, *batch.outcome)
+        walks = self._batch(asked.record, start)
+        outcome = np.empty((len(OUTCOME), start.states.shape[1]))
+        batch = CycleBatch(walks, last.record, farthest, outcome, self.names["fading"])
+        self._go(find_cycles, asked, batch, cycle_room_of, not asked.record.implicit)
+        return Closed(_walks(walks), *outcome)
 
-    def _batch(
-        self,
-        task: WalkTask,
-        numbers: np.ndarray,
-        edges: np.ndarray,
-        instants: np.ndarray,
-        given: Mapping[str, np.ndarray],
-        states: np.ndarray,
-        carried_errors: np.ndarray,
-        recorded: int,
-    ) -> WalkBatch:
-        count = states.shape[1]
-        given = ORDINARY | given
-        rows = np.array([np.broadcast_to(given[name], (count,)) for name in GIVEN], float)
-        kept = np.empty((recorded, 3 + (task.states + 1) * (1 + SHOWN.size), count))
-        found, parts = np.empty((len(FOUND), count)), (numbers, edges, instants, rows)
-        parts = [np.require(part, float, "CW") for part in parts]
-        return WalkBatch(self._printed, *parts, states, carried_errors, np.empty_like(states), found, kept)
+    def _batch(self, task: WalkTask, start: Start) -> WalkBatch:
+        """Memory of walks; numbers that don't change are shared with their start."""
+        numbers, states = start.numbers, np.array(start.states, float, order="C")
+        numbers, count = numbers.copy() if self.system.held else numbers, states.shape[1]
+        edges = np.repeat(NO_EDGES, count, axis=1) if start.edges is None else start.edges
+        instants = np.zeros((0, count)) if start.instants is None else start.instants
+        errors = np.zeros_like(states) if start.carried_errors is None else start.carried_errors
+        lanes = ORDINARY | start.lanes
+        rows = np.array([np.broadcast_to(lanes[name], (count,)) for name in GIVEN], float)
+        parts = (np.require(part, float, "CW") for part in (numbers, edges, instants, rows))
+        kept = np.empty((start.recorded, 3 + (task.states + 1) * (1 + SHOWN.size), count))
+        ending, found, errors = np.empty_like(states), np.empty((len(FOUND), count)), np.array(errors, float, order="C")
+        return WalkBatch(self._printed, *parts, states, errors, ending, found, kept)
 
     def _go(
         self, driver: Callable, asked: Packed, batch: WalkBatch | CycleBatch, room_of: Callable, repeats: bool
@@ -395,6 +369,12 @@ class PrintedSystem:
         if self.levels.depend_on(limits):
             self.levels.fill(numbers)
         return numbers
+
+
+def _walks(batch: WalkBatch) -> Walks:
+    """Results of walks from their memory."""
+    errors, parts = batch.carried_errors, (batch.recorded, batch.numbers)
+    return Walks(batch.states, errors, batch.ending, *batch.found, *parts)
 
 
 @kept_by_thread
@@ -432,5 +412,6 @@ def compile_walks() -> None:
     body = PrintedSystem(system, graph, zero, one)
     task, numbers = body.task(1.0), np.zeros((len(body.functions.rows), 1))
     one_radian = {"goal": 1.0, "tolerance": 1e-3, "pace": 1.0, "farthest": 1.0}
-    body.run(task, numbers, None, None, one_radian, np.ones((2, 1)))
-    body.close(task, numbers, NO_EDGES, one_radian, np.ones(1), task, np.inf)
+    start = Start(numbers, one_radian, np.ones((2, 1)))
+    body.run(task, start)
+    body.close(task, start, task, np.inf)

@@ -254,11 +254,9 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
     for lane in range(LANES):
         own.ended[lane] = -1.0
         if own.taken[lane] > 0.0 and own.trials[lane] > 0.0:
-            for g in range(FIRST + task.guards):
+            for g in range(FIRST + task.endings):
                 # An extreme of the speed ends only the step.
-                if g == RISE and own.ended[lane] >= 0.0:
-                    continue
-                if is_crossed(g, lane, task, room) and (g < FIRST or task.ends[g - FIRST]):
+                if is_crossed(g, lane, task, room) and not (g == RISE and own.ended[lane] >= 0.0):
                     own.ended[lane] = float(g)
     for lane in range(LANES):
         own.top_off[lane] = missed_top(lane, task, room)

@@ -73,10 +73,9 @@ class WalkTask(NamedTuple):
         Rows of `rates`: those of the states, and those including the integrals.
     scales : int
         First row of the error scales of the states in `watch`, along time; −1: the states themselves.
-    watched, guards : int
-        Number of rows of `watch`, and of the guards, which are the last ones.
-    ends : ndarray of bool
-        Whether each guard ends the walk; others change held numbers.
+    watched, guards, endings : int
+        Number of rows of `watch`, of the guards, which are the last ones, and of the first guards, which end the walk;
+        others change held numbers.
     carries : bool
         Whether error estimates are propagated.
     first_place, places, rated : int
@@ -117,7 +116,7 @@ class WalkTask(NamedTuple):
     width: int
     watched: int
     guards: int
-    ends: np.ndarray
+    endings: int
     carries: bool
     first_place: int
     places: int

@@ -6,7 +6,7 @@ from pathlib import Path
 from threading import Condition
 from typing import Any
 
-from engine import Scene, warnings_from_numbers
+from engine import Scene, warnings_in_words
 from sweeps.page.machine_motion import BRIEF, looks, motion_data
 from sweeps.page.page_text import page_text
 from sweeps.pictures.drawing import DrawnMotion
@@ -91,5 +91,5 @@ def _parts(scene: Scene, file: str) -> dict[str, Any]:
         "remark": regimes if scene.regimes else "",
         "drawn": "The machine",
         "motion": {"looks": looks(), "machines": [machine]},
-        "warnings": warnings_from_numbers(scene),
+        "warnings": warnings_in_words(scene),
     }

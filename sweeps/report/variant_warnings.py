@@ -37,7 +37,7 @@ def result_warnings(result: SweepResult, variants: Iterable[int]) -> list[str]:
     """
     found = {variant: _of_variant(result, variant) for variant in variants}
     if not found:
-        return engine.warnings_from_numbers(result.scene)
+        return engine.warnings_in_words(result.scene)
     several = len(found) > 1
     return [f"variant {variant}: {text}" if several else text for variant, texts in found.items() for text in texts]
 
@@ -45,7 +45,7 @@ def result_warnings(result: SweepResult, variants: Iterable[int]) -> list[str]:
 def _of_variant(result: SweepResult, variant: int) -> list[str]:
     values, columns = result.variant_values(variant), result.columns
     if columns["status"][variant] != engine.Verdict.OK:
-        return engine.warnings_from_numbers(result.scene, values)
+        return engine.warnings_in_words(result.scene, values)
     known = {n: (float(columns[n][variant]), float(columns[f"{n}_error"][variant])) for n in result.summaries}
     further = engine.summaries_for_warnings(result.scene, values, known, result.mechanics)
     return engine.warnings_in_words(result.scene, values, {**further, **known})

@@ -11,6 +11,7 @@ from itertools import pairwise
 
 import mpmath as mp
 import numpy as np
+from closed_forms import slider_motion
 from machines import slider_crank
 
 POSITIONS, ROUNDINGS = 24, 4
@@ -111,11 +112,7 @@ class SliderCrank:
 
     def transfer(self, phi: mp.mpf) -> tuple[mp.mpf, mp.mpf, mp.mpf]:
         """Place of the ram, and its first two derivatives by the crank's angle."""
-        r, rod, c, s = self.v["r"], self.v["l"], mp.cos(phi), mp.sin(phi)
-        y = r * s - self.v["h"]
-        root = mp.sqrt(rod**2 - y**2)
-        bend = (r * c * c - y * s) / root + y**2 * r * c * c / root**3
-        return r * c + root, -r * s - y * r * c / root, -r * c - r * bend
+        return slider_motion(phi, *(self.v[name] for name in "rlh"), by=mp)
 
     def moment(self, phi: mp.mpf, x1: mp.mpf) -> mp.mpf:
         return self.v["F"] * x1 - self.v["c"] * self.v["w"] * x1**2 - self.weight * mp.cos(phi)

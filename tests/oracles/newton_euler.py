@@ -8,9 +8,8 @@ unknown, its moment on the shaft; the drive is one more, the moment or force on 
 from typing import NamedTuple
 
 import numpy as np
-from oracle import REAL, Motion, Pose
+from oracle import REAL, Motion, Pose, solved
 from oracle_dynamics import _pump_force, body_of, force_at, moment_on, pull_of
-from scipy.linalg import lu_factor, lu_solve
 
 from engine import FRAME, CrankInput, Scene, Sliding, Yoke
 
@@ -177,14 +176,6 @@ def coefficients(motion: Motion, columns: list[Unknown]) -> np.ndarray:
     return matrix
 
 
-def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solution at one position, refined with residuals in extended precision."""
-    factors, x = lu_factor(matrix.astype(float)), np.zeros_like(right)
-    for _ in range(4):
-        x = x + lu_solve(factors, (right - matrix @ x).astype(float))
-    return x
-
-
 def reactions(
     scene: Scene, q: np.ndarray, omega: float | np.ndarray | None = None, epsilon: float | np.ndarray = 0.0
 ) -> dict[str, np.ndarray]:
@@ -206,7 +197,7 @@ def reactions(
     assert len(rows) == len(columns)
     matrix = coefficients(motion, columns)
     right = np.stack([(rates.of[n] - inside.of[n] - outside.of[n])[part] for n, part in rows], axis=-1)
-    solution = np.stack([_solved(a, b) for a, b in zip(matrix, right, strict=True)])
+    solution = solved(matrix, right)
     found = {unknown.name: solution[:, j] for j, unknown in enumerate(columns)}
     for name, unknown in ((u.name, u) for u in columns if u.name.endswith(".reaction")):
         found |= {f"{name}_{axis}": found[name] * part for axis, part in zip("xy", unknown.direction, strict=True)}

@@ -78,7 +78,7 @@ def _inverse(matrix):
         return np.linalg.pinv(rough)
 
 
-def _solved(matrix, right):
+def solved(matrix, right):
     """Batched linear solution, refined to the precision of REAL."""
     inverse, x = _inverse(matrix), np.zeros_like(right)
     for _ in range(4):
@@ -131,9 +131,9 @@ def _assembled(closure: Callable, in_mode: Callable, starts: list, positions: in
     found[~good.any(axis=0)] = np.nan
     _, jacobian = _jacobian(closure, np.nan_to_num(found))
     rest = closure([Jet(x) for x in found.T])
-    first = _solved(jacobian, -_parts(rest, "d", found.shape[:-1]))
+    first = solved(jacobian, -_parts(rest, "d", found.shape[:-1]))
     rest = closure([Jet(x, d) for x, d in zip(found.T, first.T, strict=True)])
-    second = _solved(jacobian, -_parts(rest, "dd", found.shape[:-1]))
+    second = solved(jacobian, -_parts(rest, "dd", found.shape[:-1]))
     return [Jet(*parts) for parts in zip(found.T, first.T, second.T, strict=True)]
 
 

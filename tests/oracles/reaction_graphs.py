@@ -1,7 +1,5 @@
 """Reactions of scenes as nodes, and their values."""
 
-from collections.abc import Callable
-
 import numpy as np
 from graph_values import GraphValues
 
@@ -16,17 +14,14 @@ from engine.scene.structure.ordering import order
 
 
 class ReactionValues:
-    """Fields of the reactions of a scene, at any positions.
+    """Fields of the reactions of a scene, at any positions; the input moves uniformly."""
 
-    `motion` makes the input's motion from the graph; without it the input moves uniformly.
-    """
-
-    def __init__(self, scene: dict | Scene, motion: Callable[[Graph], InputMotion] = InputMotion.uniform) -> None:
+    def __init__(self, scene: dict | Scene) -> None:
         self.scene = scene if isinstance(scene, Scene) else Scene.model_validate(scene)
         self.graph, structure = Graph(), order(self.scene)
         self.kinematics = Kinematics(self.scene, structure, self.graph, frozenset())
         loads = Loads(self.scene, self.kinematics)
-        self.reactions = Reactions(self.kinematics, structure, loads.terms, motion(self.graph))
+        self.reactions = Reactions(self.kinematics, structure, loads.terms, InputMotion.uniform(self.graph))
         self.values = GraphValues(self.scene, self.graph)
 
     def __call__(self, names: list[str], q: np.ndarray) -> dict[str, np.ndarray]:

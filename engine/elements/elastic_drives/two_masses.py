@@ -27,7 +27,7 @@ from engine.laws.rounding import EPS
 from engine.laws.senses import past, sense
 from engine.parts.motors import MotorCurve
 from engine.stepping.records import put
-from engine.stepping.system import Guard, PrintedSystem, System, Walks
+from engine.stepping.system import PrintedSystem, Start, System, Walks
 from engine.stepping.walk_task import Why, tolerance_of_walk
 
 # Tolerance of a step.
@@ -194,16 +194,12 @@ class TwoMasses(PrintedSystem):
         motion = twist, speed, load_speed, self.motor.moment(speed), clock
         drive, phase, seen = tuple(self.drive), self.held[:4], self.held[4:]
         _, *rises = graph.apply(drive_rates, drive, *phase[:2], motion)
-        names = ("touch", "load", "moment turns", "load turns")
-        guards = [
-            Guard(name, value, False)
-            for name, value in zip(names, graph.apply(guards_of_drive, drive, phase, motion), strict=True)
-        ]
+        switches = [*graph.apply(guards_of_drive, drive, phase, motion)]
         behind = graph.apply(after_guard, drive, phase, motion, seen)
         held = dict(zip((*self.held, load_speed), behind, strict=True))
-        for i, (knot, side) in enumerate(self.bends):
-            guards.append(Guard(f"bend {i}", side * (speed - knot), False))
-            held[side] = graph.apply(past, guards[-1].value, side, -side)
+        for knot, side in self.bends:
+            switches.append(side * (speed - knot))
+            held[side] = graph.apply(past, switches[-1], side, -side)
         system = System(
             "time",
             states=states,
@@ -211,7 +207,7 @@ class TwoMasses(PrintedSystem):
             speed=speed,
             slope=rises[0],
             clock=clock,
-            guards=tuple(guards),
+            switches=tuple(switches),
             held=held,
             signed=True,
         )
@@ -336,14 +332,14 @@ def _walk(
     count = states.shape[1]
     numbers = made.limited(np.zeros((len(made.functions.rows), count)), numbers)
     given, task = {"turned": states[0]} | lanes, made.task(np.inf, longer=longer)
-    walks = made.run(task, numbers, None, None, given, states, recorded=recorded)
+    walks = made.run(task, Start(numbers, given, states, recorded=recorded))
     for _ in range(0 if recorded else MOST_WALKS):
         full = np.flatnonzero(walks.why == Why.FULL)
         if not full.size:
             break
         own, gone = {name: np.broadcast_to(row, count)[full] for name, row in given.items()}, walks.at[full]
         own |= {"clock": own["clock"] + gone, "goal": own["goal"] - gone, "pace": walks.pace[full]}
-        further = made.run(task, walks.numbers[:, full], None, None, own, walks.states[:, full])
+        further = made.run(task, Start(walks.numbers[:, full], own, walks.states[:, full]))
         further.at[:] += gone
         put(walks, full, further)
     return walks

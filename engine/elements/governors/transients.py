@@ -20,7 +20,7 @@ from engine.laws.senses import past
 from engine.stepping.recorded import made_steps
 from engine.stepping.records import put, some
 from engine.stepping.runs import WalkedRuns
-from engine.stepping.system import SHOWN, Guard, PrintedSystem, System, Walks
+from engine.stepping.system import SHOWN, PrintedSystem, Start, System, Walks
 from engine.stepping.walk import MOST_STEPS
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
@@ -115,7 +115,7 @@ def _governed_system(governor: Element, machine: bool) -> tuple[System, Graph, G
     margin = graph.apply(motion.holding_margin, held.sense, speed, *releasing)
     turning = held.gains * (width / swift) * acceleration + TURNED * swift
     in_band = held.inside * (band - abs(speed - steady)) + BEHIND * steady
-    guards = {"inner": inner, "outer": outer, "reverses": ahead, "sets off": margin, "turns": turning, "band": in_band}
+    switches = [inner, outer, ahead, margin, turning, in_band]
     goes_on = graph.apply(motion.goes_on, inner, outer, ahead, margin)
     released = (1.0 - goes_on) * graph.apply(motion.released, speed, *releasing)
     changed = {
@@ -128,8 +128,8 @@ def _governed_system(governor: Element, machine: bool) -> tuple[System, Graph, G
         held.inside: graph.apply(past, in_band, held.inside, -held.inside),
     }
     if governor.has_valve:
-        guards["switches"] = held.opens * (graph.number("engine.throttle.switch") - there.lift) + BEHIND * width
-        changed[held.opens] = graph.apply(past, guards["switches"], held.opens, -held.opens)
+        switches.append(held.opens * (graph.number("engine.throttle.switch") - there.lift) + BEHIND * width)
+        changed[held.opens] = graph.apply(past, switches[-1], held.opens, -held.opens)
     moves = held.sense * held.sense
     system = System(
         along="time",
@@ -137,7 +137,8 @@ def _governed_system(governor: Element, machine: bool) -> tuple[System, Graph, G
         rates=(speed, rise, moves * acceleration, moves * velocity),
         speed=speed,
         slope=rise,
-        guards=(Guard("stalls", speed), *(Guard(name, value, False) for name, value in guards.items())),
+        guards=(speed,),
+        switches=tuple(switches),
         clock=clock,
         held=changed,
         scales=(graph.one, SPEED_SCALE * steady, swift, width),
@@ -279,7 +280,7 @@ class _Runs(WalkedRuns):
         lanes |= {"turned": self.state.turned[who], "pace": self.pace[who], "clock": time}
         task = self.system.task(math.inf, extremes=True, longer=self.longer, root=ROOT)
         state, numbers = np.array(some(self.state, who)), self.numbers.take(who, axis=1)
-        gone = self.system.run(task, numbers, None, None, lanes, state, recorded=MOST_STEPS if self.records else 0)
+        gone = self.system.run(task, Start(numbers, lanes, state, recorded=MOST_STEPS if self.records else 0))
         if self.records:
             self._record(gone)
         why, speed = gone.why, self.state.speed[who]

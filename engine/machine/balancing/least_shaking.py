@@ -225,7 +225,8 @@ class _Cuts:
     def solve(self, radius: float) -> tuple[np.ndarray, float]:
         """Unknowns that satisfy all cuts, and the lower bound of the peak proven by their multipliers."""
         n = self.slopes.shape[1]
-        bounds = [(0.0 if size == 1 else -min(most, radius), min(most, radius)) for _, size, most in self._each()]
+        within = [(size, min(most, radius)) for _, size, most in self.p.limits for _ in range(size)]
+        bounds = [(0.0 if size == 1 else -most, most) for size, most in within]
         left = np.hstack((np.vstack((self.slopes, self.rims)), np.zeros((len(self.heights) + len(self.rims), 1))))
         left[: len(self.heights), -1] = -1.0
         found = linprog(
@@ -249,6 +250,3 @@ class _Cuts:
             direction = np.linalg.norm(slope[place]) if size == 2 else max(0.0, -slope[place][0])
             gain += direction * min(most, radius)
         return gain
-
-    def _each(self) -> list[tuple[slice, int, float]]:
-        return [limit for limit in self.p.limits for _ in range(limit[1])]

@@ -175,7 +175,7 @@ class ElasticDrives:
 
     def _of_run(self, name: str, ready: "Ready", key: str) -> np.ndarray:
         """A number of a drive's run, (variants,)."""
-        return np.broadcast_to(ready.bare.numbers[f"elements.{name}.run.{key}"], (ready.which.size,)).astype(float)
+        return ready.bare.numbers.of_each(f"elements.{name}.run.{key}", ready.which.size)
 
     def _run(
         self,
@@ -236,10 +236,10 @@ class ElasticDrives:
         """Inertia at the motor end, reduced to the crank, and the part of it that isn't in the scene."""
         n, drive = variants.numbers, self.drives[name]
         if drive.driver is None:
-            own = np.broadcast_to(n[f"elements.{name}.motor_inertia"], (variants.count,)).astype(float)
+            own = n.of_each(f"elements.{name}.motor_inertia", variants.count)
             return own, own
-        own = n[f"shafts.{drive.driver}.inertia"] * n[f"shafts.{drive.driver}.ratio"] ** 2
-        return np.broadcast_to(own, (variants.count,)).astype(float), np.zeros(variants.count)
+        own, ratio = (n.of_each(f"shafts.{drive.driver}.{key}", variants.count) for key in ("inertia", "ratio"))
+        return own * ratio**2, np.zeros(variants.count)
 
 
 class DriveCycle(NamedTuple):
@@ -471,7 +471,7 @@ def _machine_over_cycle(ready: Ready, count: int) -> tuple[DrivenMachine, np.nda
     given = dict(zip((sizes.stiffness, sizes.damping, sizes.motor_inertia), ready.given.T, strict=True))
     for side in (sizes.machine, sizes.motors):
         given |= dynamics.sized(side, bare.numbers, way) | {side.wheel: bare.flywheel, side.way: way, side.facing: 1.0}
-    numbers = ready.system.tabulation.parameters(bare.numbers, way, bare.ends, given)
+    numbers = ready.system.tabulation.parameters(bare.numbers, way, bare.ends | given)
     places = (way * every[:-1]).reshape(-1, STAGES + 1, variants)[:, 1:].reshape(-1, variants)
     machine = DrivenMachine(np.ascontiguousarray(steps.T), places, inertia, ready.system, numbers)
     return machine, guess, rigid

@@ -81,7 +81,7 @@ class Measuring(RequiredCurves):
         followed: Sequence[Followed],
         grid: tuple[int, int],
         accuracy: float | None,
-        elsewhere: Sequence[Node] = (),
+        elsewhere: Sequence[Node],
     ) -> None:
         super().__init__(mechanics, expressions, fields, followed, elsewhere)
         self._grid, self._accuracy = grid, accuracy

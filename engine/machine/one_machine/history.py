@@ -16,7 +16,6 @@ from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.one_speed import CHANNELS
 from engine.motion.quantities import load_fields, sized_regimes
 from engine.motion.regimes_in_order import RegimesInOrder
-from engine.motion.runs.run_progress import CoupledStanding, Standing
 from engine.motion.settled.steady_with_friction import settled_motion
 from engine.motion.steady_motions import SteadyAtOneSpeed, SteadyAtTwoSpeeds
 from engine.scene.scene import Numbers, Scene, scene_numbers
@@ -127,14 +126,12 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
         if isinstance(motion, SteadyAtOneSpeed):
             variants, verdict = motion.with_sized_flywheel(variants)
             steady = settled_motion(dynamics, variants, in_order.tolerance, 1.0, record.observers)
-            begin = np.sqrt(2.0 * steady.energy / dynamics.inertia(variants, zero))
-            standing = Standing(zero, begin, zero, np.maximum(steady.verdict, verdict))
+            standing = motion.after(variants, steady, np.maximum(steady.verdict, verdict))
             along = MotionFields(dynamics, variants, zero, zero, motion.loads)
             sides = None if motion.two is None else motion.two.of(variants, zero)
-            if sides is not None:
-                standing = standing._replace(coupled=CoupledStanding(begin, np.full(1, np.inf)))
             # A motion that was not found is a row of NaN.
-            parts.append(_Part(name, begun, along, record.motions or [at_instant(equation, zero, zero, begin)], sides))
+            seen = record.motions or [at_instant(equation, zero, zero, standing.omega)]
+            parts.append(_Part(name, begun, along, seen, sides))
         else:
             if isinstance(motion, SteadyAtTwoSpeeds):
                 _, outcome, standing = motion.settled(variants, standing, record=record.of)

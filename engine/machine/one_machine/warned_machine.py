@@ -1,6 +1,7 @@
 """Warnings on one machine in words."""
 
 from collections.abc import Iterable, Mapping
+from types import MappingProxyType
 
 from engine.cycle.measured import Measured
 from engine.machine.checks import given_numbers
@@ -11,29 +12,19 @@ from engine.warnings.kinds import rules_by_kind
 from engine.words.verdicts import Verdict
 
 
-def warnings_from_numbers(scene: Scene, values: Mapping[str, float] | None = None) -> list[str]:
-    """Warnings that follow from the numbers of a scene, without any computation of its motion.
-
-    Parameters
-    ----------
-    scene : Scene
-    values : mapping of path to float, optional
-        Numbers (SI) that replace the scene's.
-    """
-    return warnings_in_words(scene, values, {})
-
-
 def warnings_in_words(
-    scene: Scene, values: Mapping[str, float] | None, known: Mapping[str, tuple[float, float]]
+    scene: Scene,
+    values: Mapping[str, float] | None = None,
+    known: Mapping[str, tuple[float, float]] = MappingProxyType({}),
 ) -> list[str]:
     """Warnings that follow from the numbers of a scene and from known summaries; others are omitted.
 
     Parameters
     ----------
     scene : Scene
-    values : mapping of path to float or None
+    values : mapping of path to float, optional
         Numbers (SI) that replace the scene's.
-    known : mapping of str to (float, float)
+    known : mapping of str to (float, float), optional
         Summaries with their error estimates.
     """
     limits, values = scene_numbers(scene), dict(values or {})

@@ -12,7 +12,7 @@ from engine.motion.runs.run_progress import CoupledStanding, Ends, RunOutcome, S
 
 
 def run_coupled(
-    sides: CoupledSides, standing: Standing, ends: Ends, stepping: Stepping, observers: Sequence[Observer] = ()
+    sides: CoupledSides, standing: Standing, ends: Ends, stepping: Stepping, observers: Sequence[Observer]
 ) -> RunOutcome:
     """Run to the end; parameters are those of `CoupledRuns`."""
     runs, clock = CoupledRuns(sides, standing, ends, stepping, observers), standing.clock

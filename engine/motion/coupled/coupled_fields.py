@@ -4,7 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.motion.coupled.two_sides import TOGETHER, CoupledSides, Joined, TwoSides, coupling_pull, faced_ways
+from engine.motion.coupled.sides_at import SidesAt
+from engine.motion.coupled.two_sides import TOGETHER, CoupledSides, Joined, TwoSides, faced_ways
 from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, TURNED
 from engine.motion.fields.motion_fields import MotionFields, motion_rows, power_rows
 from engine.motion.fields.recorded_motion import TIME, Snapshots, inward, turn_inwards
@@ -116,7 +117,7 @@ class CoupledFields(MotionFields):
         own, (omega, shaft_omega) = sides.crank.variants, moving[[CRANK_SPEED, SHAFT_SPEED]]
         way = own.direction
         with np.errstate(all="ignore"):
-            pull = coupling_pull(sides, joined, moving, time)
+            pull = SidesAt(sides, joined, moving, time).pull()
             on_crank, on_shaft = pull.crank, pull.shaft
             loads, motors = on_crank.loads + on_shaft.loads, on_crank.motors + on_shaft.motors
             rows = motion_rows(way, own.flywheel, omega, on_crank._replace(motors=motors, loads=loads))
@@ -161,5 +162,6 @@ class HeldFields(MotionFields):
         sides, forward = self._sides.some(states.who), np.ones(states.who.size)
         still = np.zeros_like(states.omega)
         joined = Joined(np.full(forward.size, TOGETHER), forward, forward, still[0], still[0], forward)
-        pull = coupling_pull(sides, joined, np.array([states.turned, states.omega, still, states.omega]), still)
+        moving = np.array([states.turned, states.omega, still, states.omega])
+        pull = SidesAt(sides, joined, moving, still).pull()
         return super().__call__(states) | {HELD: pull.moment / sides.coupling.ratio}

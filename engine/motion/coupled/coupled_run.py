@@ -9,29 +9,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.elements.elastic_drives.shaft_touch import touch_turns
 from engine.motion.coupled.coupled_fields import CoupledMotion
-from engine.motion.coupled.two_sides import (
-    APART,
-    BACKWARDS,
-    FLUID,
-    FORWARDS,
-    TOGETHER,
-    CoupledSides,
-    CouplingNumbers,
-    Joined,
-    coupling_pull,
-    faced_ways,
-)
-from engine.motion.coupled.two_speeds import CRANK_SPEED, GRIP, SHAFT_SPEED, SHAFT_TURNED, TURNED, Ending
+from engine.motion.coupled.sides_at import SidesAt
+from engine.motion.coupled.two_sides import APART, BACKWARDS, FORWARDS, TOGETHER, CoupledSides, Joined, faced_ways
+from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, SHAFT_TURNED, TURNED, Ending
 from engine.motion.fields.recorded_motion import Observer
 from engine.motion.moments.breaks import JUMP
-from engine.motion.moments.equation_of_motion import EquationOfMotion
-from engine.motion.runs.run_progress import ADAPTIVE, Ends, MachineRuns, Standing, Stepping
+from engine.motion.runs.run_progress import Ends, MachineRuns, Standing, Stepping
 from engine.stepping.methods import EIGHT, NINE
 from engine.stepping.recorded import EXCEEDS, RECORDED, made_steps, tops_in_steps, weighted, weights_at
 from engine.stepping.records import some
-from engine.stepping.system import SHOWN, Walks
+from engine.stepping.system import SHOWN, Start, Walks
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
 
@@ -58,8 +46,8 @@ class Seen(NamedTuple):
         The variant of each step, among those that walk.
     begin, length : ndarray (steps,)
         From the start of the walk [s].
-    moving : ndarray (rows, SHOWN, steps)
-        Angles and speeds of both sides at the fractions SHOWN.
+    here : SidesAt
+        States of both sides at the fractions SHOWN, (SHOWN, steps).
     moment : ndarray (1, SHOWN, steps)
         Torque of the coupling on the crank [N·m]; no row where nothing depends on it.
     """
@@ -67,7 +55,7 @@ class Seen(NamedTuple):
     column: np.ndarray
     begin: np.ndarray
     length: np.ndarray
-    moving: np.ndarray
+    here: SidesAt
     moment: np.ndarray
 
 
@@ -110,8 +98,8 @@ class CoupledRuns(MachineRuns):
         sides: CoupledSides,
         standing: Standing,
         ends: Ends,
-        stepping: Stepping = ADAPTIVE,
-        observers: Sequence[Observer] = (),
+        stepping: Stepping,
+        observers: Sequence[Observer],
     ) -> None:
         super().__init__(sides.crank, standing, ends, stepping, observers)
         self.sides, self.cycle, count = sides, self.dynamics.cycle, sides.count
@@ -167,14 +155,10 @@ class CoupledRuns(MachineRuns):
         if not who.size:
             return
         self.unsettled[who] = self.implicit[who] = False
-        sides, joined, moving = self.sides.some(who), some(self.joined, who), self.state[: SHAFT_SPEED + 1, who].copy()
+        here = self._here(who)
         # At a jump, evaluate just after it.
-        moving[TURNED] += np.sign(moving[CRANK_SPEED]) * sides.crank.break_offset(moving[TURNED])
-        ways = np.sign(moving[CRANK_SPEED]), np.sign(moving[SHAFT_SPEED])
-        mode = np.full(who.size, APART if sides.two.open else FLUID)
-        if sides.two.is_clutch:
-            mode = self._holding(sides, joined, moving, self.time[who], ways)
-        ways = self._ways(sides, joined, moving, self.time[who], mode, ways)
+        here.moving[TURNED] += np.sign(here.moving[CRANK_SPEED]) * here.sides.crank.break_offset(here.moving[TURNED])
+        mode, *ways = here.joining()
         self.joined.mode[who], self.joined.crank_direction[who], self.joined.shaft_direction[who] = mode, *ways
         holds = mode == TOGETHER
         locks = who[holds & (ways[0] != 0.0) & np.isnan(self.lock_time[who])]
@@ -192,61 +176,9 @@ class CoupledRuns(MachineRuns):
         self.done[for_ever] = True
         self.verdict[for_ever] = Verdict.OK if self.ends.standing else Verdict.STALLS
 
-    def _holding(
-        self, sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray, ways: tuple[np.ndarray, ...]
-    ) -> np.ndarray:
-        """Joining of clutches: locked, or the direction of slip."""
-        slip = np.sign(moving[SHAFT_SPEED] - moving[CRANK_SPEED]).astype(int)
-        standing = (ways[0] == 0.0) & (ways[1] == 0.0)
-        forth, back, _, shaft_forth, _, shaft_back = self._free(sides, joined, moving, time)
-        off = np.where(standing, np.where(forth > 0.0, 1.0, np.where(back < 0.0, -1.0, 0.0)), ways[0])
-        capacity = _grip(sides.coupling, joined.engaged + time)
-        trial = joined._replace(mode=np.full(slip.size, TOGETHER), crank_direction=off, shaft_direction=off)
-        needed = coupling_pull(sides, trial, moving, time).moment
-        # Where both are at rest, either side may be held by its own resistance.
-        alone = np.where(shaft_forth > capacity, 1, np.where(-shaft_back > capacity, -1, 0))
-        crank_forth, crank_back = forth - shaft_forth, back - shaft_back
-        alone = np.where(
-            alone == 0, np.where(crank_forth > capacity, -1, np.where(-crank_back > capacity, 1, 0)), alone
-        )
-        torn = np.where(np.abs(needed) > capacity, np.sign(needed).astype(int), 0)
-        return np.where(slip != 0, slip, np.where(standing & (off == 0.0), alone, torn))
-
-    def _free(
-        self, sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray
-    ) -> tuple[np.ndarray, ...]:
-        """Torques that would start both sides together, the crank or the shaft, each forwards and backwards."""
-        forth = np.ones(time.size)
-        found = []
-        for way in (forth, -forth):
-            # These torques only decide about sides at rest.
-            pull = coupling_pull(
-                sides, joined._replace(crank_direction=way, shaft_direction=way), moving, time, moves=False
-            )
-            found.append((pull.crank.total, pull.shaft.total))
-        (a, b), (c, d) = found
-        return a + b, c + d, a, b, c, d
-
-    def _ways(
-        self,
-        sides: CoupledSides,
-        joined: Joined,
-        moving: np.ndarray,
-        time: np.ndarray,
-        mode: np.ndarray,
-        ways: tuple[np.ndarray, ...],
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Direction of each side: of its motion, or of its start from rest."""
-        both_forth, both_back, forth, shaft_forth, back, shaft_back = self._free(sides, joined, moving, time)
-        moment = coupling_pull(sides, joined._replace(mode=mode), moving, time).moment
-        holds = mode == TOGETHER
-
-        def off(low: np.ndarray, high: np.ndarray) -> np.ndarray:
-            return np.where(high > 0.0, 1.0, np.where(low < 0.0, -1.0, 0.0))
-
-        crank = np.where(holds, off(both_back, both_forth), off(back + moment, forth + moment))
-        shaft = np.where(holds, crank, off(shaft_back - moment, shaft_forth - moment))
-        return np.where(ways[0] == 0.0, crank, ways[0]), np.where(ways[1] == 0.0, shaft, ways[1])
+    def _here(self, who: np.ndarray) -> SidesAt:
+        """Some variants in their current states."""
+        return SidesAt(self.sides.some(who), some(self.joined, who), self.state[: SHAFT_SPEED + 1, who], self.time[who])
 
     # Walks
 
@@ -276,34 +208,10 @@ class CoupledRuns(MachineRuns):
         nearest = np.fmin.reduce(breaks, axis=0, initial=np.inf)
         return turned + faced * np.where(looks, np.minimum(ahead, nearest), ahead)
 
-    def _first_pace(self, sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> np.ndarray:
-        """Length of the first trial step [s]."""
-        found = coupling_pull(sides, joined, moving, time)
-        crank, shaft = found.crank.epsilon, found.shaft.epsilon
-        speed = np.maximum(np.abs(moving[CRANK_SPEED]), np.abs(moving[SHAFT_SPEED]))
-        change = np.maximum(np.abs(crank), np.abs(shaft))
-        # A hundredth of the time per radian.
-        first = 0.01 / np.maximum(speed, np.sqrt(change))
-        if not sides.is_elastic:
-            return first
-        # Within a backlash, a quarter of the time it takes to cross it, at most.
-        gap, rise = sides.coupling.backlash, np.abs(shaft - crank)
-        crossing = gap / (np.abs(moving[SHAFT_SPEED] - moving[CRANK_SPEED]) + np.sqrt(gap * rise))
-        return np.where(joined.touch == 0.0, np.minimum(first, 0.25 * crossing), first)
-
-    @staticmethod
-    def _growing(sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> np.ndarray:
-        """Sign of the rate of an elastic shaft's torque, or of its twist if out of contact."""
-        found = coupling_pull(sides, joined, moving, time)
-        slip = moving[SHAFT_SPEED] - moving[CRANK_SPEED]
-        change = found.shaft.epsilon - found.crank.epsilon
-        rate = touch_turns(tuple(sides.coupling), joined.touch, slip, change)
-        return np.sign(np.where(rate == 0.0, change, rate))
-
     def _walk(self, who: np.ndarray, method: int, faced: np.ndarray, goal: np.ndarray, longest: np.ndarray) -> Walks:
         """Walk by a method, for at most a time [s] and up to an angle turned."""
-        sides, joined, system = self.sides.some(who), some(self.joined, who), self.sides.two.system
-        sizes, state, time = system.sizes, self.state[:, who].copy(), self.time[who]
+        here, system, state = self._here(who), self.sides.two.system, self.state[:, who]
+        sides, joined, sizes = here.sides, here.joined, system.sizes
         crank_moves, shaft_moves = joined.crank_direction != 0.0, joined.shaft_direction != 0.0
         holds, slips = joined.mode == TOGETHER, np.abs(joined.mode) == FORWARDS
         stands = ~crank_moves | ~shaft_moves
@@ -319,23 +227,21 @@ class CoupledRuns(MachineRuns):
             Ending.TURNS: loose,
         }
         if loose.any():
-            growing = self._growing(sides, joined, state[: SHAFT_SPEED + 1], time)
-            self.growing[who] = np.where(np.isnan(self.growing[who]), growing, self.growing[who])
+            self.growing[who] = np.where(np.isnan(self.growing[who]), here.growing(), self.growing[who])
         limits, joining = self.speed_limits(who, sizes.crank, faced[0]), sizes.joining
         limits |= sides.joining(joined) | {joining.growing: self.growing[who]}
         if sides.two.is_fluid:
             limits[joining.piece] = sides.coupling.fluid_piece(state[CRANK_SPEED], state[SHAFT_SPEED])
         if stands.any():
-            _, _, *ways = self._free(sides, joined, state[: SHAFT_SPEED + 1], time)
-            limits |= {joining.resists: ways[0] - ways[2], joining.shaft_resists: ways[1] - ways[3]}
+            resisted = (forth - back for forth, back in here.starting())
+            limits |= dict(zip((joining.resists, joining.shaft_resists), resisted, strict=True))
         limits |= {
             node: np.where(acts[ending], 0.0, np.inf) for ending, node in zip(Ending, joining.never, strict=True)
         }
         numbers = system.limited(sides.numbers(joined), limits)
         new = np.isinf(self.pace[who])
         if new.any():
-            first = self._first_pace(sides, joined, state[: SHAFT_SPEED + 1], time)
-            self.pace[who] = np.where(new, self.longer * first, self.pace[who])
+            self.pace[who] = np.where(new, self.longer * here.first_pace(), self.pace[who])
         waits = ~crank_moves & ~shaft_moves
         # A machine that nothing stops fades instead of coming to rest.
         floor = np.where(self._fades(who), FADED * self.highs[0, who], 0.0)
@@ -344,7 +250,8 @@ class CoupledRuns(MachineRuns):
         lanes = self.lanes(who, faced[0], farthest=self.farthest_step, **step, **goals)
         state[CRANK_SPEED], state[SHAFT_SPEED] = np.abs(state[[CRANK_SPEED, SHAFT_SPEED]])
         task = system.task(self.cycle, method, longer=self.longer)
-        return system.run(task, numbers, self.edges(who, self.start[who]), None, lanes, state, recorded=RECORDED)
+        edges = self.edges(who, self.start[who])
+        return system.run(task, Start(numbers, lanes, state, edges, recorded=RECORDED))
 
     def _advance(self, who: np.ndarray, method: int) -> None:
         """Walk by a method until something changes, and handle the change."""
@@ -353,12 +260,12 @@ class CoupledRuns(MachineRuns):
         goal = self._goal(who, faced[0])
         gone = self._walk(who, method, faced, goal, longest)
         seen = self._seen(who, joined, gone)
-        passed = self._passed_over(who, joined, seen)
+        passed = self._passed_over(who, seen)
         if np.isfinite(passed).any():
             gone = self._walk(who, method, faced, goal, np.minimum(longest, passed))
             seen = self._seen(who, joined, gone)
         why, before = gone.why, self.time[who]
-        self._see(who, joined, seen)
+        self._see(who, seen)
         self.state[:, who] = gone.states
         self.state[[[CRANK_SPEED], [SHAFT_SPEED]], who] *= np.array(faced)
         self.state[TURNED, who] = np.where(why == Why.OTHER_GOAL, goal, self.state[TURNED, who])
@@ -379,26 +286,27 @@ class CoupledRuns(MachineRuns):
     def _seen(self, who: np.ndarray, joined: Joined, gone: Walks) -> Seen:
         """The recorded steps of a walk."""
         column, begin, length, samples, _ = made_steps(gone.recorded, gone.steps)
-        phase, moving, moment = some(joined, column), samples[: SHAFT_SPEED + 1], np.zeros((0, *samples.shape[1:]))
+        phase, moving, own = some(joined, column), samples[: SHAFT_SPEED + 1], who[column]
         moving[[CRANK_SPEED, SHAFT_SPEED]] *= np.array(faced_ways(phase))[:, None]
+        # Nothing but the coupling differs from step to step.
+        sides = self.sides._replace(coupling=some(self.sides.coupling, own))
+        here = SidesAt(sides, phase, moving, self.time[own] + begin + SHOWN[:, None] * length)
+        moment = np.zeros((0, *moving.shape[1:]))
         if self.stepping.peaks or self.observers or self.sides.two.is_clutch:
-            time = self.time[who[column]] + begin + SHOWN[:, None] * length
-            moment = self._moments(who[column], phase, moving, time, column, gone.numbers)[None]
-        return Seen(column, begin, length, moving, moment)
+            moment = self._moments(own, here, column, gone.numbers)[None]
+        return Seen(column, begin, length, here, moment)
 
-    def _passed_over(self, who: np.ndarray, joined: Joined, seen: Seen) -> np.ndarray:
+    def _passed_over(self, who: np.ndarray, seen: Seen) -> np.ndarray:
         """Time of a walk at which a clutch slips inside a step, unlike at its ends (held, or opposite slip); or inf.
 
         Another walk to this time finds the beginning of the slip.
         """
-        first, phase = np.full(who.size, np.inf), some(joined, seen.column)
+        first, (_, joined, moving, _) = np.full(who.size, np.inf), seen.here
         if not self.sides.two.is_clutch:
             return first
-        holds = (phase.mode == TOGETHER) & (phase.crank_direction != 0.0)
-        time = self.time[who[seen.column]] + seen.begin + SHOWN[:, None] * seen.length
-        grip = _grip(some(self.sides.coupling, who[seen.column]), phase.engaged + time)
-        slip = phase.mode * (seen.moving[SHAFT_SPEED] - seen.moving[CRANK_SPEED])
-        margin = np.where(holds, grip - np.abs(seen.moment[0]), slip)
+        holds = (joined.mode == TOGETHER) & (joined.crank_direction != 0.0)
+        slip = joined.mode * (moving[SHAFT_SPEED] - moving[CRANK_SPEED])
+        margin = np.where(holds, seen.here.grip() - np.abs(seen.moment[0]), slip)
         low, high = margin.min(axis=0), margin.max(axis=0)
         may = np.flatnonzero(low - EXCEEDS * (high - low) < 0.0)
         walked = seen.begin[may] + LOOKS * seen.length[may]
@@ -406,9 +314,9 @@ class CoupledRuns(MachineRuns):
         np.minimum.at(first, seen.column[may], times.min(axis=0, initial=np.inf))
         return first
 
-    def _see(self, who: np.ndarray, joined: Joined, seen: Seen) -> None:
+    def _see(self, who: np.ndarray, seen: Seen) -> None:
         """Update minima, maxima and peaks from the steps of a walk."""
-        begin, speeds = self.time[who[seen.column]] + seen.begin, seen.moving[[CRANK_SPEED, SHAFT_SPEED]]
+        begin, speeds = self.time[who[seen.column]] + seen.begin, seen.here.moving[[CRANK_SPEED, SHAFT_SPEED]]
         curves = -speeds, speeds, -seen.moment, seen.moment
         top = tops_in_steps(seen.column, np.concatenate(curves), who.size)
         self.lows[:, who] = np.fmin(self.lows[:, who], -top.value[:2])
@@ -420,39 +328,31 @@ class CoupledRuns(MachineRuns):
             self.peak_at[who[higher]] = begin[own] + share[higher] * seen.length[own]
             self.peak[who] = np.fmax(self.peak[who], value)
         if self.observers and begin.size:
-            samples = np.array([begin + SHOWN[:, None] * seen.length, *seen.moving, *seen.moment])
-            self.see(CoupledMotion(self.sides, who[seen.column], some(joined, seen.column), samples))
+            samples = np.array([seen.here.time, *seen.here.moving, *seen.moment])
+            self.see(CoupledMotion(self.sides, who[seen.column], seen.here.joined, samples))
 
-    def _moments(
-        self,
-        who: np.ndarray,
-        joined: Joined,
-        moving: np.ndarray,
-        time: np.ndarray,
-        column: np.ndarray,
-        numbers: np.ndarray,
-    ) -> np.ndarray:
+    def _moments(self, who: np.ndarray, here: SidesAt, column: np.ndarray, numbers: np.ndarray) -> np.ndarray:
         """Torques of the coupling at instants of steps, (instants, steps).
 
         Parameters
         ----------
         who : ndarray (steps,) of int
-        joined, moving, time
-            As for `coupling_pull`.
+        here : SidesAt
+            States of the steps.
         column : ndarray (steps,) of int
             Columns of `numbers`, those of the motion.
         """
+        joined, found = here.joined, here.apart_moment()
         holds = (joined.mode == TOGETHER) & (joined.crank_direction != 0.0)
-        sides = self.sides._replace(coupling=some(self.sides.coupling, who))
-        found = sides.apart_moment(joined, moving, time)
         if holds.any():
-            system, own, (turned, speed, other, shaft_speed) = sides.two.system, who[holds], moving[..., holds]
-            ways, crank = joined.crank_direction[holds], EquationOfMotion(self.dynamics, self.variants, self.start, own)
+            turned, speed, other, shaft_speed = here.moving[..., holds]
+            system, own = self.sides.two.system, who[holds]
+            ways, crank = joined.crank_direction[holds], self.form.of(own)
             # Torques jump at the ends of a step, not within it.
             turned[0] += ways * crank.break_offset(turned[0])
             turned[-1] -= ways * crank.break_offset(turned[-1])
             places = self.start[own] + self.variants.direction[own] * turned
-            states, clock = (turned, ways * speed, other, ways * shaft_speed), joined.clock[holds] + time[:, holds]
+            states, clock = (turned, ways * speed, other, ways * shaft_speed), joined.clock[holds] + here.time[:, holds]
             found[:, holds] = system.at(numbers, places, states, [system.shown["coupling"]], clock, column[holds])[0]
         return found
 
@@ -478,9 +378,7 @@ class CoupledRuns(MachineRuns):
         self.state[SHAFT_SPEED, met(Ending.SHAFT_RESTS)] = 0.0
         torn = met(Ending.BREAKS_LOOSE)
         if torn.size:
-            sides, joined, moving = self.sides.some(torn), some(self.joined, torn), self.state[: SHAFT_SPEED + 1, torn]
-            found = coupling_pull(sides, joined, moving, self.time[torn])
-            self.joined.mode[torn] = np.where(found.moment > 0.0, FORWARDS, BACKWARDS)
+            self.joined.mode[torn] = np.where(self._here(torn).pull().moment > 0.0, FORWARDS, BACKWARDS)
             self.lock_time[torn] = self.lock_speed[torn] = np.nan
             self.pace[torn] = np.inf
         self.stops[rest] += 1.0
@@ -528,8 +426,3 @@ class CoupledRuns(MachineRuns):
             parts &= crank * now[0] > 0.0
             self.marks[:, mine] = np.where(whole | ~moves[mine], now, before)
             self.give_up(mine[alike & (same.all(axis=0) | parts)])
-
-
-def _grip(clutch: CouplingNumbers, engaged: np.ndarray) -> np.ndarray:
-    """Torque capacity of locked clutches [N·m], a given time after their engagement [s]."""
-    return clutch.capacity_at(engaged) * (1.0 + GRIP)

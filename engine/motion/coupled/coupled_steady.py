@@ -9,7 +9,8 @@ import numpy as np
 
 from engine.compiling.running import mean_of_rows
 from engine.motion.coupled.coupled_answers import run_coupled
-from engine.motion.coupled.two_sides import FLUID, CoupledSides, Joined, Pull, coupling_pull
+from engine.motion.coupled.sides_at import Pull, SidesAt
+from engine.motion.coupled.two_sides import FLUID, CoupledSides, Joined
 from engine.motion.fields.recorded_motion import Observer
 from engine.motion.runs.run_progress import CoupledStanding, Ends, RunOutcome, Standing, Stepping
 from engine.motion.settled.return_map import Returned, returning_speeds
@@ -75,7 +76,7 @@ def _in_balance(sides: CoupledSides) -> tuple[np.ndarray, np.ndarray]:
 
     def at(turned: np.ndarray, speed: np.ndarray, other: np.ndarray) -> Pull:
         moving = np.array(np.broadcast_arrays(turned, speed, 0.0, other))
-        return coupling_pull(sides, joined, moving, np.zeros_like(moving[0]), moves=False)
+        return SidesAt(sides, joined, moving, np.zeros_like(moving[0])).pull(moves=False)
 
     of_shaft = at(zero, speeds, speeds).shaft.total
     for k, speed in enumerate(speeds):

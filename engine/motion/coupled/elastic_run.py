@@ -14,7 +14,7 @@ from engine.motion.coupled.coupled_run import CoupledRuns
 from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, SHAFT_TURNED, TURNED
 from engine.motion.fields.recorded_motion import Observer
-from engine.motion.runs.run_progress import ADAPTIVE, CoupledStanding, Ends, Standing, Stepping
+from engine.motion.runs.run_progress import CoupledStanding, Ends, Standing, Stepping
 from engine.words.verdicts import Verdict
 
 # Radians of the shaft's vibration per step, for the forecast of the number of steps; more than MOST_STEPS are refused.
@@ -44,8 +44,8 @@ def run_on_shaft(
     frequency: np.ndarray,
     begin: np.ndarray,
     duration: np.ndarray,
-    stepping: Stepping = ADAPTIVE,
-    observers: Sequence[Observer] = (),
+    stepping: Stepping,
+    observers: Sequence[Observer],
 ) -> CoupledRuns:
     """Run machines on their shafts; the runs at their end.
 

@@ -16,8 +16,8 @@ from engine.laws.loads import fluid_coupling_moment, slip_of
 from engine.laws.tables import make_table
 from engine.motion.coupled.two_speeds import at_two_speeds, ramp
 from engine.motion.moments.dynamics import Dynamics, Reduction, Variants
-from engine.motion.moments.equation_of_motion import EquationOfMotion, MotionAt
-from engine.motion.one_speed import CHANNELS, MachineSystem
+from engine.motion.moments.equation_of_motion import EquationOfMotion
+from engine.motion.one_speed import MachineSystem
 from engine.parts.couplings import Coupling, FluidCoupling, FrictionClutch
 from engine.scene.scene import Numbers, Scene
 from engine.stepping.records import some
@@ -104,7 +104,7 @@ def coupling_numbers(scene: Scene, numbers: Numbers, count: int) -> CouplingNumb
     """
     name, coupling = coupling_of(scene)
     at, none = f"couplings.{name}", np.zeros((0, count))
-    ratio = _of_all(np.abs(numbers[f"shafts.{coupling.shaft}.ratio"]), count)
+    ratio = np.abs(numbers.of_each(f"shafts.{coupling.shaft}.ratio", count))
     if isinstance(coupling, FluidCoupling):
         table = make_table(coupling.slip, coupling.coefficient, coupling.interpolation)
         unit = fluid_coupling_moment(1.0, numbers[f"{at}.density"], ratio, numbers[f"{at}.diameter"])
@@ -119,12 +119,8 @@ def _engagement(clutch: FrictionClutch, at: str, numbers: Numbers, count: int) -
         return tuple(np.repeat(np.array(row)[:, None], count, axis=1) for row in (clutch.over_time, clutch.share))
     if clutch.engagement is not None:
         zero, one = np.zeros(count), np.ones(count)
-        return np.array([zero, _of_all(numbers[f"{at}.engagement"], count)]), np.array([zero, one])
+        return np.array([zero, numbers.of_each(f"{at}.engagement", count)]), np.array([zero, one])
     return np.zeros((1, count)), np.ones((1, count))
-
-
-def _of_all(values: float | np.ndarray, count: int) -> np.ndarray:
-    return np.broadcast_to(values, (count,)).astype(float)
 
 
 class ShaftSide(NamedTuple):
@@ -206,17 +202,6 @@ class CoupledSides(NamedTuple):
         crank, coupling = self.crank.some(who), some(self.coupling, who)
         return self._replace(crank=crank, shaft=shaft, coupling=coupling, whole=(self, who))
 
-    def apart_moment(self, joined: Joined, moving: np.ndarray, time: np.ndarray) -> np.ndarray:
-        """Torque of a coupling on the crank if it isn't locked [N·m]; parameters as for `coupling_pull`."""
-        _, crank, twist, shaft = moving
-        if self.is_elastic:
-            return self.coupling.moment(joined.touch, twist, shaft - crank)
-        if self.two.is_fluid:
-            return self.coupling.fluid_moment(crank, shaft)
-        if self.two.open:
-            return np.zeros_like(time)
-        return joined.mode * self.coupling.capacity_at(joined.engaged + time)
-
     def numbers(self, joined: Joined) -> np.ndarray:
         """Numbers of the motion at two speeds, (numbers, variants), without those of the joining and of the ends."""
         faced = faced_ways(joined)
@@ -263,63 +248,13 @@ class CoupledSides(NamedTuple):
                 given |= dynamics.sized(side, variants.numbers, facing * variants.direction)
                 given |= {side.facing: facing, side.way: facing * variants.direction, side.wheel: variants.flywheel}
             way_of_crank = way * variants.direction
-            kept[key] = system.tabulation.parameters(variants.numbers, way_of_crank, variants.ends, given)
+            kept[key] = system.tabulation.parameters(variants.numbers, way_of_crank, variants.ends | given)
         return kept[key]
 
 
 def faced_ways(joined: Joined) -> tuple[np.ndarray, np.ndarray]:
     """Direction that each side faces, +1 or −1; standing sides face forwards."""
     return np.where(joined.crank_direction < 0.0, -1.0, 1.0), np.where(joined.shaft_direction < 0.0, -1.0, 1.0)
-
-
-class Pull(NamedTuple):
-    """Torques and accelerations of both sides at some instants, each (instants, variants).
-
-    Attributes
-    ----------
-    moment : ndarray
-        Torque of the coupling on the crank [N·m]; for locked sides the torque required.
-    crank, shaft : MotionAt
-        Both with the inertia of the crank.
-    """
-
-    moment: np.ndarray
-    crank: MotionAt
-    shaft: MotionAt
-
-
-def coupling_pull(
-    sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray, moves: bool = True
-) -> Pull:
-    """Torques and accelerations of both sides.
-
-    Parameters
-    ----------
-    sides : CoupledSides
-    joined : Joined
-    moving : ndarray (4, …, variants)
-        Angle and speed of the crank, and of the shaft.
-    time : ndarray (…, variants)
-        From the start of the run [s].
-    moves : bool
-        Whether the torques accelerate the sides.
-    """
-    system, (turned, w1, other, w2), faced = sides.two.system, moving, faced_ways(joined)
-    held = {} if moves else dict.fromkeys((system.sizes.joining.moves, system.sizes.joining.shaft_moves), 0.0)
-    numbers = system.limited(sides.numbers(joined), sides.joining(joined) | held)
-    places = sides.crank.start + sides.crank.variants.direction * turned
-    names = ["inertia", "acceleration", "motors", *CHANNELS]
-    wanted = [system.shown[f"{side} {name}"] for side in ("crank", "shaft") for name in names]
-    wanted.append(system.shown["coupling"])
-    states = turned, faced[0] * w1, other, faced[1] * w2
-    *found, moment = system.at(numbers, places, states, wanted, joined.clock + time)
-    crank, shaft = (
-        MotionAt(inertia, way * epsilon, way * motors, way * np.array(loads))
-        for way, (inertia, epsilon, motors, *loads) in zip(
-            faced, (found[: len(names)], found[len(names) :]), strict=True
-        )
-    )
-    return Pull(moment, crank, shaft)
 
 
 class OnElasticShaft:
@@ -394,7 +329,7 @@ class TwoSides:
         Whether it is a fluid coupling or a clutch, and not open.
     """
 
-    def __init__(self, reduction: Reduction, off: frozenset[str], works: bool, rubs: bool = False) -> None:
+    def __init__(self, reduction: Reduction, off: frozenset[str], works: bool, rubs: bool) -> None:
         self.scene = reduction.mechanics.scene
         self.name, self.coupling = coupling_of(self.scene)
         self.open = self.name in off
@@ -416,10 +351,6 @@ class TwoSides:
         acting, rubs = (self._on_shaft, self._elsewhere), self.crank.rubs
         return MachineSystem(*at_two_speeds(mechanics, coupling, knots, *acting, self.crank.works, rubs), mechanics)
 
-    def without_shaft(self, numbers: Numbers, count: int) -> Numbers:
-        """Numbers of machines without the coupled shaft's inertia on the crank."""
-        return numbers.with_values({f"shafts.{self.coupling.shaft}.inertia": np.zeros(count)})
-
     def without_inertia(self, whole: Variants) -> np.ndarray:
         """Whether a side lacks inertia, (variants,) of bool."""
         sides = self.of(whole, np.zeros(whole.count))
@@ -435,11 +366,11 @@ class TwoSides:
         start : ndarray (variants,)
             Crank angle at zero angle turned [rad].
         """
-        count, n = whole.count, whole.numbers
-        numbers = self.without_shaft(n, count)
-        of_crank = self.crank.reduction.variants(numbers, whole.direction, whole.flywheel)
+        count, n, inertia_of_shaft = whole.count, whole.numbers, f"shafts.{self.coupling.shaft}.inertia"
+        bare = n.with_values({inertia_of_shaft: np.zeros(count)})
+        of_crank = self.crank.reduction.variants(bare, whole.direction, whole.flywheel)
         crank = EquationOfMotion(self.crank, self.crank.driven(of_crank), start)
         coupling = coupling_numbers(self.scene, n, count)
-        inertia = coupling.ratio**2 * _of_all(n[f"shafts.{self.coupling.shaft}.inertia"], count)
+        inertia = coupling.ratio**2 * n.of_each(inertia_of_shaft, count)
         shaft = ShaftSide(EquationOfMotion(self.shaft, self.shaft.driven(whole), np.zeros(count)), inertia)
         return CoupledSides(crank, shaft, coupling, self)

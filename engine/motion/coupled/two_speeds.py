@@ -25,15 +25,15 @@ from engine.motion.one_speed import (
     CHANNELS,
     SLOPES,
     Sizes,
+    TimeEnd,
     friction_of,
     inertia_with_flywheel,
     moments_of,
     shown_of,
     sizes_of,
 )
-from engine.motion.runs.run_progress import BELOW
 from engine.parts.couplings import Coupling, FluidCoupling
-from engine.stepping.system import Guard, System
+from engine.stepping.system import System
 
 # Relative excess of the driving torque at breakaway.
 SURELY = 1e-11
@@ -45,7 +45,9 @@ ASTRAY = 1e-9
 TURNED, CRANK_SPEED, SHAFT_TURNED, SHAFT_SPEED = range(4)
 GATHERED = ("heat", "slipped", "squares", "motors")
 # Events that end a walk apart from speed limits, as reasons for its end, in the order of the guards.
-Ending = IntEnum("Ending", "CRANK_RESTS SHAFT_RESTS LOCKS_UP ASTRAY BREAKS_LOOSE SETS_OFF TOUCH TURNS", start=BELOW + 1)
+Ending = IntEnum(
+    "Ending", "CRANK_RESTS SHAFT_RESTS LOCKS_UP ASTRAY BREAKS_LOOSE SETS_OFF TOUCH TURNS", start=TimeEnd.BELOW + 1
+)
 
 
 @scalar
@@ -153,9 +155,9 @@ class _Joint:
         """Further events that end a walk; the arguments are the sides' accelerations in the machine's direction."""
         return {}
 
-    def changes(self, rise: Node, shaft_rise: Node) -> dict[str, Node]:
+    def switches(self, rise: Node, shaft_rise: Node) -> tuple[Node, ...]:
         """Events at which a held mode changes; arguments as for `endings`."""
-        return {}
+        return ()
 
 
 class _Clutch(_Joint):
@@ -180,8 +182,8 @@ class _FluidCoupling(_Joint):
         super().__init__(torque, graph.zero, {joining.piece: piece})
         self._ends = partial(graph.apply, slip_guards, graph.memory, table, *slips)
 
-    def changes(self, rise: Node, shaft_rise: Node) -> dict[str, Node]:
-        return dict(zip(("slip left", "slip near"), self._ends(rise, shaft_rise), strict=True))
+    def switches(self, rise: Node, shaft_rise: Node) -> tuple[Node, ...]:
+        return self._ends(rise, shaft_rise)
 
 
 class _ElasticShaft(_Joint):
@@ -262,12 +264,7 @@ def at_two_speeds(
         Ending.SETS_OFF: _held_back(joining, joint, *moving.moments),
         **joint.endings(*accelerations),
     }
-    guards = [Guard("above", crank.above - speed), Guard("below", speed - crank.below)]
-    guards += [
-        Guard(ending.name, endings.get(ending, graph.zero) + never)
-        for ending, never in zip(Ending, joining.never, strict=True)
-    ]
-    guards += [Guard(name, value, False) for name, value in joint.changes(*accelerations).items()]
+    others = (endings.get(ending, graph.zero) + never for ending, never in zip(Ending, joining.never, strict=True))
     rises = moved(smooth)
     slopes = [
         [derivative(rise, {by: graph.one}, SLOPES | BY_SLIP) for by in (speed, shaft_speed)]
@@ -293,7 +290,8 @@ def at_two_speeds(
         gathered=gathered,
         # The stiffness of a shaft isn't among the slopes.
         slopes=() if coupling is None else tuple(slope for row in slopes for slope in row),
-        guards=tuple(guards),
+        guards=(crank.above - speed, speed - crank.below, *others),
+        switches=joint.switches(*accelerations),
         held=joint.held,
         shown=shown,
     )

@@ -1,13 +1,12 @@
 """Fields of runs at requested instants or angles, each interpolated within a recorded step."""
 
 from collections.abc import Iterable
-from typing import Protocol
 
 import numpy as np
 
 from engine.cycle.regula_falsi import regula_falsi
+from engine.motion.fields.motion_fields import MotionFields
 from engine.motion.fields.recorded_motion import TIME, TURNED, RecordedMotion, Snapshots
-from engine.motion.moments.dynamics import Variants
 from engine.motion.quantities import TURNED as ANGLE
 from engine.stepping.recorded import weighted, weights_at
 from engine.stepping.records import elements_of_counts, over_all, put, some
@@ -18,26 +17,6 @@ ROUNDED = 1e-13
 AT_REST = ("speed", "acceleration", "kinetic_energy")
 
 
-class Fields(Protocol):
-    """Fields of a number of variants.
-
-    Attributes
-    ----------
-    variants : Variants
-    cycle : float
-        Period of the crank angle [rad]; infinite if there is none.
-    """
-
-    variants: Variants
-    cycle: float
-
-    def place(self, turned: np.ndarray) -> np.ndarray:
-        """Crank angle within its cycle, or position of an input without one, at angles turned (…, variants)."""
-
-    def __call__(self, states: Snapshots) -> dict[str, np.ndarray]:
-        """Fields by name at states of the variants, as these."""
-
-
 class FieldInstants:
     """Fields of runs at requested instants or angles.
 
@@ -45,7 +24,7 @@ class FieldInstants:
 
     Parameters
     ----------
-    fields : Fields
+    fields : MotionFields
     names : iterable of str
         Names of fields.
     asked : ndarray (instants,) or (instants, variants)
@@ -59,7 +38,7 @@ class FieldInstants:
         By field; NaN where a run has not arrived.
     """
 
-    def __init__(self, fields: Fields, names: Iterable[str], asked: np.ndarray, over_time: bool) -> None:
+    def __init__(self, fields: MotionFields, names: Iterable[str], asked: np.ndarray, over_time: bool) -> None:
         count = fields.variants.count
         self.fields, self.over_time = fields, over_time
         self.asked = np.broadcast_to(asked.T, (count, len(asked))).T

@@ -14,7 +14,7 @@ import numpy as np
 from engine.cycle.panels.chebyshev import COARSE, DEGREE, PLACES
 from engine.cycle.panels.sampled import finer, last_coefficients, panel_integrals, tails, tops
 from engine.laws.rounding import EPS
-from engine.motion.fields.field_instants import Fields
+from engine.motion.fields.motion_fields import MotionFields
 from engine.motion.fields.recorded_motion import TURNED, RecordedMotion
 from engine.motion.moments.breaks import JUMP
 from engine.motion.quantities import Asked, FieldAnswers
@@ -100,7 +100,7 @@ class FieldStatistics:
 
     Parameters
     ----------
-    fields : Fields
+    fields : MotionFields
     names : iterable of str
         Names of fields.
     tolerance : float
@@ -109,7 +109,9 @@ class FieldStatistics:
         Fields whose means are requested.
     """
 
-    def __init__(self, fields: Fields, names: Iterable[str], tolerance: float, averaged: Collection[str] = ()) -> None:
+    def __init__(
+        self, fields: MotionFields, names: Iterable[str], tolerance: float, averaged: Collection[str] = ()
+    ) -> None:
         self.fields, self.names = fields, tuple(dict.fromkeys(names))
         self._averaged = np.array([name in averaged for name in self.names], bool)[:, None]
         self._tolerance, shape = tolerance, (len(self.names), fields.variants.count)

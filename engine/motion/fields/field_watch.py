@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from engine.motion.fields.field_instants import FieldInstants, Fields
+from engine.motion.fields.field_instants import FieldInstants
 from engine.motion.fields.field_statistics import MEANS, FieldStatistics
+from engine.motion.fields.motion_fields import MotionFields
 from engine.motion.fields.recorded_motion import Observer
 from engine.motion.quantities import Asked, FieldAnswers
 
@@ -15,7 +16,7 @@ class FieldWatch:
 
     Parameters
     ----------
-    fields : Fields
+    fields : MotionFields
     asked : sequence of Asked
     tolerance : float
         As for `FieldStatistics`.
@@ -33,7 +34,7 @@ class FieldWatch:
 
     def __init__(
         self,
-        fields: Fields,
+        fields: MotionFields,
         asked: Sequence[Asked],
         tolerance: float,
         at: np.ndarray | None = None,

@@ -7,13 +7,11 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from engine.motion.moments.breaks import JUMP
+from engine.motion.moments.breaks import GAP
 from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.stepping.recorded import weighted, weights_at
 from engine.stepping.system import SHOWN
 
-# Shorter steps may lie within a jump [rad].
-LEAST_REACH = 4.0 * JUMP
 TIME, TURNED, DRIVE = range(3)
 
 
@@ -139,7 +137,7 @@ def inward(share: np.ndarray, turned: np.ndarray) -> np.ndarray:
     turned : ndarray (SHOWN, columns)
         Angle turned [rad].
     """
-    long = np.abs(turned[-1] - turned[0]) > LEAST_REACH
+    long = np.abs(turned[-1] - turned[0]) > GAP
     return np.where(long, (share == 0.0) * 1.0 - (share == 1.0), 0.0)
 
 

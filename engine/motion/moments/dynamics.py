@@ -25,6 +25,7 @@ from engine.parts.motors import MotorCurve
 from engine.scene.load_formulas import load_formulas
 from engine.scene.pairs import contact_pairs, lossy_meshes, own_drives, pairs
 from engine.scene.scene import Numbers, Scene
+from engine.stepping.records import variant_columns
 
 # Crank angles at which the inertia of a machine without a constant part is sampled.
 LOOKED_AT = 720
@@ -305,7 +306,7 @@ class Dynamics:
             # Only forward motion can return to the form over the angle, if that form applies.
             by_angle = facing > 0.0 and not self.in_time
             given |= {sizes.stay: 0.0 if by_angle else np.inf}
-            variants.kept[key] = system.tabulation.parameters(numbers, way, variants.ends, given)
+            variants.kept[key] = system.tabulation.parameters(numbers, way, variants.ends | given)
         return variants.kept[key]
 
     def sized(self, sizes: Sizes, numbers: Numbers, way: np.ndarray) -> dict[Given, np.ndarray | float]:
@@ -380,4 +381,5 @@ class Dynamics:
 
     def inertia(self, variants: Variants, places: np.ndarray, who: np.ndarray | slice = slice(None)) -> np.ndarray:
         """Reduced inertia with the flywheel at crank angles (…, variants) of all variants, or of some [kg·m²]."""
-        return self.reduction.inertia_curves(variants.parameters[:, who], places)[0] + variants.flywheel[who]
+        parameters = variant_columns(variants.parameters, who)
+        return self.reduction.inertia_curves(parameters, places)[0] + variants.flywheel[who]

@@ -102,8 +102,7 @@ class EquationOfMotion:
             if some.size:
                 rows = (row[..., some] for row in (turned, omega, time, facing))
                 names = ("inertia", "acceleration", "motors", *CHANNELS)
-                equation = EquationOfMotion(dynamics, self.variants, self.start, self.who[some])
-                found[..., some] = equation.evaluated(names, in_time, *rows)
+                found[..., some] = self.of(self.who[some]).evaluated(names, in_time, *rows)
         inertia, epsilon, motors, *loads = found
         return MotionAt(inertia, epsilon, motors, np.array(loads))
 

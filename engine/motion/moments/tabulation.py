@@ -6,6 +6,7 @@ So a printed function of the machine's graph is called with a different position
 
 from collections.abc import Mapping
 from functools import cached_property
+from types import MappingProxyType
 
 import numpy as np
 
@@ -45,8 +46,7 @@ class Tabulation:
         self,
         numbers: Numbers,
         direction: np.ndarray,
-        ends: Ends | None = None,
-        given: Mapping[Given, np.ndarray | float] | None = None,
+        known: Mapping[Found | Given, np.ndarray | float] = MappingProxyType({}),
     ) -> np.ndarray:
         """Numbers of all variants at unit speed, so that a load of order n is the coefficient of |ω|ⁿ.
 
@@ -55,20 +55,18 @@ class Tabulation:
         numbers : Numbers
         direction : ndarray (variants,)
             +1 or −1, the sign of the crank speed.
-        ends : mapping of Found to ndarray, optional
-            Ends of strokes; without them, dependent numbers are NaN.
-        given : mapping of Given to ndarray, optional
-            Numbers supplied for the variants.
+        known : mapping of Found or Given to ndarray, optional
+            Ends of strokes, without which dependent numbers are NaN, and numbers supplied for the variants.
 
         Returns
         -------
         ndarray (numbers, variants)
         """
         unit = numbers.with_values({"input.speed": direction})
-        return self.levels.table(unit, direction.size, {**(ends or {}), **(given or {})})
+        return self.levels.table(unit, direction.size, known)
 
     def __call__(
-        self, parameters: np.ndarray, q: np.ndarray, given: Mapping[Given, np.ndarray] | None = None
+        self, parameters: np.ndarray, q: np.ndarray, given: Mapping[Given, np.ndarray] = MappingProxyType({})
     ) -> np.ndarray:
         """The curves at given crank angles.
 
@@ -84,7 +82,7 @@ class Tabulation:
         -------
         ndarray (curves, nodes, variants)
         """
-        rows, given = len(self.functions.curves), given or {}
+        rows = len(self.functions.curves)
         out = np.empty((rows, *q.shape))
         if not out.size:
             return out

@@ -128,10 +128,9 @@ class OneSpeedRuns(MachineRuns):
         """Pass the initial states to all observers; a machine at rest faces forwards."""
         if self.observers:
             state, facing = self.state, np.where(self.facing < 0.0, -1.0, 1.0)
-            equation = self.equation(None)
             # At a jump, evaluate the torques after it.
-            turned = state.turned + facing * equation.break_offset(state.turned)
-            self.see(at_instant(equation, state.time, turned, state.omega))
+            turned = state.turned + facing * self.form.break_offset(state.turned)
+            self.see(at_instant(self.form, state.time, turned, state.omega))
 
     def begin_cycles(self, who: np.ndarray) -> None:
         """Set the first mark of variants that have not yet completed a cycle."""
@@ -158,7 +157,3 @@ class OneSpeedRuns(MachineRuns):
     def part(self, who: np.ndarray) -> State:
         """State of a subset of the variants."""
         return some(self.state, who)
-
-    def equation(self, who: np.ndarray | None) -> EquationOfMotion:
-        """The equation of motion of a subset of the variants, or of all."""
-        return EquationOfMotion(self.dynamics, self.variants, self.start, who)

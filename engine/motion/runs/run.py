@@ -92,6 +92,6 @@ class _Runs(OneSpeedRuns):
         brisk, share = self.omega > 0.0, TIMES_TO_THE_END if self.to_the_end else BRISK_TO_LOOK
         moving = np.flatnonzero(brisk)
         energy = self.energy()[moving]
-        torque = self.equation(moving).torque(self.turned[moving], energy, (self.time + self.clock)[moving])
+        torque = self.form.of(moving).torque(self.turned[moving], energy, (self.time + self.clock)[moving])
         brisk[moving] = np.abs(torque) < share * energy
         return brisk

@@ -3,13 +3,14 @@
 import numpy as np
 
 from engine.motion.fields.recorded_motion import OneSpeedMotion
+from engine.motion.one_speed import AngleEnd
 from engine.motion.runs.one_speed_run import OneSpeedRuns
-from engine.motion.runs.run_progress import ABOVE, BELOW, State
+from engine.motion.runs.run_progress import AT_SPEED, State
 from engine.motion.runs.settled_runs import pass_mark
 from engine.stepping.methods import EIGHT, FOUR, NINE
 from engine.stepping.recorded import RECORDED, made_steps
 from engine.stepping.records import variant_columns
-from engine.stepping.system import SHOWN, Walks
+from engine.stepping.system import SHOWN, Start, Walks
 from engine.stepping.walk_task import WALKS, Why
 
 # Relative energy change per radian above which the energy form is abandoned: near rest 1/ω is singular as the inverse
@@ -21,8 +22,6 @@ LEAST, FARTHER = 1e-14, 2.0
 CLOSELY = 0.5
 # Cycles before the first test whether a run still approaches a speed; the number doubles each time.
 FIRST_CYCLES = 8
-# Further reason for the end of a walk: the next guard of the energy form.
-SLOW = BELOW + 1
 ENERGY, TIME = range(2)
 
 
@@ -54,10 +53,10 @@ def stretch_over_angle(runs: OneSpeedRuns, who: np.ndarray) -> None:
         exact = at_goal & ~onward & ~lost
         # Set the angle exactly: sums of steps are rounded.
         runs.state.turned[who[exact]] = (state.turned + goal)[exact]
-        runs.done[who[exact | np.isin(why, (Why.OTHER_GOAL, ABOVE, BELOW))]] = True
+        runs.done[who[exact | np.isin(why, (Why.OTHER_GOAL, *AT_SPEED))]] = True
         runs.give_up(who[lost])
         # The others slow down towards rest, and continue in time.
-        runs.facing[who[np.isin(why, (SLOW, Why.LOST))]] = 1.0
+        runs.facing[who[np.isin(why, (AngleEnd.SLOW, Why.LOST))]] = 1.0
         onward |= np.isin(why, (Why.STEEP, Why.FULL))
         runs.set_marks(who[~onward & marked])
         left = onward & ~runs.done[who]
@@ -88,7 +87,8 @@ def _walk(
     numbers = variant_columns(dynamics.moving(system, runs.variants), who)
     numbers = system.limited(numbers, limits | {system.sizes.brisk: brisk})
     recorded = RECORDED if runs.observers else 0
-    gone = system.run(task, numbers, runs.edges(who, begin), None, lanes, states, runs.carried[:, who], recorded)
+    edges, carried = runs.edges(who, begin), runs.carried[:, who]
+    gone = system.run(task, Start(numbers, lanes, states, edges, carried_errors=carried, recorded=recorded))
     if runs.observers and (gone.steps > 0.0).any():
         runs.see(_seen(runs, who, state, gone, implicit))
     _take(runs, who, states[ENERGY], gone)
@@ -101,7 +101,7 @@ def _take(runs: OneSpeedRuns, who: np.ndarray, before: np.ndarray, gone: Walks) 
     turned = state.turned + gone.turned
     omega = np.sqrt(2.0 * energy / runs.inertia(who, turned))
     # An error of the time or speed that ends the run shifts its end.
-    by_time, by_speed = gone.why == Why.OTHER_GOAL, np.isin(gone.why, (ABOVE, BELOW))
+    by_time, by_speed = gone.why == Why.OTHER_GOAL, np.isin(gone.why, AT_SPEED)
     slides = np.where(by_time, gone.carried_errors[TIME] * omega, 0.0)
     slides = np.where(by_speed, gone.carried_errors[ENERGY] / np.abs(gone.slope), slides)
     off = gone.carried_errors + np.where(slides > 0.0, np.abs(gone.ending) * slides, 0.0)
@@ -129,4 +129,4 @@ def _seen(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks, impli
     variant, states = made.variant, made.samples + (made.errors[:, None] if runs.longer > 1.0 else 0.0)
     turned = before.turned[variant] + made.begin + SHOWN[:, None] * made.length
     samples = np.array([before.time[variant] + states[TIME], turned, states[ENERGY]])
-    return OneSpeedMotion(runs.equation(None), who[variant], np.ones(variant.size), samples, made.length, implicit)
+    return OneSpeedMotion(runs.form, who[variant], np.ones(variant.size), samples, made.length, implicit)

@@ -4,12 +4,13 @@ import numpy as np
 
 from engine.cycle.regula_falsi import bisected
 from engine.motion.fields.recorded_motion import OneSpeedMotion
+from engine.motion.one_speed import TimeEnd
 from engine.motion.runs.one_speed_run import OneSpeedRuns
 from engine.motion.runs.run_in_angle import TIMES_TO_THE_END
-from engine.motion.runs.run_progress import BELOW, State
+from engine.motion.runs.run_progress import State
 from engine.motion.runs.settled_runs import pass_mark
 from engine.stepping.recorded import RECORDED, made_steps
-from engine.stepping.system import SHOWN, Walks
+from engine.stepping.system import SHOWN, Start, Walks
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
 
@@ -36,8 +37,6 @@ NARROW = 1e-7
 # Many steps that change neither the angle (in total) nor the time (each) by more than these fractions make no progress:
 # at a dead centre of the driven side the inertia grows without bound.
 NO_ANGLE, NO_TIME = 1e-14, 1e-9
-# Further reasons for the end of a walk: the next guards of the system over time.
-TURNS_BRISK, REST = BELOW + 1, BELOW + 2
 TURNED, SPEED = range(2)
 
 
@@ -47,11 +46,11 @@ def set_off(runs: OneSpeedRuns, who: np.ndarray) -> None:
         return
     if runs.dynamics.with_servos:
         turned, time = runs.state.turned[who], runs.clock[who] + runs.state.time[who]
-        epsilon, _ = runs.equation(who).acceleration(turned, np.zeros(who.size), time, np.ones(who.size))
+        epsilon, _ = runs.form.of(who).acceleration(turned, np.zeros(who.size), time, np.ones(who.size))
         # Servos may have moved their links apart, or leave the first input no inertia.
         runs.jammed(who[np.isnan(epsilon)])
         who = who[~np.isnan(epsilon)]
-    runs.facing[who] = runs.equation(who).sets_off(runs.state.turned[who], runs.clock[who] + runs.state.time[who])
+    runs.facing[who] = runs.form.of(who).sets_off(runs.state.turned[who], runs.clock[who] + runs.state.time[who])
     # A stop holds an input that is pressed against it.
     runs.facing[who[runs.ahead(who) <= 0.0]] = 0.0
     stays = who[runs.facing[who] == 0.0]
@@ -99,7 +98,7 @@ def _span(runs: OneSpeedRuns, who: np.ndarray) -> np.ndarray:
 
 def _starts_by(runs: OneSpeedRuns, who: np.ndarray, look: np.ndarray) -> np.ndarray:
     """Start time of machines that would start before the next test; its time for the others."""
-    form, turned = runs.equation(who), runs.state.turned[who]
+    form, turned = runs.form.of(who), runs.state.turned[who]
 
     def start(time: np.ndarray) -> np.ndarray:
         facing = form.sets_off(turned, runs.clock[who] + time)
@@ -138,8 +137,8 @@ def stretch_over_time(runs: OneSpeedRuns, who: np.ndarray, method: int) -> tuple
     runs.steep[who[why == Why.STEEP]] = 1.0
     runs.end(who, why, goal)
     runs.done[who[why == Why.GOAL]] = True
-    runs.arrive(who[(why == Why.RANGE) | (~runs.done[who] & (why != REST) & (runs.ahead(who) <= 0.0))])
-    _turn_round(runs, who[why == REST], forward[why == REST])
+    runs.arrive(who[(why == Why.RANGE) | (~runs.done[who] & (why != TimeEnd.REST) & (runs.ahead(who) <= 0.0))])
+    _turn_round(runs, who[why == TimeEnd.REST], forward[why == TimeEnd.REST])
     speed = np.abs(runs.state.omega[who])
     # A machine that has turned a cycle backwards from rest is never slower there again.
     runs.give_up_endless(who[((why == Why.OTHER_GOAL) & ~forward) | ((speed > 0.0) & (speed < floor))])
@@ -150,7 +149,7 @@ def stretch_over_time(runs: OneSpeedRuns, who: np.ndarray, method: int) -> tuple
     marked = runs.at_mark(who[(why == Why.OTHER_GOAL) & forward & ~runs.done[who]])
     if marked.size:
         pass_mark(runs, marked)
-    return why == TURNS_BRISK, gone.steps
+    return why == TimeEnd.BRISK, gone.steps
 
 
 def _forward_goal(runs: OneSpeedRuns, who: np.ndarray) -> np.ndarray:
@@ -180,7 +179,7 @@ def _walk(runs: OneSpeedRuns, who: np.ndarray, method: int, goal: np.ndarray, fl
     pace, new = runs.pace[who], np.isinf(runs.pace[who])
     if new.any():
         clock = runs.clock[who] + state.time
-        first = runs.equation(who).first_step(state.turned, state.omega, clock, facing, runs.spacing[who])
+        first = runs.form.of(who).first_step(state.turned, state.omega, clock, facing, runs.spacing[who])
         pace = np.where(new, runs.longer * first, pace)
     goals = {"goal": runs.ends.time[who] - state.time, "other_goal": goal, "floor": floor}
     lanes = runs.lanes(who, facing, farthest=farthest, longest=longest, pace=pace, **goals)
@@ -188,7 +187,8 @@ def _walk(runs: OneSpeedRuns, who: np.ndarray, method: int, goal: np.ndarray, fl
     states[TURNED], states[SPEED] = state.turned, np.abs(state.omega)
     recorded = RECORDED if runs.observers else 0
     task = system.task(dynamics.cycle, method, extremes=runs.finds_extremes, longer=runs.longer)
-    return system.run(task, numbers, edges, runs.variants.instants[:, who], lanes, states, recorded=recorded)
+    begin = Start(numbers, lanes, states, edges, runs.variants.instants[:, who], recorded=recorded)
+    return system.run(task, begin)
 
 
 def _take(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks, goal: np.ndarray) -> None:
@@ -196,7 +196,7 @@ def _take(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks, goal:
     facing, why, forward = runs.facing[who], gone.why, runs.facing[who] > 0.0
     # Set the end exactly: sums of steps are rounded.
     turned = np.where(why == Why.OTHER_GOAL, goal, gone.states[TURNED])
-    omega = np.where(why == REST, 0.0, facing * gone.states[SPEED])
+    omega = np.where(why == TimeEnd.REST, 0.0, facing * gone.states[SPEED])
     time = np.where(why == Why.GOAL, runs.ends.time[who], before.time + gone.at)
     ends = (before.turned, before.omega, before.time), (turned, omega, time)
     started, ended = (runs.energy_at(who, *end) for end in ends)
@@ -206,7 +206,7 @@ def _take(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks, goal:
     runs.slowest[who], runs.fastest[who] = np.fmin(runs.slowest[who], low), np.fmax(runs.fastest[who], high)
     runs.put(who, State(turned, omega, time, before.works + works, before.squares + squares))
     # Remove the rounding of a zero speed.
-    rest = who[why == REST]
+    rest = who[why == TimeEnd.REST]
     runs.slowest[rest] = np.where(np.abs(runs.slowest[rest]) < 1e-12 * runs.fastest[rest], 0.0, runs.slowest[rest])
 
 
@@ -269,4 +269,4 @@ def _seen(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks) -> On
     variant, begin, length, samples, _ = made_steps(gone.recorded, gone.steps)
     time = before.time[variant] + begin + SHOWN[:, None] * length
     states = np.array([time, samples[TURNED], samples[SPEED]])
-    return OneSpeedMotion(runs.equation(None), who[variant], runs.facing[who[variant]], states)
+    return OneSpeedMotion(runs.form, who[variant], runs.facing[who[variant]], states)

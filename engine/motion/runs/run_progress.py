@@ -10,15 +10,15 @@ from engine.graph.nodes import Given
 from engine.motion.fields.recorded_motion import Observer, RecordedMotion
 from engine.motion.moments.breaks import edges_of
 from engine.motion.moments.equation_of_motion import EquationOfMotion
-from engine.motion.one_speed import Sizes
+from engine.motion.one_speed import Sizes, TimeEnd
 from engine.stepping.runs import WalkedRuns
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
 
 # Tolerance of a step in time, and of a step over the angle, whose errors add up over many cycles; maximum step.
 TOLERANCE, OVER_ANGLE, FARTHEST_STEP = 1e-10, 3e-12, 0.25 * np.pi
-# Further reasons for the end of a walk: the target speeds, which are the first guards of each system.
-ABOVE, BELOW = Why.GUARD, Why.GUARD + 1
+# Reasons for the end of a walk at a target speed, the first guards of each system.
+AT_SPEED = (TimeEnd.ABOVE, TimeEnd.BELOW)
 # Swings that differ by less are equal within the error of the steps [rad].
 SAME_SWING = 1e-6
 
@@ -252,9 +252,8 @@ class MachineRuns(WalkedRuns):
         """Kinetic energy of variants at given states [J]."""
         if not self.dynamics.with_servos:
             return 0.5 * self.inertia(who, turned) * omega**2
-        equation = EquationOfMotion(self.dynamics, self.variants, self.start, who)
         facing = np.where(omega < 0.0, -1.0, 1.0)
-        return equation.with_servos(turned, omega, self.clock[who] + time, facing)[0]
+        return self.form.of(who).with_servos(turned, omega, self.clock[who] + time, facing)[0]
 
     def inertia(self, who: np.ndarray, turned: np.ndarray) -> np.ndarray:
         """Reduced inertia of variants at given angles turned [kg·m²].
@@ -264,8 +263,7 @@ class MachineRuns(WalkedRuns):
         last_who, last_turned, known = self._last_inertia
         if np.array_equal(who, last_who) and np.array_equal(turned, last_turned):
             return known
-        part = self.variants.some(who)
-        found = self.dynamics.inertia(part, self.start[who] + part.direction * turned)
+        found = self.form.of(who).inertia(turned)
         self._last_inertia = who, turned.copy(), found
         return found
 
@@ -303,7 +301,7 @@ class MachineRuns(WalkedRuns):
         """
         self.jammed(who[why == Why.LOST])
         met = (why == Why.OTHER_GOAL) & (goal == self.ends.turned[who])
-        self.done[who[met | np.isin(why, (ABOVE, BELOW))]] = True
+        self.done[who[met | np.isin(why, AT_SPEED)]] = True
         far = who[np.abs(self.turned[who]) >= self.ends.most_turned[who]]
         self.give_up(far[~self.done[far]])
 

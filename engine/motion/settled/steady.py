@@ -22,7 +22,7 @@ from engine.stepping.closed_cycle import TOO_STEEP
 from engine.stepping.methods import EIGHT, NINE
 from engine.stepping.recorded import RECORDED, made_steps
 from engine.stepping.records import put, some
-from engine.stepping.system import SHOWN, Closed, Walks
+from engine.stepping.system import SHOWN, Closed, Start, Walks
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
 
@@ -127,18 +127,20 @@ class _Motion:
         self.numbers = self.system.limited(dynamics.moving(self.system, variants), limits)
         self.edges = np.concatenate(edges_of(variants.direction, variants.breaks, dynamics.cycle))
 
-    def _lanes(self, who: np.ndarray, farthest: float) -> dict[str, np.ndarray | float]:
-        given = {"start": 0.0, "direction": self.variants.direction[who], "facing": 1.0, "clock": 0.0, "turned": 0.0}
-        given |= {"goal": self.dynamics.cycle, "other_goal": np.inf, "tolerance": self.tolerance}
-        return given | {"farthest": farthest, "pace": farthest}
+    def _start(self, who: np.ndarray, farthest: float, energy: np.ndarray, error: np.ndarray | float = 0.0) -> Start:
+        """A walk over a cycle with steps of at most a length [rad], from an energy with its error estimate [J]."""
+        states, errors = np.zeros((2, len(self.system.rates), who.size))
+        states[ENERGY], errors[ENERGY], pace = energy, error, np.full(who.size, farthest)
+        lanes = {"direction": self.variants.direction[who], "turned": np.zeros(who.size), "pace": pace}
+        lanes |= {"goal": self.dynamics.cycle, "tolerance": self.tolerance, "farthest": farthest}
+        return Start(self.numbers[:, who], lanes, states, self.edges[:, who], None, errors)
 
     def closed(self, who: np.ndarray, implicit: bool) -> Closed:
         """Cycles that return to their own energies; the search starts at the no-load speed, where loads dominate."""
         part = self.variants.some(who)
         top = 0.5 * self.dynamics.inertia(part, np.zeros(who.size)) * self.dynamics.no_load_speed(part)[0] ** 2
         task, last = self._task(implicit, False), self._task(implicit, self.extremes)
-        lanes = self._lanes(who, FARTHEST)
-        return self.system.close(task, self.numbers[:, who], self.edges[:, who], lanes, top, last, self.farthest)
+        return self.system.close(task, self._start(who, FARTHEST, top), last, self.farthest)
 
     def _task(self, implicit: bool, extremes: bool) -> Packed:
         return self.system.task(self.dynamics.cycle, NINE if implicit else EIGHT, extremes=extremes, timed=False)
@@ -202,21 +204,14 @@ class _Motion:
         observers: tuple[Sequence[Observer], ...],
     ) -> Walks:
         """A cycle from given energies, seen by observers and by those of the shifted cycle."""
-        task, nothing = self._task(implicit, True), np.zeros((0, who.size))
-        lanes = self._lanes(who, CLOSEST)
-        states, carried_errors = np.zeros((2, task.record.width, who.size))
-        states[ENERGY], carried_errors[ENERGY] = energy, carried_error
-        numbers, edges = self.numbers[:, who], self.edges[:, who]
-        whole: Walks | None = None
-        left = np.arange(who.size)
+        task, start = self._task(implicit, True), self._start(who, CLOSEST, energy, carried_error)
+        start, whole, left = start._replace(recorded=RECORDED), None, np.arange(who.size)
         while left.size:
-            own = {name: value[left] if np.ndim(value) else value for name, value in lanes.items()}
-            parts = numbers[:, left], edges[:, left], nothing[:, left]
-            gone = self.system.run(task, *parts, own, states[:, left], carried_errors[:, left], RECORDED)
+            gone = self.system.run(task, some(start, left))
             self._show(gone, who[left], observers)
             whole = gone if whole is None else _joined(whole, left, gone)
-            lanes["turned"], lanes["pace"] = whole.turned, whole.pace
-            states, carried_errors = whole.states, whole.carried_errors
+            lanes = start.lanes | {"turned": whole.turned, "pace": whole.pace}
+            start = start._replace(lanes=lanes, states=whole.states, carried_errors=whole.carried_errors)
             left = left[(gone.why == Why.FULL) & (gone.steps > 0.0)]
         return whole._replace(recorded=np.empty((0, 0, who.size)))
 

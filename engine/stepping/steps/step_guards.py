@@ -193,9 +193,9 @@ def may_exceed(lane: int, task: WalkTask, room: Room) -> bool:
     # An intersection between the end speeds means that a steep motor bends the curve otherwise.
     if not beyond >= 0.0:
         return True
-    for g in range(task.guards):
-        first, last = guard(FIRST + g, lane, 0, task, room), guard(FIRST + g, lane, 1, task, room)
-        if not task.ends[g] and first > 0.0 and not min(first, last) > 2.0 * beyond:
+    for g in range(FIRST + task.endings, FIRST + task.guards):
+        first, last = guard(g, lane, 0, task, room), guard(g, lane, 1, task, room)
+        if first > 0.0 and not min(first, last) > 2.0 * beyond:
             return True
     return top + beyond > own.fastest[lane] if leaves > 0.0 else top - beyond < own.slowest[lane]
 
@@ -276,8 +276,8 @@ def missed_top(lane: int, task: WalkTask, room: Room) -> float:
 def switches(lane: int, task: WalkTask, room: Room) -> bool:
     """Whether a guard that doesn't end the walk ended a lane's step."""
     if room.lane.trials[lane] > 0.0:
-        for g in range(task.guards):
-            if not task.ends[g] and is_crossed(FIRST + g, lane, task, room):
+        for g in range(FIRST + task.endings, FIRST + task.guards):
+            if is_crossed(g, lane, task, room):
                 return True
     return False
 

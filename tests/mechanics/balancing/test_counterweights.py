@@ -20,9 +20,9 @@ SPEED = 5.0
 SHAKING = ("shaking_force_x", "shaking_force_y", "shaking_moment")
 
 
-def shaking_of(scene: Scene, positions: int = 360) -> np.ndarray:
+def shaking_of(scene: Scene) -> np.ndarray:
     """Shaking of a scene by the engine, (3, positions)."""
-    machine = MovingMachine(scene, positions=positions)
+    machine = MovingMachine(scene, positions=360)
     assert machine.verdict(SHAKING) == Verdict.OK
     return np.stack([*machine.fields(SHAKING).values()])
 

@@ -54,9 +54,8 @@ def test_kinds__as_the_standard_defines_them_by_the_principal_axis():
         assert [k for k, holds in by_axis.items() if holds] == [expected]
 
 
-def principal_axis(unbalances, positions, mass=1.0):
-    """Offset of the centre of mass and slope of the axis of least inertia of a long body with unbalances, complex."""
-    offset = sum(unbalances) / mass
+def principal_axis(unbalances, positions):
+    """Offset of the centre of mass and slope of the axis of least inertia of a long body of 1 kg, complex."""
     tensor = np.diag([1.0, 1.0, 0.01])
     for u, z in zip(unbalances, positions, strict=True):
         u = complex(u)
@@ -64,7 +63,7 @@ def principal_axis(unbalances, positions, mass=1.0):
         tensor[1, 2] -= u.imag * z
     tensor[2, :2] = tensor[:2, 2]
     axis = np.linalg.eigh(tensor)[1][:, 0]
-    return offset, complex(axis[0], axis[1]) / axis[2]
+    return sum(unbalances), complex(axis[0], axis[1]) / axis[2]
 
 
 # Correction

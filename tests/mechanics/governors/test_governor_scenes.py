@@ -9,7 +9,7 @@ from governor_samples import ENGINE, EVERY_GOVERNOR, PORTER, PROELL, TABLE
 from machines import slider_crank
 from numpy.testing import assert_allclose
 
-from engine import Scene, Verdict, governed_scene, made_ready, scene_numbers, warnings_from_numbers
+from engine import Scene, Verdict, governed_scene, made_ready, scene_numbers, warnings_in_words
 from sweeps.pictures.elements.element_pictures import element_sheet, element_sheets
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import save_beside
@@ -149,4 +149,4 @@ def test_element_that_cannot_be_drawn__leaves_the_pictures_of_the_others(tmp_pat
 
 
 def test_friction_at_the_sleeve__is_a_force_and_no_coefficient():
-    assert warnings_from_numbers(Scene.model_validate({"elements": {"it": PORTER | {"friction": 20.0}}})) == []
+    assert warnings_in_words(Scene.model_validate({"elements": {"it": PORTER | {"friction": 20.0}}})) == []

@@ -6,6 +6,7 @@ from functools import cache
 import mpmath
 import numpy as np
 import pytest
+from closed_forms import rocker_swing, slider_motion
 from machines import crank, frame, rpp, rrp, rrr, slider_crank
 from noncircular_wheels import ELLIPSES
 from scenes_of_parts import SCENES
@@ -40,18 +41,11 @@ def near_change_points(count):
     return np.array([r, *links]), short
 
 
-def true_swing(*lengths):
-    """Between the positions with crank and rod in line."""
-    r, rod, rocker, base = map(mpmath.mpf, lengths)
-    angles = [mpmath.acos((base**2 + rocker**2 - far**2) / (2 * base * rocker)) for far in (rod + r, rod - r)]
-    return angles[0] - angles[1]
-
-
 def test_swing_near_a_change_point__is_right_whatever_else_is_asked():
     lengths, short = near_change_points(128)
     varied = dict(zip(LENGTHS, lengths, strict=True))
     with mpmath.workdps(40):
-        true = [true_swing(*variant) for variant in lengths.T]
+        true = [rocker_swing(*variant) for variant in lengths.T]
         for beside in ((), BESIDE[:1], BESIDE):
             found = Machine(four_bar(0.5, 1.5, 1.5, 1.5), ["rocker.swing", *beside], (), LENGTHS).evaluate(varied)
             swing, error = found.summaries["rocker.swing"], found.errors["rocker.swing"]
@@ -133,7 +127,7 @@ RODS = np.random.default_rng(5).uniform(1.2, 6.0, 128)
 def true_slider_motion():
     """Position of a slider-crank's slider with two derivatives, by Fourier series of the closed formula; by summary."""
     q = np.arange(4096) * (TURN / 4096)
-    x = np.cos(q) + np.sqrt(RODS[:, None] ** 2 - np.sin(q) ** 2)
+    x, _, _ = slider_motion(q, 1.0, RODS[:, None], by=np)
     order = np.arange(2049)
     found = {}
     for power, name in enumerate(("B.x", "B.x_phi", "B.x_phiphi")):

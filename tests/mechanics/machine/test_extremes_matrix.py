@@ -9,6 +9,7 @@ import math
 import mpmath as mp
 import numpy as np
 import pytest
+from closed_forms import rocker_swing
 from extreme_slider_crank import (
     CASES,
     EPS,
@@ -190,15 +191,6 @@ def test_four_bar_off_its_change_point_by_1e_12__is_judged_by_the_side(miss, ver
 # Links of most unequal lengths, and far away
 
 
-def swing(ground: mp.mpf, crank: float, coupler: float, rocker: float) -> mp.mpf:
-    """Between crank and coupler in line, stretched and folded."""
-
-    def at_pivot(side: mp.mpf) -> mp.mpf:
-        return mp.acos((ground**2 + mp.mpf(rocker) ** 2 - side**2) / (2 * ground * rocker))
-
-    return at_pivot(mp.mpf(coupler) + crank) - at_pivot(mp.mpf(coupler) - crank)
-
-
 @pytest.mark.parametrize(("crank", "coupler", "rocker"), [(1e-3, 1.0, 0.8), (1e-3, 1.0, 1.0), (0.3, 1.0, 0.8)])
 @pytest.mark.parametrize("origin", [0.0, 1e6, -3e6])
 def test_links_one_to_a_thousand_and_origins_far_away__swing_as_their_triangles(origin, crank, coupler, rocker):
@@ -207,7 +199,7 @@ def test_links_one_to_a_thousand_and_origins_far_away__swing_as_their_triangles(
     outcome = machine.evaluate({path: np.array([value]) for path, value in zip(LENGTHS, lengths, strict=True)})
     assert outcome.status[0] == Verdict.OK
     with mp.workdps(50):
-        true = swing(mp.mpf(origin + 1.0) - mp.mpf(origin), crank, coupler, rocker)
+        true = rocker_swing(crank, coupler, rocker, mp.mpf(origin + 1.0) - mp.mpf(origin))
         off = abs(mp.mpf(float(outcome.summaries["rocker.swing"][0])) - true)
     # Coordinates are rounded as they are far away, and the rocker's length makes angles of them.
     assert off <= outcome.errors["rocker.swing"][0] + 16 * EPS[np.float64] * (1.0 + abs(origin)) / rocker

@@ -46,30 +46,23 @@ TWO = ("input.length", "groups.drive.first.length")
 GOOD = [0.05, 0.06]
 
 
-@pytest.mark.parametrize(
-    ("given", "words"),
-    [
-        ({TWO[0]: [0.05 + 0.01j, 0.06], TWO[1]: [0.2, 0.2]}, "'input.length' has complex values"),
-        ({TWO[0]: np.ma.array([0.05, 0.06], mask=[0, 1]), TWO[1]: [0.2, 0.2]}, "'input.length' has masked values"),
-        ({TWO[0]: GOOD, TWO[1]: [0.2, 0.2, 0.2]}, "'groups.drive.first.length' has 3 values, 'input.length' has 2"),
-        ({TWO[0]: GOOD, TWO[1]: []}, "'groups.drive.first.length' has 0 values, 'input.length' has 2"),
-        ({TWO[0]: [GOOD, GOOD], TWO[1]: [0.2, 0.2]}, "'input.length' has 2 × 2 values"),
-        ({TWO[0]: np.full((2, 1), 0.05), TWO[1]: [0.2, 0.2]}, "'input.length' has 2 × 1 values"),
-        ({TWO[0]: [GOOD, [0.05]], TWO[1]: [0.2, 0.2]}, "'input.length': rows differ in length"),
-        ({TWO[0]: ["50 mm", "60 kg"], TWO[1]: [0.2, 0.2]}, "'input.length': expected a length such as '80 mm'"),
-        ({TWO[0]: ["50 mm", 0.06], TWO[1]: [0.2, 0.2]}, "'input.length': 0.06 has no unit"),
-        ({TWO[0]: [True, False], TWO[1]: [0.2, 0.2]}, "'input.length' has non-numeric values, such as True"),
-        ({TWO[0]: [None, 0.05], TWO[1]: [0.2, 0.2]}, "'input.length'"),
-        ({TWO[0]: GOOD}, "no values are given for 'groups.drive.first.length'"),
-        ({"input.lenght": GOOD, TWO[1]: [0.2, 0.2]}, "'input.lenght' is not varied by this machine"),
-        (GOOD, "give values by path, such as {'input.length': [...]}"),
-    ],
+test_what_is_no_row_of_numbers__is_refused_by_name = refusals(
+    lambda given: Machine(Scene.model_validate(SCENE), ["piston.stroke"], varied=TWO).evaluate(given),
+    ({TWO[0]: [0.05 + 0.01j, 0.06], TWO[1]: [0.2, 0.2]}, "'input.length' has complex values"),
+    ({TWO[0]: np.ma.array([0.05, 0.06], mask=[0, 1]), TWO[1]: [0.2, 0.2]}, "'input.length' has masked values"),
+    ({TWO[0]: GOOD, TWO[1]: [0.2, 0.2, 0.2]}, "'groups.drive.first.length' has 3 values, 'input.length' has 2"),
+    ({TWO[0]: GOOD, TWO[1]: []}, "'groups.drive.first.length' has 0 values, 'input.length' has 2"),
+    ({TWO[0]: [GOOD, GOOD], TWO[1]: [0.2, 0.2]}, "'input.length' has 2 × 2 values"),
+    ({TWO[0]: np.full((2, 1), 0.05), TWO[1]: [0.2, 0.2]}, "'input.length' has 2 × 1 values"),
+    ({TWO[0]: [GOOD, [0.05]], TWO[1]: [0.2, 0.2]}, "'input.length': rows differ in length"),
+    ({TWO[0]: ["50 mm", "60 kg"], TWO[1]: [0.2, 0.2]}, "'input.length': expected a length such as '80 mm'"),
+    ({TWO[0]: ["50 mm", 0.06], TWO[1]: [0.2, 0.2]}, "'input.length': 0.06 has no unit"),
+    ({TWO[0]: [True, False], TWO[1]: [0.2, 0.2]}, "'input.length' has non-numeric values, such as True"),
+    ({TWO[0]: [None, 0.05], TWO[1]: [0.2, 0.2]}, "'input.length'"),
+    ({TWO[0]: GOOD}, "no values are given for 'groups.drive.first.length'"),
+    ({"input.lenght": GOOD, TWO[1]: [0.2, 0.2]}, "'input.lenght' is not varied by this machine"),
+    (GOOD, "give values by path, such as {'input.length': [...]}"),
 )
-def test_what_is_no_row_of_numbers__is_refused_by_name(given, words):
-    machine = Machine(Scene.model_validate(SCENE), ["piston.stroke"], varied=TWO)
-    with pytest.raises(AskError) as refused:
-        machine.evaluate(given)
-    assert words in str(refused.value)
 
 
 def test_texts_with_units__are_numbers():

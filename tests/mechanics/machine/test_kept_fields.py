@@ -29,9 +29,9 @@ def four_bar(**changes: object) -> Scene:
 VARIED = {"input.length": np.linspace(0.03, 0.05, 150), "bodies.rod.mass": np.linspace(1.0, 5.0, 150)}
 
 
-def everything(outcome: object, chosen: object = slice(None)) -> list[bytes]:
+def everything(outcome: object) -> list[bytes]:
     parts = outcome.summaries, outcome.errors, outcome.fields
-    return [rows[chosen].tobytes() for part in parts for rows in part.values()]
+    return [rows.tobytes() for part in parts for rows in part.values()]
 
 
 def test_part_of_a_buffer__gets_the_same_bits_and_nothing_is_left_of_what_it_held():

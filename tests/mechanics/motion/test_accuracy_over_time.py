@@ -4,41 +4,30 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from motion_scenes import RATIO, ask, rotor, run, slider_crank, steady
+from motion_scenes import CLUTCH, FLUID, RATIO, ask, behind, rotor, run, slider_crank, steady
 
 from engine import Machine, Outcome, Scene, Verdict, scene_numbers
 from sweeps import read_scene
 
-CLUTCH = {"type": "friction_clutch", "shaft": "motor_shaft", "capacity": 4.0, "engagement": 0.1}
+GRIPPING = CLUTCH | {"engagement": 0.1}
 # So stiff that stability limits the steps more than their errors do.
-FLUID = {
-    "type": "fluid_coupling",
-    "shaft": "motor_shaft",
-    "diameter": 0.4,
-    "density": 860.0,
-    "slip": [0.0, 0.03, 0.1, 1.0],
-    "coefficient": [0.0, 0.002, 0.005, 0.008],
-    "interpolation": "linear",
-}
+STIFF = FLUID | {"diameter": 0.4, "slip": [0.0, 0.03, 0.1, 1.0], "coefficient": [0.0, 0.002, 0.005, 0.008]}
 START = "dc rub by_angle"
 
 
-def coupled(coupling: dict, regime: dict, scene: dict | None = None) -> dict:
-    scene = slider_crank({"go": regime}) if scene is None else scene
-    scene["shafts"]["motor_shaft"]["inertia"] = 0.02
-    scene["couplings"] = {"coupling": coupling}
-    scene["moments"]["dc"] |= {"on": "motor_shaft", "stall_moment": 20.0 / RATIO, "no_load_speed": 100.0 * RATIO}
-    return scene
+def coupled(coupling: dict, regime: dict) -> dict:
+    motor = {"stall_moment": 20.0 / RATIO, "no_load_speed": 100.0 * RATIO}
+    return behind(slider_crank({"go": regime}, dc=motor), 0.02, coupling=coupling)
 
 
 COUPLED = run(START, from_speed=1.0, from_shaft_speed=300.0, time=0.3)
 # Behind the jump of `by_angle` at 1 rad, one step leads to the lock-up if little is asked.
 LOCKING = run(START, from_angle=0.93, from_speed=1.0, from_shaft_speed=100.0, lock_up=True)
 CASES = {
-    "clutch": (coupled(CLUTCH, COUPLED), ("coupling_heat", "final_speed", "angle")),
-    "lock-up": (coupled(CLUTCH | {"capacity": 3.0}, LOCKING), ("coupling_heat", "coupling_slip_angle", "angle")),
-    "fluid coupling": (coupled(FLUID, COUPLED), ("coupling_heat", "final_speed", "angle")),
-    "steady fluid coupling": (coupled(FLUID, steady(START)), ("mean_speed", "speed_fluctuation")),
+    "clutch": (coupled(GRIPPING, COUPLED), ("coupling_heat", "final_speed", "angle")),
+    "lock-up": (coupled(GRIPPING | {"capacity": 3.0}, LOCKING), ("coupling_heat", "coupling_slip_angle", "angle")),
+    "fluid coupling": (coupled(STIFF, COUPLED), ("coupling_heat", "final_speed", "angle")),
+    "steady fluid coupling": (coupled(STIFF, steady(START)), ("mean_speed", "speed_fluctuation")),
     "over time": (
         slider_crank({"go": run(START + " by_time", from_speed=5.0, time=0.6)}),
         ("final_speed", "angle", "speed_max"),

@@ -7,6 +7,8 @@ import mpmath
 import numpy as np
 import pytest
 from exact import EPS, table_value
+from machines import slider_crank
+from motion_scenes import crank_alone
 from mpmath import mpf
 from mpmath.calculus.quadrature import GaussLegendre
 
@@ -54,23 +56,13 @@ ACTIONS |= {"grain": GRAIN, "kick": KICK, "again": KICK, "turn": TURN}
 
 
 def crank(moments, regimes, speed=100.0, **more):
-    """A crank with its drum and a fast shaft, nothing that swings: I = 0.4 kg·m²."""
-    return {
-        "points": {"O": {"x": 0, "y": 0}},
-        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.1, "speed": speed},
-        "shafts": {"fast": {"geared_to": "crank", "ratio": 3.0, "inertia": 0.02}},
-        "bodies": {"drum": {"link": "crank", "mass": 1.0, "inertia": 0.22}},
-        "moments": moments,
-        "regimes": regimes,
-        **more,
-    }
+    """A crank alone and a fast shaft, nothing that swings: I = 0.4 kg·m²."""
+    shafts = {"fast": {"geared_to": "crank", "ratio": 3.0, "inertia": 0.02}}
+    return crank_alone(0.22, moments, regimes, speed, shafts=shafts, **more)
 
 
-def slider_crank(moments, regimes):
-    scene = crank(moments, regimes, gravity=9.81)
-    scene["guides"] = {"ways": {}}
-    first, second = {"link": "rod", "joint": "A", "length": 0.4}, {"link": "ram", "guide": "ways"}
-    scene["groups"] = {"drive": {"type": "RRP", "inner": "B", "first": first, "second": second}}
+def with_ram(moments, regimes):
+    scene = crank(moments, regimes, gravity=9.81) | slider_crank(0.1, 0.4, 100.0)
     scene["bodies"]["ram_body"] = {"link": "ram", "mass": 2.0}
     return scene
 
@@ -128,16 +120,16 @@ def test_constant_inertia__its_cases():
 
 def test_inertia_that_varies__its_cases():
     regimes = {f"r{i}": regime for i, (regime, *_) in enumerate(CASES)}
-    found = regime_text(Mechanics(Scene.model_validate(slider_crank(ACTIONS, regimes))))
+    found = regime_text(Mechanics(Scene.model_validate(with_ram(ACTIONS, regimes))))
     for (_, sentence, method), (regime, _, number) in zip(found, CASES, strict=True):
         assert sentence.startswith(f"case {number}: I(φ), ")
         assert method == method_of(regime)
 
 
 @pytest.mark.parametrize(("x", "number"), [(0.0, 1), (0.01, 2)])
-def test_gravity__acts_on_an_eccentric_drum_only(x, number):
+def test_gravity__acts_on_an_eccentric_rotor_only(x, number):
     scene = crank({}, {"go": {"type": "run", "cycles": 1.0}}, gravity=9.81)
-    scene["bodies"]["drum"]["x"] = x
+    scene["bodies"]["rotor"]["x"] = x
     ((_, sentence, _),) = regime_text(Mechanics(Scene.model_validate(scene)))
     assert sentence == ("case 1: I constant, no moment" if number == 1 else "case 2: I constant, M(φ) of gravity")
 

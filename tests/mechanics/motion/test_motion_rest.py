@@ -4,24 +4,32 @@ import math
 
 import numpy as np
 import pytest
-from motion_scenes import ECCENTRIC_MASS, ECCENTRICITY, GRAVITY, ask, pendulum, rotor, run, slider_crank, steady
-from motion_scenes import INERTIA as INERTIA_OF_ROTOR
+from motion_scenes import (
+    ECCENTRIC_MASS,
+    ECCENTRICITY,
+    INERTIA,
+    SWUNG_INERTIA,
+    WEIGHT,
+    ask,
+    pendulum,
+    rotor,
+    run,
+    slider_crank,
+    steady,
+)
 from mpmath import mp
 from scipy.optimize import brentq
 
 from engine import Verdict
 
-MASS, ARM, OWN = 2.0, 0.25, 0.05
-WEIGHT = MASS * GRAVITY * ARM
-INERTIA = OWN + MASS * ARM**2
 # Of small swings, rad/s.
-RATE = math.sqrt(WEIGHT / INERTIA)
+RATE = math.sqrt(WEIGHT / SWUNG_INERTIA)
 DOWN = -math.pi / 2
 
 
 def swing(amplitude: float, only: str = "gravity", **regime: object) -> dict:
     """A pendulum let go from rest."""
-    return pendulum({"go": run(only, from_speed=0.0, from_angle=DOWN + amplitude, **regime)}, MASS, ARM, OWN)
+    return pendulum({"go": run(only, from_speed=0.0, from_angle=DOWN + amplitude, **regime)})
 
 
 def period(amplitude: float) -> float:
@@ -89,7 +97,7 @@ def test_brake_that_stops_a_load__brings_it_to_rest_where_it_holds_it(load):
     regimes = {name: run("brake load", from_speed=10.0, from_angle=0.0, **end) for name, end in ends.items()}
     scene = rotor(regimes, load={"moment": load})
     found = ask(scene, "turns.time turns.angle")
-    assert found["turns.time"] == pytest.approx(INERTIA_OF_ROTOR * 10.0 / (0.8 - load), rel=1e-9)
+    assert found["turns.time"] == pytest.approx(INERTIA * 10.0 / (0.8 - load), rel=1e-9)
     assert found["turns.angle"] == pytest.approx(0.5 * 10.0 * found["turns.time"], rel=1e-9)
     rests = ask(scene, "rests.time")
     if load > -0.8:
@@ -178,15 +186,15 @@ def test_load_above_the_motor__turns_it_back_by_the_closed_form(load):
     names = ["go.final_speed", "go.angle", "go.motor_work", "go.speed_min"]
     scene = rotor({"go": run("dc load", from_speed=begin, time=time)}, load={"moment": load})
     found = ask(scene, " ".join([*names, "go.efficiency"]))
-    rate, end = stall / idle / INERTIA_OF_ROTOR, idle * (1.0 + load / stall)
+    rate, end = stall / idle / INERTIA, idle * (1.0 + load / stall)
     fades = math.exp(-rate * time)
     speed = end + (begin - end) * fades
     angle = end * time + (begin - end) * (1.0 - fades) / rate
-    work = 0.5 * INERTIA_OF_ROTOR * (speed**2 - begin**2) - load * angle
+    work = 0.5 * INERTIA * (speed**2 - begin**2) - load * angle
     # A step misses 1e-10 of the angle it turns and of the speed.
     for name, exact in zip(names, (speed, angle, work, speed), strict=True):
         assert found[name] == pytest.approx(exact, rel=1e-8), name
-        assert abs(found[name] - exact) <= found.figure(name), name
+        found.covers(name, exact)
     # What drives has no efficiency as a load.
     useful = -load * angle
     efficiency = useful / work if useful >= 0.0 and work > 0.0 else math.nan
@@ -200,7 +208,7 @@ def test_push_that_turns_about__pulls_a_machine_back_against_its_friction():
     found = ask(rotor({"go": run("by_time rub", from_speed=0.0, time=end)}, by_time=table), "go.final_speed", 240)
     turns = (3.0 - friction) / 375.0
     impulse = (3.0 + friction) * (end - turns) - 375.0 * (end**2 - turns**2)
-    assert found["go.final_speed"] == pytest.approx(impulse / INERTIA_OF_ROTOR, rel=1e-9)
+    assert found["go.final_speed"] == pytest.approx(impulse / INERTIA, rel=1e-9)
 
 
 @pytest.mark.parametrize("friction", [1.5, 0.05])
@@ -212,8 +220,8 @@ def test_jump_that_turns_a_machine_back_from_both_sides__holds_it_after_endlessl
     regimes = {"go": run("by_angle rub", rest=True), "waits": run("by_angle rub", from_angle=0.0, time=100.0)}
     scene = rotor(regimes, by_angle=table, rub={"moment": friction})
     found = ask(scene, "go.time go.angle go.harmful_work go.speed_max waits.angle waits.harmful_work")
-    on, off = (push - friction) / INERTIA_OF_ROTOR, (push + friction) / INERTIA_OF_ROTOR
-    out, home = (wall + friction) / INERTIA_OF_ROTOR, (wall - friction) / INERTIA_OF_ROTOR
+    on, off = (push - friction) / INERTIA, (push + friction) / INERTIA
+    out, home = (wall + friction) / INERTIA, (wall - friction) / INERTIA
     fastest = math.sqrt(2.0 * on * jump)
     back = fastest * math.sqrt(home / out)
     again = back * math.sqrt(on / off)
@@ -228,4 +236,4 @@ def test_jump_that_turns_a_machine_back_from_both_sides__holds_it_after_endlessl
     }
     for name, value in exact.items():
         assert found[name] == pytest.approx(value, rel=1e-6), name
-        assert abs(found[name] - value) <= found.figure(name), name
+        found.covers(name, value)

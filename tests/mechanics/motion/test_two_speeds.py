@@ -6,30 +6,34 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from each_case import refusals
-from motion_scenes import INERTIA, MOMENTS, RATIO, ask, inertia_at, rotor, run, slider_crank, steady
+from motion_scenes import (
+    CLUTCH,
+    FLUID,
+    INERTIA,
+    MOMENTS,
+    RATIO,
+    SHAFT_INERTIA,
+    ask,
+    behind,
+    inertia_at,
+    of,
+    rotor,
+    run,
+    slider_crank,
+    steady,
+)
 from scipy.integrate import solve_ivp
 
 from engine import Scene, Verdict, history
 
-CLUTCH = {"type": "friction_clutch", "shaft": "motor_shaft", "capacity": 4.0}
-SHAFT_INERTIA = 0.004
 # Asked of runs, whatever is looked at, so that machines share their functions.
 NAMES = "time angle final_speed energy_change work_residual clutch_heat clutch_slip_angle clutch_moment_peak"
 NAMES += " clutch_slip_time clutch_lock_up_time clutch_lock_up_speed motor_shaft_final_speed"
 
 
-def of(regime: str, names: str) -> str:
-    return " ".join(f"{regime}.{name}" for name in names.split())
-
-
 def coupled(scene: dict, inertia: float = SHAFT_INERTIA, open_in: str = "", **clutch: object) -> dict:
-    """A sample machine with its motors and a shaft of its own inertia behind a clutch, open in some of its regimes."""
-    scene["shafts"]["motor_shaft"]["inertia"] = inertia
-    scene["couplings"] = {"clutch": CLUTCH | clutch}
-    scene["moments"]["dc"] = scene["moments"]["dc"] | {"on": "motor_shaft"}
-    for name in open_in.split():
-        scene["regimes"][name]["off"].append("clutch")
-    return scene
+    """A sample machine with its motor behind a clutch, open in some of its regimes."""
+    return behind(scene, inertia, open_in, clutch=CLUTCH | clutch)
 
 
 # Constant moments and inertias: closed forms
@@ -196,9 +200,8 @@ def test_light_shaft_of_a_slipping_clutch__takes_implicit_steps():
     assert speed > RATIO * rise * until
     assert found["go.implicit_steps"] == 1.0
     for key, value in expected.items():
-        error = abs(found[f"go.{key}"] - value)
-        assert error <= 1e-9 * value, key
-        assert error <= found.figure(f"go.{key}") + 1e-13 * value, key
+        assert found[f"go.{key}"] == pytest.approx(value, rel=1e-9), key
+        found.covers(f"go.{key}", value, 1e-13 * value)
 
 
 def test_load_that_sags_before_its_clutch_grips__is_caught():
@@ -215,7 +218,7 @@ def test_load_that_sags_before_its_clutch_grips__is_caught():
     }
     assert found["go.implicit_steps"] == 1.0
     for key, value in expected.items():
-        assert abs(found[f"go.{key}"] - value) <= found.figure(f"go.{key}") + 1e-13 * abs(value), key
+        found.covers(f"go.{key}", value, 1e-13 * abs(value))
 
 
 # What becomes of it
@@ -226,6 +229,26 @@ def test_capacity_below_the_load__never_brings_the_sides_together():
     varied = {"couplings.clutch.capacity": [0.99 * 0.4 / RATIO, 2.0 * 0.4 / RATIO]}
     found = ask(scene, "go.work_residual", varied=varied)
     assert found.status == [Verdict.SLIPS, Verdict.OK]
+
+
+def test_clutch_between_sides_at_rest__slips_where_one_is_held_and_the_other_pulls_beyond_its_capacity():
+    """A motor on a crank held by friction, and a load against a shaft held by friction: together both would stand."""
+    capacity, until, motor = 4.0, 0.01, MOMENTS["dc"]
+    still = {"from_speed": 0.0, "from_shaft_speed": 0.0, "time": until}
+    scene = rotor({"go": run("dc rub", **still)}, rub={"moment": 200.0})
+    found = ask(coupled(scene, capacity=capacity), of("go", NAMES))
+    # J ω' = M₀ (1 − ω/ω₀) − C.
+    stall, fastest = motor["stall_moment"], motor["no_load_speed"]
+    speed = fastest * (1.0 - capacity / stall) * -math.expm1(-stall / fastest / SHAFT_INERTIA * until)
+    assert found["go.motor_shaft_final_speed"] == pytest.approx(speed, rel=1e-9)
+    assert found["go.final_speed"] == 0.0
+    scene = rotor({"go": run("load rub", **still)}, rub={"moment": 20.0, "on": "motor_shaft"})
+    loads = np.array([-40.0, -20.0])
+    found = ask(coupled(scene, capacity=capacity), of("go", NAMES), varied={"moments.load.moment": loads})
+    assert found.status == [Verdict.OK] * 2
+    slipping = np.minimum(loads + RATIO * capacity, 0.0) / INERTIA * until
+    assert found.values["go.final_speed"] == pytest.approx(slipping, rel=1e-9)
+    assert (found.values["go.motor_shaft_final_speed"] == 0.0).all()
 
 
 @pytest.mark.parametrize("end", [{"lock_up": True}, {"rest": True}, {"speed": 30.0}, {"cycles": 3.0}])
@@ -301,31 +324,13 @@ def test_clutch_open_and_nothing_driving__leaves_the_machine_standing():
 
 # A fluid coupling
 
-FLUID = {
-    "type": "fluid_coupling",
-    "shaft": "motor_shaft",
-    "diameter": 0.2,
-    "density": 860.0,
-    "slip": [0.0, 1.0],
-    "coefficient": [0.0, 1e-3],
-    "interpolation": "linear",
-}
-
-
-def fluid(scene: dict) -> dict:
-    """A sample machine with its motor behind a fluid coupling."""
-    made = coupled(scene)
-    made["couplings"] = {"fluid": FLUID}
-    return made
-
-
 STEADY = "mean_speed motor_shaft_mean_speed fluid_slip fluid_heat fluid_moment_peak multiplier speed_fluctuation"
 STEADY += " period motor_work work_residual return_residual"
 
 
 def test_steady_motion_through_a_fluid__balances_motor_and_load():
     """Under a constant load both speeds are constant, the motor's by its line and the crank's by the slip."""
-    found = ask(fluid(rotor({"work": steady("dc load")})), of("work", STEADY))
+    found = ask(behind(rotor({"work": steady("dc load")}), fluid=FLUID), of("work", STEADY))
     factor, load = 1e-3 * 860.0 * 0.2**5 * RATIO**3, 2.0
     motor = 100.0 / RATIO * (1.0 - load / (RATIO * MOMENTS["dc"]["stall_moment"]))
     crank = motor - load / (factor * motor)
@@ -386,8 +391,8 @@ def through_knots(density: float, until: float, shaft_speed: float) -> dict:
 def test_start_through_a_fluid__goes_as_an_independent_simulation_from_knot_to_knot(tolerance, monkeypatch):
     """The ram speeds up and slows down the crank, so that either side is the faster one in turn."""
     monkeypatch.setattr("engine.motion.asked_regimes.RUN_TOLERANCE", tolerance)
-    scene = fluid(slider_crank({"go": run("dc fan", from_speed=0.0, from_shaft_speed=90.0, time=1.2)}))
-    scene["couplings"] = {"fluid": FLUID | {"slip": KNOTS, "coefficient": SHARES}}
+    scene = slider_crank({"go": run("dc fan", from_speed=0.0, from_shaft_speed=90.0, time=1.2)})
+    scene = behind(scene, fluid=FLUID | {"slip": KNOTS, "coefficient": SHARES})
     densities = np.array([8.0, 10.0, 14.0, 40.0])
     names = "angle final_speed motor_shaft_final_speed fluid_heat fluid_slip_angle fluid_slip work_residual"
     found = ask(scene, of("go", names), varied={"couplings.fluid.density": densities})
@@ -427,7 +432,7 @@ def test_steep_fluid_coupling__goes_as_a_stiff_integrator_does():
     """The coupling pulls the speeds together within a thousandth of a cycle, and less."""
     slopes, own = np.array([0.1, 1.0]), np.array([4e-4, 4e-5])
     go = run("dc oil load", from_speed=9.0, from_shaft_speed=99.0, cycles=1.3)
-    scene = fluid(slider_crank({"go": go, "work": steady("dc oil load")}))
+    scene = behind(slider_crank({"go": go, "work": steady("dc oil load")}), fluid=FLUID)
     # λ by a table isn't varied: a coupling of another density drives as one of another slope does.
     varied = {"couplings.fluid.density": 860.0 * slopes / 1e-3, "shafts.motor_shaft.inertia": own}
     names = "final_speed motor_shaft_final_speed fluid_heat motor_work time"
@@ -450,7 +455,7 @@ def test_steep_fluid_coupling__goes_as_a_stiff_integrator_does():
 
 
 def test_load_beyond_what_a_fluid_drives__stalls():
-    scene, varied = fluid(rotor({"work": steady("dc load")})), {"moments.load.moment": [-2.0, -2000.0]}
+    scene, varied = behind(rotor({"work": steady("dc load")}), fluid=FLUID), {"moments.load.moment": [-2.0, -2000.0]}
     assert ask(scene, of("work", STEADY), varied=varied).status == [Verdict.OK, Verdict.STALLS]
 
 
@@ -515,7 +520,7 @@ def test_clutch_that_slips_for_a_moment__is_seen_between_the_ends_of_a_step(accu
 def test_steady_motion_through_a_fluid__is_what_a_run_comes_to():
     """What is left of a disturbance after a cycle is 1e-9 of it here, so that three of them forget their begin."""
     to_it = {"early": run("dc oil load", from_speed=9.0, cycles=3.0), "last": run("dc oil load", cycles=1.0)}
-    scene = fluid(slider_crank({**to_it, "work": steady("dc oil load")}))
+    scene = behind(slider_crank({**to_it, "work": steady("dc oil load")}), fluid=FLUID)
     names = "speed_min speed_max fluid_heat motor_work fluid_slip fluid_moment_peak"
     loads = "drive.inner.reaction.max input_moment.min acceleration.max frame.reaction_moment.max"
     names = f"{names} {loads}"
@@ -536,7 +541,7 @@ def test_steady_motion_through_a_fluid__is_what_a_run_comes_to():
     assert instants[0] == pytest.approx(0.0, abs=1e-12)
     assert instants[60] / period == pytest.approx(np.mean(1.0 / speeds[:60]) / 2 / np.mean(1.0 / speeds), rel=1e-2)
     assert found.values["last.input_moment.min"][0] > 0.0
-    seen = history(Scene.model_validate(fluid(slider_crank({"work": steady("dc oil load")}))))
+    seen = history(Scene.model_validate(behind(slider_crank({"work": steady("dc oil load")}), fluid=FLUID)))
     assert seen.verdict == Verdict.OK
     assert (seen.shaft_speed > RATIO * seen.speed).all()
     assert np.ptp(seen.angle) == pytest.approx(2.0 * math.pi, rel=1e-12)

@@ -13,7 +13,6 @@ from engine import (
     Scene,
     is_warning,
     summaries_for_warnings,
-    warnings_from_numbers,
     warnings_in_words,
 )
 from engine.parts.requirements import WarningLimits
@@ -273,22 +272,22 @@ def test_every_kind__has_a_case():
 def test_scene_alone__is_enough_where_no_quantity_is_read():
     enough = {"clearance", "discharge", "suction", "friction", "loose_belt", "massless_link", "no_masses", "undercut"}
     for kind, beyond, within, says in CASES:
-        words = warnings_from_numbers(beyond)
+        words = warnings_in_words(beyond)
         assert (len(words) == 1 and says in words[0]) if kind in enough else words == []
-        assert warnings_from_numbers(within) == []
+        assert warnings_in_words(within) == []
 
 
 def test_rows_outside_the_range_of_the_crank__are_found_without_computation():
     def limited(begin):
         return rows({"over_angle": [begin, 2.0]}, drive={"start": 0.0, "stop": 1.0})
 
-    assert "the crank misses its rows, 63.025 ° … 114.59 °, by 5.7296 °" in warnings_from_numbers(limited(1.1))[0]
-    assert warnings_from_numbers(limited(0.9)) == []
+    assert "the crank misses its rows, 63.025 ° … 114.59 °, by 5.7296 °" in warnings_in_words(limited(1.1))[0]
+    assert warnings_in_words(limited(0.9)) == []
 
 
 def test_rows_that_are_all_zero__never_act():
     machine = rows({"force": [0.0, 0.0], "over_stroke": [0.0, 1.0], "slider": "ram"})
-    assert "all of its rows are 0" in warnings_from_numbers(machine)[0]
+    assert "all of its rows are 0" in warnings_in_words(machine)[0]
 
 
 def test_columns__follow_the_numbers_of_each_variant():

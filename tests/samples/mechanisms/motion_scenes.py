@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import machines
 import numpy as np
+from closed_forms import slider_motion
 from mpmath import mp
 
 from engine import Machine, Scene, Verdict
@@ -17,7 +18,11 @@ from engine import Machine, Scene, Verdict
 RADIUS, ROD, RATIO = 0.05, 0.2, 7.5
 CRANK_INERTIA, RAM_MASS, ECCENTRIC_MASS, ECCENTRICITY = 0.02, 3.0, 2.0, 0.03
 GRAVITY = 9.81
-INERTIA = 0.4
+INERTIA, SHAFT_INERTIA = 0.4, 0.004
+# Of the pendulum: its mass, the distance of that from the pivot, and its inertia about its mass center; the greatest
+# moment of its weight, and its inertia about the pivot.
+SWUNG_MASS, ARM, OWN_INERTIA = 2.0, 0.25, 0.05
+WEIGHT, SWUNG_INERTIA = SWUNG_MASS * GRAVITY * ARM, OWN_INERTIA + SWUNG_MASS * ARM**2
 
 # Moments with a jump at 1 rad, and over time with bends.
 BY_ANGLE = ([0.0, 1.0, 1.0, 4.0, 2 * math.pi], [5.0, 2.0, -1.0, 3.0, 5.0])
@@ -56,6 +61,16 @@ CUT = {
     "outside": "zero",
     "acts": "against",
 }
+CLUTCH = {"type": "friction_clutch", "shaft": "motor_shaft", "capacity": 4.0}
+FLUID = {
+    "type": "fluid_coupling",
+    "shaft": "motor_shaft",
+    "diameter": 0.2,
+    "density": 860.0,
+    "slip": [0.0, 1.0],
+    "coefficient": [0.0, 1e-3],
+    "interpolation": "linear",
+}
 
 
 def slider_crank(regimes: dict, speed: float = 10.0, flywheel: float = 0.0, **changes: dict) -> dict:
@@ -86,26 +101,39 @@ def rotor(regimes: dict, speed: float = 10.0, **changes: dict) -> dict:
     return scene
 
 
-def crank_on_dc_motor(inertia: float, stall: float, light: float, load: dict) -> dict:
-    """A crank of an inertia alone, with a load, on a DC motor with a stall torque and a no-load speed, steady."""
+def crank_alone(inertia: float, moments: dict, regimes: dict, speed: float, **parts: object) -> dict:
+    """A crank of an inertia by its structure, in balance, and parts by their names."""
     return {
         "points": {"O": {"x": 0, "y": 0}},
-        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.1, "speed": light},
+        "input": machines.crank(length=0.1, speed=speed),
         "bodies": {"rotor": {"link": "crank", "mass": 1.0, "inertia": inertia}},
-        "moments": {
-            "dc": {"type": "dc_motor", "on": "crank", "stall_moment": stall, "no_load_speed": light},
-            "load": {"on": "crank", **load},
-        },
-        "regimes": {"on": {"type": "steady"}},
+        "moments": moments,
+        "regimes": regimes,
+        **parts,
     }
 
 
-def pendulum(regimes: dict, mass: float = 2.0, arm: float = 0.25, inertia: float = 0.05, **changes: dict) -> dict:
+def crank_on_dc_motor(inertia: float, stall: float, light: float, load: dict) -> dict:
+    """A crank alone, with a load, on a DC motor with a stall torque and a no-load speed, steady."""
+    motor = {"type": "dc_motor", "on": "crank", "stall_moment": stall, "no_load_speed": light}
+    return crank_alone(inertia, {"dc": motor, "load": {"on": "crank", **load}}, {"on": {"type": "steady"}}, light)
+
+
+def pendulum(regimes: dict) -> dict:
     """A heavy crank that swings about φ = −π/2, and no ram."""
-    scene = slider_crank(regimes, **changes)
+    scene = slider_crank(regimes)
     scene["bodies"]["ram_body"]["mass"] = 0.0
-    scene["bodies"]["eccentric"] |= {"mass": mass, "x": arm, "inertia": inertia}
+    scene["bodies"]["eccentric"] |= {"mass": SWUNG_MASS, "x": ARM, "inertia": OWN_INERTIA}
     return scene
+
+
+def behind(scene: dict, inertia: float = SHAFT_INERTIA, open_in: str = "", **couplings: dict) -> dict:
+    """A machine with its DC motor on a shaft of its own inertia, behind a coupling that is open in some regimes."""
+    scene["shafts"]["motor_shaft"]["inertia"] = inertia
+    scene["moments"]["dc"] = scene["moments"]["dc"] | {"on": "motor_shaft"}
+    for name in open_in.split():
+        scene["regimes"][name]["off"].extend(couplings)
+    return scene | {"couplings": couplings}
 
 
 def _regime(regime: dict, every: list[str]) -> dict:
@@ -126,6 +154,11 @@ def steady(only: str) -> dict:
     return {"type": "steady", "only": only}
 
 
+def of(regime: str, names: str) -> str:
+    """Results of a regime, to be asked for."""
+    return " ".join(f"{regime}.{name}" for name in names.split())
+
+
 class Found(NamedTuple):
     """Values and error estimates by name, of all variants; verdicts; fields."""
 
@@ -142,6 +175,15 @@ class Found(NamedTuple):
     def figure(self, name: str) -> float:
         """Error figure of the only variant."""
         return float(self.errors[name][0])
+
+    def covers(self, name: str, value: float, room: float = 0.0) -> None:
+        """A number is what it should be, within its own error estimate and `room`."""
+        assert abs(self[name] - value) <= self.figure(name) + room, (name, self[name], value)
+
+    def agrees(self, other: "Found", *names: str) -> None:
+        """Numbers, by default all, are those of another machine, within the error estimates of both."""
+        for name in names or self.values:
+            self.covers(name, other[name], other.figure(name))
 
 
 def ask(
@@ -172,21 +214,20 @@ def ask(
 
 def reduced(phi: object, ram: float = RAM_MASS, flywheel: float = 0.0) -> tuple:
     """I, dI/dφ, the transfer function of the ram and the moment of gravity of `slider_crank` at φ, in mpmath."""
-    r, length, eccentric = mp.mpf(RADIUS), mp.mpf(ROD), mp.mpf(ECCENTRIC_MASS) * mp.mpf(ECCENTRICITY)
-    c, s = mp.cos(phi), mp.sin(phi)
-    rod_x = mp.sqrt(length**2 - (r * s) ** 2)
-    rate = -r * s - r * r * s * c / rod_x
-    curve = -r * c - r * r * (c * c - s * s) / rod_x - (r * r * s * c) ** 2 / rod_x**3
+    eccentric = mp.mpf(ECCENTRIC_MASS) * mp.mpf(ECCENTRICITY)
+    _, rate, curve = slider_motion(phi, mp.mpf(RADIUS), mp.mpf(ROD), by=mp)
     fixed = mp.mpf(CRANK_INERTIA) + eccentric * mp.mpf(ECCENTRICITY) + mp.mpf(flywheel)
-    return fixed + mp.mpf(ram) * rate**2, 2 * mp.mpf(ram) * rate * curve, rate, -eccentric * mp.mpf(GRAVITY) * c
+    return (
+        fixed + mp.mpf(ram) * rate**2,
+        2 * mp.mpf(ram) * rate * curve,
+        rate,
+        -eccentric * mp.mpf(GRAVITY) * mp.cos(phi),
+    )
 
 
 def inertia_at(phi: float) -> tuple[float, float]:
     """I(φ) of `slider_crank` without a flywheel, and its derivative, in floats."""
-    c, s = math.cos(phi), math.sin(phi)
-    x = math.sqrt(ROD**2 - (RADIUS * s) ** 2)
-    rate = -RADIUS * s - RADIUS**2 * s * c / x
-    curve = -RADIUS * c - RADIUS**2 * (c * c - s * s) / x - (RADIUS**2 * s * c) ** 2 / x**3
+    _, rate, curve = slider_motion(phi, RADIUS, ROD)
     fixed = CRANK_INERTIA + ECCENTRIC_MASS * ECCENTRICITY**2
     return fixed + RAM_MASS * rate**2, 2 * RAM_MASS * rate * curve
 

@@ -18,7 +18,7 @@ from reaction_graphs import in_all_pairs
 from rubbing import with_friction
 from rubbing_machines import Q, R, by_friction_circles, press, yoke
 
-from engine import Machine, MovingMachine, Scene, SceneError, Verdict
+from engine import Machine, MovingMachine, Outcome, Scene, SceneError, Verdict
 from engine.laws.friction.coefficients import MATERIALS, NEW, WORN_IN, stribeck
 from engine.scene.structure.ordering import order
 
@@ -32,9 +32,8 @@ def random_dyads() -> dict:
     return in_all_pairs(loaded(chain(0, 2, True), 0), 0, 0.3)
 
 
-def outcome_of(scene: dict, fields: list[str], summaries: list[str] = (), **settings: object) -> tuple:
-    machine = Machine(Scene.model_validate(scene), fields=fields, summaries=summaries, **settings)
-    return machine, machine.evaluate({})
+def outcome_of(scene: dict, fields: list[str], summaries: list[str] = (), **settings: object) -> Outcome:
+    return Machine(Scene.model_validate(scene), summaries, fields, **settings).evaluate({})
 
 
 # Whole machines
@@ -65,7 +64,7 @@ def test_friction__costs_at_every_position_what_the_input_supplies_more():
     powers = [f"{friction['pair']}.friction_power" for friction in scene["friction"].values()]
     fields = ["input_moment", "input_moment_with_friction", "friction_moment", *powers]
     checks = ["input_moment_disagreement", "equilibrium_residual", "friction_residual"]
-    _, outcome = outcome_of(scene, [], ["friction_loss", *checks])
+    outcome = outcome_of(scene, [], ["friction_loss", *checks])
     machine, rows = moving(scene, fields, 720)
     assert all(0.0 < outcome.summaries[name][0] < ROUNDINGS * EPS for name in checks[:2])
     assert outcome.summaries["friction_residual"][0] <= 1e-10
@@ -123,14 +122,14 @@ def test_efficiency__is_an_answer_where_a_load_is_useful_or_drives(role):
 
 def test_slider_crank__has_the_efficiency_of_its_works():
     names = ["mechanical_efficiency", "friction_loss", "drive.second.friction_work", "required_drive_moment"]
-    _, outcome = outcome_of(press(0.2, journals=False), ["ram.slide"], names)
+    outcome = outcome_of(press(0.2, journals=False), ["ram.slide"], names)
     value = {name: outcome.summaries[name][0] for name in names}
     assert value["drive.second.friction_work"] == value["friction_loss"] > 0
     # A force that stays the same gives back what it took: nothing comes out.
     assert value["mechanical_efficiency"] == pytest.approx(0.0, abs=1e-12)
     scene = press(0.2, journals=False)
     scene["forces"]["work"] |= {"acts": "against"}
-    _, outcome = outcome_of(scene, [], names)
+    outcome = outcome_of(scene, [], names)
     value = {name: (outcome.summaries[name][0], outcome.errors[name][0]) for name in names}
     useful = Q * 2 * R
     found, error = value["mechanical_efficiency"]
@@ -138,7 +137,7 @@ def test_slider_crank__has_the_efficiency_of_its_works():
     assert abs(found - useful / (useful + loss)) <= error + doubt / useful
     # In line, the press loses as much with the crank turning clockwise.
     scene["input"] |= {"speed": -scene["input"]["speed"]}
-    _, outcome = outcome_of(scene, [], names)
+    outcome = outcome_of(scene, [], names)
     assert abs(outcome.summaries["mechanical_efficiency"][0] - found) <= 2 * error
     assert outcome.summaries["friction_loss"][0] == pytest.approx(loss, rel=1e-12)
 
@@ -171,7 +170,7 @@ def wedge(angle: float, face: float, base: float, guide: float, speed: float = 1
 )
 def test_wedge__takes_the_force_of_its_closed_form_both_ways(angle, face, base, guide):
     fields = ["input_moment_with_friction", "lift.inner.friction_power"]
-    _, inwards = outcome_of(wedge(angle, face, base, guide), fields, ["jamming_margin"], positions=8)
+    inwards = outcome_of(wedge(angle, face, base, guide), fields, ["jamming_margin"], positions=8)
     given = {"load": Q, "angle": angle, "friction": face, "base_friction": base, "guide_friction": guide}
     expected, held = one(WEDGE, "drive_force", "withdraw_force", **given)
     margin = inwards.summaries["jamming_margin"][0]
@@ -202,7 +201,7 @@ def test_wedge__jams_at_the_sum_of_its_angles(face, guide):
 
 def test_jammed_results__are_undefined_and_no_numbers():
     fields = ["input_moment_with_friction", "lift.first.reaction"]
-    _, outcome = outcome_of(wedge(1.2, 0.6, 0.1, 0.3), fields, ["friction_loss"], positions=8)
+    outcome = outcome_of(wedge(1.2, 0.6, 0.1, 0.3), fields, ["friction_loss"], positions=8)
     assert outcome.status[0] == Verdict.JAMS
     assert all(np.isnan(row).all() for row in outcome.fields.values())
     assert np.isnan(outcome.summaries["friction_loss"][0])
@@ -222,7 +221,7 @@ def test_yoke__is_pushed_as_an_overhung_slider():
 
 def test_yoke__jams_where_its_overhang_reaches_half_its_length_over_f():
     length, f = 0.12, 0.9
-    _, outcome = outcome_of(yoke(length, f), ["g.first.reaction"], positions=360)
+    outcome = outcome_of(yoke(length, f), ["g.first.reaction"], positions=360)
     assert outcome.status[0] == Verdict.JAMS
     # Panels are shortened towards the place until they are 1e-7 of the turn.
     assert outcome.status_at[0] == pytest.approx(math.asin(length / 2 / f / R), abs=1e-7 * 2 * math.pi)

@@ -12,6 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from closed_forms import slider_motion
 from machines import on, slider_crank
 from scipy.optimize import brentq, minimize_scalar
 
@@ -43,12 +44,8 @@ class Rubbing:
 
     def motion(self, phi: float) -> tuple[float, float, float, float]:
         """Cosine and sine of the rod's angle, rate and second derivative of the ram's place."""
-        s, c = math.sin(phi), math.cos(phi)
-        y = R * s - self.offset
-        root = math.sqrt(ROD**2 - y**2)
-        rate = -R * s - y * R * c / root
-        bend = (R * c * R * c - y * R * s) / root + (y * R * c) ** 2 / root**3
-        return root / ROD, -y / ROD, rate, -R * c - bend
+        place, *rates = slider_motion(phi, R, ROD, self.offset)
+        return (place - R * math.cos(phi)) / ROD, (self.offset - R * math.sin(phi)) / ROD, *rates
 
     def thrust(self, phi: float) -> float:
         """Along the guide, what the rod gives but for the friction."""

@@ -74,12 +74,6 @@ def test_piston_in_a_slot__cylinder_is_borne_by_the_rocker():
     check(scene | {"cylinders": {"pump": cylinder}}, 32, slice(1, None, 3))
 
 
-# Checks that the engine makes itself
-
-
-# Closed forms and published problems
-
-
 # What is asked
 
 

@@ -6,11 +6,10 @@ import mpmath as mp
 import numpy as np
 import pytest
 from each_case import refusals
-from machines import changed, crank, four_bar, frame, moving, on, rpr, rrp, rrr
-from machines import slider_crank as crank_and_ram
+from machines import changed, crank, four_bar, frame, moving, on, rpr, rrp, rrr, slider_crank
 from oracle import EPS
 
-from engine import Machine, Scene, Verdict
+from engine import Machine, Scene
 
 SHAKING = ["shaking_force_x", "shaking_force_y", "shaking_moment"]
 # The motions' harmonics fall below rounding before half of it.
@@ -131,31 +130,22 @@ def test_order__is_the_longer_half_axis_of_its_ellipse(name, revolutions):
         assert found * math.cos(math.pi * n / POSITIONS) <= np.abs(ellipse).max() * (1 + 1e-9)
 
 
-def piston_orders(ratio, orders):
+def piston_orders(ratio):
     """Sizes of the orders of the piston's −x″ over r, by the Fourier integrals of its place: n² c_n."""
 
     def place(phi):
         return mp.cos(phi) + mp.sqrt(1 - (ratio * mp.sin(phi)) ** 2) / ratio
 
     turn = [0, mp.pi / 2, mp.pi]
-    return [abs(float(n**2 * 2 / mp.pi * mp.quad(lambda phi, n=n: place(phi) * mp.cos(n * phi), turn))) for n in orders]
-
-
-def slider_crank(**parts) -> dict:
-    return crank_and_ram(0.3, 1.2, slider="piston", bodies={"piston_body": {"link": "piston", "mass": 2.0}}) | parts
-
-
-def orders_of(scene: dict, positions: int = 360, **settings) -> tuple[np.ndarray, np.ndarray]:
-    names = [f"shaking_force.order_{n}" for n in (1, 2, 4)]
-    outcome = Machine(Scene.model_validate(scene), names, positions=positions, **settings).evaluate({})
-    assert outcome.status[0] == Verdict.OK
-    return tuple(np.array([part[n][0] for n in names]) for part in (outcome.summaries, outcome.errors))
+    return [abs(float(n**2 * 2 / mp.pi * mp.quad(lambda phi, n=n: place(phi) * mp.cos(n * phi), turn))) for n in ORDERS]
 
 
 def test_rod_hardly_longer_than_the_crank__its_orders_are_off_by_no_more_than_the_error_figure():
-    scene = slider_crank(groups={"g": rrp("B", ("rod", "A", 0.301), "piston", "way")})
-    exact = 2.0 * 0.3 * SPEED**2 * np.array(piston_orders(mp.mpf(0.3) / mp.mpf(0.301), (1, 2, 4)))
-    found, errors = orders_of(scene, accuracy=0.5)
+    scene = slider_crank(0.3, 0.301, slider="piston", bodies={"piston_body": {"link": "piston", "mass": 2.0}})
+    exact = 2.0 * 0.3 * SPEED**2 * np.array(piston_orders(mp.mpf(0.3) / mp.mpf(0.301)))
+    names = [f"shaking_force.order_{n}" for n in ORDERS]
+    outcome = Machine(Scene.model_validate(scene), names, accuracy=0.5).evaluate({})
+    found, errors = (np.array([part[name][0] for name in names]) for part in (outcome.summaries, outcome.errors))
     assert (np.abs(found - exact) <= errors).all()
     # The figure isn't large because nothing is known.
     assert max(errors) < 0.5 * exact[0]

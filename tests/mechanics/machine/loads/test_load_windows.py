@@ -6,6 +6,7 @@ force over a window of the stroke does the work force × width, however the cran
 """
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -45,27 +46,10 @@ SUMMARIES = [
 
 def rows_of(windows: list[tuple[float, float, float]]) -> tuple[list[float], list[float]]:
     """A table over the crank angle of moments constant within windows that don't overlap, zero elsewhere."""
-    angles, moments = [], []
-    level = 0.0
-    edges: list[tuple[float, float]] = []
-    for begin, end, moment in windows:
-        edges += [(begin, moment), (end, 0.0)]
-    if not edges or edges[0][0] > 0.0:
-        edges.insert(0, (0.0, 0.0))
-        level = 0.0
-    else:
-        level = None
-    for at, after in edges:
-        if level is not None and at > 0.0:
-            angles.append(at)
-            moments.append(level)
-        if at < TURN:
-            angles.append(at)
-            moments.append(after)
-        level = after
-    if angles[-1] < TURN:
-        angles.append(TURN)
-        moments.append(level)
+    cuts = [0.0, *(at for window in windows for at in window[:2]), TURN]
+    levels = [0.0, *(level for *_, moment in windows for level in (moment, 0.0))]
+    pieces = [(ends, level) for ends, level in zip(pairwise(cuts), levels, strict=True) if ends[0] < ends[1]]
+    angles, moments = [at for ends, _ in pieces for at in ends], [level for _, level in pieces for _ in range(2)]
     # A jump where the cycle closes needs the first row's value last.
     if moments[-1] != moments[0]:
         angles.append(TURN)

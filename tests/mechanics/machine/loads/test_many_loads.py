@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from closed_forms import slider_motion
 from machines import frame, slider_crank
 
 from engine import Machine, Scene
@@ -86,9 +87,7 @@ def test_many_loads__add_up_to_the_sum_of_each(subtests):
     found = machine.evaluate(varied)
 
     q = machine.nodes
-    sine = CRANK * np.sin(q)
-    x = CRANK * np.cos(q) + np.sqrt(ROD**2 - sine**2)
-    rate = -sine - sine * CRANK * np.cos(q) / np.sqrt(ROD**2 - sine**2)
+    x, rate, _ = slider_motion(q, CRANK, ROD, by=np)
     length = np.hypot(x - POST[0], POST[1])
     for k in range(3):
         scale = {path: values[k] for path, values in varied.items()}

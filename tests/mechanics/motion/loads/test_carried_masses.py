@@ -4,11 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from each_case import refusals
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from machines import slider_crank
 
-from engine import Machine, Scene, SceneError, Verdict
+from engine import Machine, Scene, Verdict
 
 GRAVITY, INERTIA, DRUM, WHEEL = 9.81, 0.4, -0.2, 0.5
 NUMBERS = {
@@ -170,17 +171,14 @@ def test_carried_masses__are_in_the_reduced_inertia_and_in_equilibrium():
     assert outcome.summaries["input_moment_disagreement"][0] < 1e-12
 
 
-@pytest.mark.parametrize(
-    ("moment", "off", "path", "mend"),
-    [
-        ({"on": "rod"}, [], "moments.rope.on", "allowed: crank, drum, wheel"),
-        ({}, ["rope"], "regimes.go.off", "always moves with the machine"),
-    ],
-)
-def test_what_has_no_meaning__is_refused_in_words(moment, off, path, mend):
+def loaded(moment, off):
     moments = SCENE["moments"] | {"rope": SCENE["moments"]["rope"] | moment}
     regimes = {"go": SCENE["regimes"]["go"] | {"off": off}}
-    with pytest.raises((SceneError, ValueError)) as error:
-        Machine(Scene.model_validate(SCENE | {"moments": moments, "regimes": regimes}))
-    assert path in str(error.value)
-    assert mend in str(error.value)
+    Machine(Scene.model_validate(SCENE | {"moments": moments, "regimes": regimes}))
+
+
+test_what_has_no_meaning__is_refused_in_words = refusals(
+    loaded,
+    ({"on": "rod"}, [], "moments.rope.on … allowed: crank, drum, wheel"),
+    ({}, ["rope"], "regimes.go.off … always moves with the machine"),
+)

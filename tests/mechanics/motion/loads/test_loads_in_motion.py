@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from motion_scenes import ECCENTRIC_MASS, MOMENTS, RAM_MASS, Found, ask, slider_crank, steady
+from closed_forms import slider_motion
+from motion_scenes import ECCENTRIC_MASS, MOMENTS, RADIUS, RAM_MASS, ROD, Found, ask, crank_alone, slider_crank, steady
 from oracle import EPS
 from test_loads_in_runs import COLUMNS, PAIRS
 
@@ -35,11 +36,6 @@ def rows_of(found: Found) -> dict[str, np.ndarray]:
     return {name.partition(".")[2]: row[0] for name, row in found.fields.items()}
 
 
-def numbers_of(found: Found) -> list[str]:
-    """Statistics that aren't places: of two that are nearly as great, either may be the place of the greatest."""
-    return [name for name in found.values if not name.endswith("_at")]
-
-
 @pytest.mark.parametrize("speed", [10.0, -10.0])
 def test_slider_crank__shaking_force_is_what_all_masses_take(speed):
     rows = rows_of(settled("dc cut fan", flywheel=0.05, speed=speed))
@@ -47,9 +43,7 @@ def test_slider_crank__shaking_force_is_what_all_masses_take(speed):
     omega, epsilon = rows["speed"], rows["acceleration"]
     assert np.ptp(omega) > 1.0
     s, c = np.sin(phi), np.cos(phi)
-    root = np.sqrt(0.2**2 - (0.05 * s) ** 2)
-    first = -0.05 * s - 0.05**2 * s * c / root
-    second = -0.05 * c - 0.05**2 * (c * c - s * s) / root - (0.05**2 * s * c) ** 2 / root**3
+    _, first, second = slider_motion(phi, RADIUS, ROD, by=np)
     ram = RAM_MASS * (omega**2 * second + epsilon * first)
     arm = ECCENTRIC_MASS * 0.03
     x = -ram + arm * (omega**2 * c + epsilon * s)
@@ -93,8 +87,8 @@ def test_brake_left_on__is_borne_by_the_frame():
 def test_error_figures__cover_what_little_accuracy_misses(only, flywheel, steeper):
     motor = {"stall_moment": MOMENTS["dc"]["stall_moment"] * steeper}
     rough, fine = (settled(only, accuracy=each, flywheel=flywheel, dc=motor) for each in (1e-3, 1e-10))
-    for name in numbers_of(rough):
-        assert abs(rough[name] - fine[name]) <= rough.figure(name) + fine.figure(name), name
+    # Of two extremes that are nearly as great, either may be the place of the greatest.
+    rough.agrees(fine, *(name for name in rough.values if not name.endswith("_at")))
 
 
 # An engine
@@ -128,13 +122,7 @@ def test_idling_engine__gas_of_the_ignition_on_its_pin():
 
 
 def test_table_of_positions__without_regimes():
-    scene = {
-        "points": {"O": {"x": 0, "y": 0}},
-        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.1, "speed": 10.0},
-        "bodies": {"wheel": {"link": "crank", "mass": 2.0, "inertia": 0.1}},
-        "moments": {"dc": MOMENTS["dc"] | {"on": "crank"}, "fan": MOMENTS["fan"]},
-        "regimes": {"on": {"type": "steady"}},
-    }
+    scene = crank_alone(0.1, {name: MOMENTS[name] for name in ("dc", "fan")}, {"on": {"type": "steady"}}, 10.0)
     names = readings_at(Scene.model_validate(scene), 8).values
     assert "input.reaction" in names
     assert not [name for name in names if name.startswith("on.")]

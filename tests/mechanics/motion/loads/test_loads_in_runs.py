@@ -5,7 +5,22 @@ import math
 import numpy as np
 import pytest
 from machines import compare
-from motion_scenes import GRAVITY, RATIO, ask, pendulum, rotor, run, slider_crank, steady
+from motion_scenes import (
+    ARM,
+    CLUTCH,
+    GRAVITY,
+    RATIO,
+    SWUNG_INERTIA,
+    SWUNG_MASS,
+    WEIGHT,
+    ask,
+    behind,
+    pendulum,
+    rotor,
+    run,
+    slider_crank,
+    steady,
+)
 from newton_euler import reactions
 from oracle import EPS
 
@@ -27,11 +42,6 @@ def asked(*regimes: str) -> str:
     return " ".join(f"{regime}.{name}" for regime in regimes for name in ASKED)
 
 
-def covered(found, name: str, value: float) -> None:
-    """A number is what it should be, to its own error estimate."""
-    assert found[name] == pytest.approx(value, rel=0, abs=found.figure(name)), name
-
-
 # Closed forms
 
 
@@ -47,13 +57,13 @@ def test_rotor_under_a_constant_moment__accelerates_evenly_and_loads_its_bearing
     epsilon = 3.0 / (0.02 + mass * arm**2)
     top = math.sqrt(2.0 * epsilon * 6.0 * math.pi)
     for end in ("min", "max"):
-        covered(found, f"go.acceleration.{end}", math.copysign(epsilon, speed))
-    covered(found, "go.speed.max", top)
+        found.covers(f"go.acceleration.{end}", math.copysign(epsilon, speed))
+    found.covers("go.speed.max", top)
     assert found["go.speed.max_time"] == pytest.approx(top / epsilon, rel=1e-9)
     # Centrifugal and tangential inertia of the mass: m e √(ω⁴ + ε²).
     for name in ("input.reaction", "shaking_force"):
-        covered(found, f"go.{name}.min", mass * arm * epsilon)
-        covered(found, f"go.{name}.max", mass * arm * math.hypot(top**2, epsilon))
+        found.covers(f"go.{name}.min", mass * arm * epsilon)
+        found.covers(f"go.{name}.max", mass * arm * math.hypot(top**2, epsilon))
         assert found[f"go.{name}.min_time"] == 0.0
 
 
@@ -66,26 +76,22 @@ def test_extreme_at_a_jump__is_that_of_its_own_side(speed, before):
     found = ask(scene, "go.load_moment.min go.load_moment.max", 240)
     # The table falls by 12 N·m/rad at most, and is read 1e-10 rad beside the jump.
     for name, value in (("min", min(before, 7.0 - before)), ("max", max(before, 7.0 - before))):
-        covered(found, f"go.load_moment.{name}", value)
+        found.covers(f"go.load_moment.{name}", value)
         assert found.figure(f"go.load_moment.{name}") <= 1e-8
 
 
 def test_pendulum_let_go__bears_its_weight_and_twice_the_energy_of_its_fall():
-    mass, arm, inertia = 2.0, 0.25, 0.05
     # From the horizontal, until it comes to the same height again on the other side.
-    scene = pendulum({"go": run("gravity", from_angle=math.pi, from_speed=0.0, reversal=True)}, mass, arm, inertia)
+    scene = pendulum({"go": run("gravity", from_angle=math.pi, from_speed=0.0, reversal=True)})
     found = ask(scene, asked("go"), 240)
-    whole = inertia + mass * arm**2
     # At the bottom: ½ I ω² = m g e, and R = m g + m ω² e; at the ends: ε = m g e/I, and R = m (g − ε e).
-    omega_squared, epsilon = 2.0 * mass * GRAVITY * arm / whole, mass * GRAVITY * arm / whole
-    covered(found, "go.input.reaction.max", mass * GRAVITY + mass * omega_squared * arm)
-    assert found["go.input.reaction.max_at"] == pytest.approx(
-        1.5 * math.pi, abs=found.figure("go.input.reaction.max_at")
-    )
-    covered(found, "go.input.reaction.min", mass * (GRAVITY - epsilon * arm))
-    covered(found, "go.acceleration.max", epsilon)
-    covered(found, "go.acceleration.min", -epsilon)
-    covered(found, "go.acceleration.amplitude", epsilon)
+    omega_squared, epsilon = 2.0 * WEIGHT / SWUNG_INERTIA, WEIGHT / SWUNG_INERTIA
+    found.covers("go.input.reaction.max", SWUNG_MASS * GRAVITY + SWUNG_MASS * omega_squared * ARM)
+    found.covers("go.input.reaction.max_at", 1.5 * math.pi)
+    found.covers("go.input.reaction.min", SWUNG_MASS * (GRAVITY - epsilon * ARM))
+    found.covers("go.acceleration.max", epsilon)
+    found.covers("go.acceleration.min", -epsilon)
+    found.covers("go.acceleration.amplitude", epsilon)
 
 
 # Against Newton and Euler, at the instants of a history
@@ -102,12 +108,7 @@ def test_start_and_stop__newton_euler_at_every_instant(speed):
 def test_clutch_that_slips_and_opens__newton_euler_at_every_instant(speed):
     spin = run("dc gravity", time=0.3)
     regimes = {"spin": spin, "go": run("dc gravity", time=0.4), "stop": run("brake gravity", rest=True)}
-    scene = slider_crank(regimes, speed, flywheel=0.2)
-    scene["shafts"]["motor_shaft"]["inertia"] = 0.004
-    scene["moments"]["dc"] = scene["moments"]["dc"] | {"on": "motor_shaft"}
-    scene["couplings"] = {"clutch": {"type": "friction_clutch", "shaft": "motor_shaft", "capacity": 4.0}}
-    for name in ("spin", "stop"):
-        scene["regimes"][name]["off"].append("clutch")
+    scene = behind(slider_crank(regimes, speed, flywheel=0.2), open_in="spin stop", clutch=CLUTCH)
     # Besides, the shaft's inertia turns the frame.
     seen = loads_are_in_equilibrium(scene, COLUMNS[:-1])
     slips = (seen.regime == "go") & (np.abs(seen.shaft_speed) > RATIO * np.abs(seen.speed) * (1 + 1e-9))
@@ -161,9 +162,7 @@ def test_history__comes_near_the_extremes_and_never_beyond():
 def test_error_figures__cover_what_little_accuracy_misses(only):
     scene = slider_crank({"go": run(only, time=0.6)}, flywheel=0.5 if "induction" in only else 0.05)
     rough, fine = (ask(scene, asked("go"), accuracy=accuracy) for accuracy in (1e-3, 1e-10))
-    for name in rough.values:
-        if not name.endswith(("_at", "_time")):
-            assert abs(rough[name] - fine[name]) <= rough.figure(name) + fine.figure(name), name
+    rough.agrees(fine, *(name for name in rough.values if not name.endswith(("_at", "_time"))))
 
 
 # What can't be

@@ -4,15 +4,17 @@ import math
 from collections.abc import Callable, Iterable
 from itertools import pairwise
 
+import machines
 import numpy as np
 import pytest
+from motion_scenes import crank_alone
 from scipy.integrate import solve_ivp
 
 from engine import Machine, Outcome, Scene, Verdict
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import regime_text
 
-INERTIA, CRANK, ROD, MASS = 0.4, 0.05, 0.2, 3.0
+INERTIA = 0.4
 RTOL = 1e-12
 
 
@@ -20,15 +22,10 @@ def moment(formula: str, **more: object) -> dict:
     return {"type": "formula", "on": "crank", "moment": formula, **more}
 
 
-def crank(moments: dict, regimes: dict, speed: float = 20.0) -> dict:
-    """A crank with a drum, I = 0.4 kg·m²; only the moments that a regime names act in it."""
-    return {
-        "points": {"O": {"x": 0, "y": 0}},
-        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": CRANK, "speed": speed},
-        "bodies": {"drum": {"link": "crank", "mass": 1.0, "inertia": INERTIA}},
-        "moments": moments,
-        "regimes": {name: only(names, moments) | regime for name, (names, regime) in regimes.items()},
-    }
+def crank(moments: dict, regimes: dict) -> dict:
+    """A crank alone, I = 0.4 kg·m²; only the moments that a regime names act in it."""
+    regimes = {name: only(names, moments) | regime for name, (names, regime) in regimes.items()}
+    return crank_alone(INERTIA, moments, regimes, 20.0)
 
 
 def only(names: list[str], actions: Iterable[str]) -> dict:
@@ -285,11 +282,9 @@ def test_regimes_under_formulas__are_those_under_the_loads_they_restate():
             f"{kind}_stop": (acting, {"type": "run", "rest": True}),
         }
     # Turning backwards, where a sign mistaken would show.
-    scene = crank(moments, {}, -20.0) | {"guides": {"way": {}}, "forces": forces}
+    scene = crank(moments, {}) | machines.slider_crank(speed=-20.0, group="drive", forces=forces)
     scene["regimes"] = {name: only(names, [*moments, *forces]) | regime for name, (names, regime) in regimes.items()}
-    first, second = {"link": "rod", "joint": "A", "length": ROD}, {"link": "ram", "guide": "way"}
-    scene["groups"] = {"drive": {"type": "RRP", "inner": "B", "first": first, "second": second}}
-    scene["bodies"]["ram_body"] = {"link": "ram", "mass": MASS}
+    scene["bodies"]["ram_body"] = {"link": "ram", "mass": 3.0}
     asked = [f"{kind}_{name}" for kind in ("own", "said") for name in ASKED]
     outcome = Machine(Scene.model_validate(scene), asked, positions=720).evaluate({})
     assert outcome.status[0] == Verdict.OK

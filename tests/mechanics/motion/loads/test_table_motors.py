@@ -6,7 +6,7 @@ import machines
 import numpy as np
 import pytest
 from element_samples import figures
-from motion_scenes import INERTIA, RATIO, ask, rotor, run, slider_crank, steady
+from motion_scenes import CLUTCH, INERTIA, RATIO, SHAFT_INERTIA, ask, behind, rotor, run, slider_crank, steady
 from scipy.integrate import quad, solve_ivp
 
 # Rises to a hump, falls through zero, and brakes on the line of its last rows.
@@ -44,8 +44,7 @@ def test_regimes_under_a_table__are_those_under_its_formula():
     pairs = {name: f"said_{name}" for name in ASKED.split()} | {"start.motor_work": "said_start.driving_work"}
     found = ask(driven(slider_crank(REGIMES)), " ".join([*pairs, *pairs.values()]))
     for name, said in pairs.items():
-        room = found.figure(name) + found.figure(said) + 1e-13 * abs(found[said])
-        assert abs(found[name] - found[said]) <= room, name
+        found.covers(name, found[said], found.figure(said) + 1e-13 * abs(found[said]))
         assert found.figure(name) <= 1e-5 * abs(found[name])
 
 
@@ -55,7 +54,7 @@ def test_start_of_a_rotor__takes_the_integral_of_its_acceleration():
     knots = [knot / RATIO for knot in SPEED if knot < 13.0 * RATIO]
     pieces = zip(knots, [*knots[1:], 13.0], strict=True)
     time = sum(quad(lambda w: INERTIA / (RATIO * torque(RATIO * w)), *piece, epsrel=1e-12)[0] for piece in pieces)
-    assert abs(found["start.time"] - time) <= found.figure("start.time") + 1e-12 * time
+    found.covers("start.time", time, 1e-12 * time)
     # At the hump, reduced to the crank: more than at both ends.
     assert found["start.motor_moment_peak"] == pytest.approx(RATIO * 12.0, rel=1e-12)
 
@@ -71,19 +70,18 @@ def test_torque_at_the_speed_of_the_scene__is_that_of_the_table():
 
 
 def test_start_through_a_clutch__goes_as_a_general_integrator_does():
-    own, capacity, load = 0.004, 1.5, 0.4
+    capacity, load = 1.5, 0.4
     scene = driven(rotor({"start": run("dc rub", from_speed=0.0, from_shaft_speed=80.0, time=0.4)}))
-    scene["shafts"]["motor_shaft"]["inertia"] = own
-    scene["couplings"] = {"clutch": {"type": "friction_clutch", "shaft": "motor_shaft", "capacity": capacity}}
+    scene = behind(scene, clutch=CLUTCH | {"capacity": capacity})
     found = ask(scene, "start.final_speed start.motor_shaft_final_speed start.clutch_heat")
 
     def rates(_: float, y: np.ndarray) -> list[float]:
-        return [(RATIO * capacity - load) / INERTIA, (torque(y[1]) - capacity) / own]
+        return [(RATIO * capacity - load) / INERTIA, (torque(y[1]) - capacity) / SHAFT_INERTIA]
 
     gone = solve_ivp(rates, (0.0, 0.4), [0.0, 80.0], method="DOP853", rtol=1e-12, atol=1e-12, max_step=1e-3)
     # Bends cost the general integrator some of its digits.
     for name, value in zip(("final_speed", "motor_shaft_final_speed"), gone.y[:, -1], strict=True):
-        assert abs(found[f"start.{name}"] - value) <= found.figure(f"start.{name}") + 1e-9 * value
+        found.covers(f"start.{name}", value, 1e-9 * value)
 
 
 def test_start_on_an_elastic_shaft__is_that_of_two_masses():
@@ -102,7 +100,7 @@ def test_start_on_an_elastic_shaft__is_that_of_two_masses():
     keys = ["d.run_greatest_moment", "d.run_greatest_at", "d.run_motor_speed", "d.run_machine_speed", "d.mean_speed"]
     found = ask(scene, " ".join(keys))
     for key, value, off in zip(keys, expected, room, strict=False):
-        assert abs(found[key] - value) <= found.figure(key) + off, key
+        found.covers(key, value, off)
     # 1 N·m·s against a torque that falls from 140 N·m at 5 rad/s to nothing at 20 rad/s.
     speed = 140.0 / 15.0 * 20.0 / (1.0 + 140.0 / 15.0)
     assert found["d.mean_speed"] == pytest.approx(speed, rel=1e-9)
