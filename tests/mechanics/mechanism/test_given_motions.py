@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 from loaded_machines import asked, loaded
-from machines import chain, slider_crank
+from machines import chain, moving, slider_crank
 from reaction_graphs import ReactionValues
 
 from engine import Machine, Scene, Verdict
@@ -59,3 +59,12 @@ def test_slider_crank_on_a_braking_vehicle__works_against_the_inertia_of_its_ram
     work = np.cumsum(0.5 * (moment[0][1:] + moment[0][:-1]) * np.diff(angle))
     np.testing.assert_allclose(work, 24.0 * (place[0][1:] - place[0][0]), atol=1e-3)
     np.testing.assert_array_equal(moment[1], 0.0)
+
+
+def test_spring_with_a_damper__pulls_as_both_do():
+    def pull(**own):
+        scene = slider_crank(springs={"coil": {"between": ["O", "B"], **own}})
+        return moving(scene, ["coil.force_x"], 16)[1]["coil.force_x"]
+
+    stiff, damped = {"stiffness": 300.0, "free_length": 0.1}, {"damping": 7.0}
+    np.testing.assert_allclose(pull(**stiff, **damped), pull(**stiff) + pull(**damped), atol=1e-13 * 300.0)

@@ -59,7 +59,7 @@ def test_formulas__are_read_with_their_numbers(tmp_path):
 
 
 FORCES = [
-    *("0", "k * ram.slide", "-3 kN * sign(v) * abs(v / (1 m/s))^1.5", "2 kN if ram.from_high < 10 mm and v > 0 else 0"),
+    *("0", "k * ram.slide", "-3 kN * sign(v) * abs(v / (1 m/s))^1.5", "2kN if ram.from_high < 10mm and v > 0 else 0"),
     *("k * ram.stroke * (ram.from_low / ram.stroke)^n", "1 kN * exp(-t / (2 s)) * cos(rod.angle - 30 deg)"),
     *("gravity * 2 kg + forces.cut.numbers.k * input.length", "5 N s/m * (v + A.vx + ram.velocity)"),
     *("min(k * 1 mm, 2 bar * 3 cm2)", "3 N m s2 / ram.stroke_high * rod.angular_velocity^2"),
