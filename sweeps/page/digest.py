@@ -15,7 +15,7 @@ from sweeps.text.conditions import Condition, parts_of
 
 MOST_BEST, MOST_SAMPLED = 500, 2000
 # Ordered axes, whose variants have neighbours; samples and tables have no order.
-ORDERED_AXES = ("Listed", "Linear", "Logarithmic")
+ORDERED_AXES = ("Listed", "Steps")
 
 
 class ConditionEffect(NamedTuple):
