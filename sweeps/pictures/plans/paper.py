@@ -19,7 +19,7 @@ from sweeps.pictures.style import GREY, MM_PER_INCH
 MM_PER_POINT = MM_PER_INCH / 72
 LETTERS = 8.0
 # Sizes on paper [mm].
-HEAD, HALF_HEAD = 2.4, 0.55
+HEAD, HALF_HEAD, DOT = 2.4, 0.55, 0.45
 # Height of the strip for the scale along the lower edge.
 STRIP = 5.0
 LEAST_VECTOR = 0.4
@@ -123,13 +123,9 @@ class Paper:
         self.ax.plot(z.real, z.imag, color=colour, linewidth=width, linestyle=dashes, zorder=6, solid_capstyle="round")
         self.mark(points)
 
-    def is_seen(self, vector: complex) -> bool:
-        """Whether a vector is long enough to draw."""
-        return abs(vector) >= LEAST_VECTOR * self.per_mm
-
     def arrow(self, start: complex, vector: complex, text: str, colour: str, width: float = 1.1) -> None:
         """Draw a vector with its symbol, if long enough."""
-        if not self.is_seen(vector):
+        if abs(vector) < LEAST_VECTOR * self.per_mm:
             return
         length, u = abs(vector) / self.per_mm, vector / abs(vector)
         head = min(HEAD, 0.6 * length) * self.per_mm
@@ -171,14 +167,12 @@ class Paper:
         places, costs = (np.array(part) for part in zip(*found, strict=True))
         self._labels.append(_Label(text, colour, places, costs, half, origin))
 
-    def dot(self, at: complex, text: str, size: float = 0.45) -> None:
-        """Draw a named point of radius `size` [mm]."""
-        self.ax.add_artist(
-            Circle((at.real, at.imag), size * self.per_mm, facecolor="black", edgecolor="none", zorder=8)
-        )
-        around = at + size * self.per_mm * np.exp(2j * np.pi * np.arange(5) / 4)
-        self.mark(around)
-        self.name(at, text, clear=size + 0.3)
+    def dot(self, at: complex, text: str) -> None:
+        """Draw a named point."""
+        radius = DOT * self.per_mm
+        self.ax.add_artist(Circle((at.real, at.imag), radius, facecolor="black", edgecolor="none", zorder=8))
+        self.mark(at + radius * np.exp(2j * np.pi * np.arange(5) / 4))
+        self.name(at, text, clear=DOT + 0.3)
 
     def scale(self, bar: str, note: str) -> None:
         """Draw a scale bar of 20 mm in the lower left corner, with its length and the scale."""

@@ -203,13 +203,13 @@ class Pose:
     @cached_property
     def acting(self) -> list[engine.LinkForce]:
         """All loads of each link: points and forces as x + iy."""
-        found = self.cycle.link_forces
-        moments = [None if force.moment is None else float(force.moment[self.k]) for force in found]
-        vectors = [
-            [None if row is None else complex(row[self.k]) for row in (force.at, force.force)] for force in found
-        ]
+
+        def here(row: np.ndarray | None) -> complex | float | None:
+            return None if row is None else row[self.k].item()
+
         return [
-            f._replace(at=at, force=force, moment=m) for f, (at, force), m in zip(found, vectors, moments, strict=True)
+            force._replace(at=here(force.at), force=here(force.force), moment=here(force.moment))
+            for force in self.cycle.link_forces
         ]
 
     def centre(self, body: str) -> Movement:
