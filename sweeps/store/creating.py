@@ -57,20 +57,18 @@ def numbered_name(path: Path) -> Path:
     return next(name for name in names if not name.exists() and not part_path(name).exists())
 
 
-def check_space(path: Path, layout: FileLayout, freed: int = 0) -> None:
+def check_space(path: Path, layout: FileLayout) -> None:
     """Raise a `StoreError` with required and free space if the file would not fit.
 
     Parameters
     ----------
     path : Path
-        Planned file.
+        Planned file; an existing one is replaced.
     layout : FileLayout
         Its shape.
-    freed : int
-        Bytes freed before it is made.
     """
     with explained(path, "check the disk space for"):
-        free = shutil.disk_usage(path.absolute().parent).free + freed
+        free = shutil.disk_usage(path.absolute().parent).free + (path.stat().st_size if path.exists() else 0)
     if layout.bytes() > free:
         raise StoreError(
             f"{path} needs {bytes_text(layout.bytes())}, {bytes_text(free)} are free on its disk. Request fewer "

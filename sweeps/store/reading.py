@@ -59,8 +59,6 @@ class MappedResult:
         Blocks written at the time of opening.
     flat, fields : list of str
         Names of the columns over variants only (without axes), and of those over another axis.
-    has_checksums : bool
-        Files of earlier versions have none; their blocks count as intact.
     edited : list of str
         Modified text attributes and axes.
 
@@ -90,12 +88,9 @@ class MappedResult:
             flags = progress["block_done"][:]
             self.done = flags == DONE
             self._misflagged = ~self.done & ((flags != 0) | finished)
-            self.has_checksums = "block_checksum" in progress
-            self._sums = {
-                kind: progress[name][:]
-                for kind, name in (("flat", "block_checksum"), ("fields", "fields_checksum"))
-                if name in progress
-            }
+            self._sums = {"flat": progress["block_checksum"][:]}
+            if "fields_checksum" in progress:
+                self._sums["fields"] = progress["fields_checksum"][:]
             noted, found = json.loads(progress.attrs.get("text_checksums", "{}")), texts_checksums(texts_of(file))
             self.edited = [_shown_text(name) for name, crc in noted.items() if found.get(name) != crc]
             axes = [axis for axis in self.axes.values() if axis]

@@ -93,7 +93,7 @@ class Store:
         store._hold()
         try:
             if restart:
-                creating.check_space(store.part, layout, freed=_file_size(store.part))
+                creating.check_space(store.part, layout)
                 creating.remove_unlocked(store.part)
             if store.part.exists() and store._continue():
                 return store
@@ -323,10 +323,6 @@ def _same_study(file: h5py.File, layout: FileLayout) -> bool:
     theirs, ours = layout_record(file), layout.record()
     same = theirs | {"block": 0} == ours | {"block": 0}
     return same and file.attrs.get("study_hash") == layout.attributes["study_hash"]
-
-
-def _file_size(path: Path) -> int:
-    return path.stat().st_size if path.exists() else 0
 
 
 def update_texts(path: Path, attributes: Mapping[str, str]) -> None:
