@@ -248,7 +248,7 @@ def tell_data(data: object) -> None:
 
 def stop_without_answer(result: "SweepResult") -> None:
     """Exit with a special code if no variant has a result, or none meets the conditions of the question."""
-    works = result.verdict_counts()[engine.Verdict.OK]
+    works = result.verdict_counts[engine.Verdict.OK]
     if not works or (result.aim is not None and result.file.variants > 1 and result.best(result.aim) is None):
         sys.exit(NO_ANSWER)
 

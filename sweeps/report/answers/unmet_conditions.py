@@ -84,7 +84,7 @@ def no_answer_text(result: SweepResult, noun: str = "variant") -> str:
     noun : str
         What a variant is called.
     """
-    aim, counts = result.aim, result.verdict_counts()
+    aim, counts = result.aim, result.verdict_counts
     if result.count_meeting(aim.where):
         met = " that meet the conditions" if aim.where else ""
         return f"{aim.goal} is undefined for all {noun}s{met}."
@@ -100,7 +100,7 @@ def no_answer_text(result: SweepResult, noun: str = "variant") -> str:
 
 def _asked(result: SweepResult) -> _Asked | None:
     """Conditions on the computed variants, or if none is computed those that dropped the others."""
-    counts, conditions = result.verdict_counts(), parts_of(result.aim.where)
+    counts, conditions = result.verdict_counts, parts_of(result.aim.where)
     if counts[Verdict.OK] and conditions:
         return _Asked(conditions, Verdict.OK)
     if counts[Verdict.DROPPED]:
