@@ -15,10 +15,7 @@ from functools import cache, lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
-import llvmlite
-import numba
 import numpy as np
-import scipy
 from distributed import Worker, get_worker
 from llvmlite.binding import get_host_cpu_name
 
@@ -26,6 +23,7 @@ from engine import set_threads, sources_digest, threads
 from sweeps.run.blocks import evaluate_variants
 from sweeps.run.cost import seconds_of_variant
 from sweeps.run.reuse import Blocks, Excerpt
+from sweeps.text.versions import versions_of
 
 # Prepared studies per worker.
 MACHINES_KEPT = 2
@@ -71,15 +69,9 @@ def program_digest() -> str:
 
 def own_greeting() -> Greeting:
     """Identity of this process."""
-    versions = {
-        "Python": platform.python_version(),
-        "numba": numba.__version__,
-        "llvmlite": llvmlite.__version__,
-        "NumPy": np.__version__,
-        "SciPy": scipy.__version__,
-        # Last, as it includes the others.
-        "machine-sweeps": program_digest()[:12],
-    }
+    versions = {"python": platform.python_version()} | versions_of("numba", "llvmlite", "numpy", "scipy")
+    # Last, as it includes the others.
+    versions["machine-sweeps"] = program_digest()[:12]
     return Greeting(versions, get_host_cpu_name(), platform.node(), threads())
 
 
