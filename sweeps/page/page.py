@@ -96,12 +96,9 @@ def _answer(digest: Digest) -> str:
 def _remark(digest: Digest) -> str:
     if digest.is_one:
         return ""
-    text = f"{digest.result.verdict_counts[Verdict.OK]} of {digest.result.file.variants} variants work."
-    return (
-        f"{text} {digest.result.count_meeting(digest.where)} meet the condition."
-        if digest.aim and digest.aim.where
-        else text
-    )
+    result = digest.result
+    text = f"{result.verdict_counts[Verdict.OK]} of {result.file.variants} variants work."
+    return f"{text} {result.count_meeting(digest.where)} meet the condition." if digest.where else text
 
 
 def _sample_words(digest: Digest, moving: int) -> str:

@@ -170,11 +170,9 @@ class StudyReader:
         if path.isidentifier() and path in self._names_used:
             return ""
         words = "is not a number that the scene gives"
-        return (
-            f"{words}; give it there first"
-            if is_absent(self.scene, path)
-            else (engine.unknown_name_message(path, self.numbers, words))
-        )
+        if is_absent(self.scene, path):
+            return f"{words}; give it there first"
+        return engine.unknown_name_message(path, self.numbers, words)
 
     def _refusal(self, path: str, others: Iterable[str]) -> str:
         """Why a number of the scene can't vary (it has no effect), or "".

@@ -124,15 +124,13 @@ def _closest_text(result: SweepResult, asked: _Asked, noun: str) -> str:
     A choice of parameters, `forces.load.scale == 1`, can't be missed by a little: variants that meet all of these come
     first.
     """
-    parameters = set(result.parameters) if asked.verdict == Verdict.OK else set()
-    fixed = [set(condition.names) <= parameters for condition in asked.conditions]
+    parameters, computed = set(result.parameters), asked.verdict == Verdict.OK
+    fixed = [computed and parameters.issuperset(condition.names) for condition in asked.conditions]
     best, nearest = (np.inf, np.inf), (0, np.zeros(len(fixed), bool))
     for chosen, missed, margins in _judged(result, asked):
         if not chosen.size:
             continue
-        wrong = (
-            (missed & np.array(fixed)[:, None]).sum(axis=0) if asked.verdict == Verdict.OK else np.zeros(chosen.size)
-        )
+        wrong = (missed & np.array(fixed)[:, None]).sum(axis=0)
         worst = np.where(missed, np.maximum(margins, 0.0), 0.0).max(axis=0)
         k = int(np.lexsort((worst, wrong))[0])
         if (wrong[k], worst[k]) < best:
