@@ -3,7 +3,6 @@
 import json
 import re
 import sys
-import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from functools import reduce, wraps
@@ -275,12 +274,6 @@ def tell_warnings(result: "SweepResult") -> None:
         tell(f"Warning: {warning}")
 
 
-def tell_files(made: list[Path], started: float) -> None:
-    """List the files written since `started` (`time.perf_counter`)."""
-    tell(f"Files ({time.perf_counter() - started:.1f} s):")
-    tell("\n".join(f"  {path}" for path in made))
-
-
 def pictures_beside(out: Path) -> list[Path]:
     """Pictures and pages of a result."""
     others = [file.stem for file in out.parent.glob("*.h5") if file.stem.startswith(f"{out.stem}_")]
@@ -320,12 +313,6 @@ def plots_of(result: "SweepResult", study: Path) -> list[Path]:
 def names_in(text: str) -> tuple[str, ...]:
     """Names separated by commas."""
     return tuple(n.strip() for n in text.split(",") if n.strip())
-
-
-def use_threads(jobs: int | None) -> None:
-    """Set the number of threads (default: all cores)."""
-    if jobs is not None:
-        engine.set_threads(jobs)
 
 
 @contextmanager

@@ -85,7 +85,7 @@ def bearing_load(cycle: MachineCycle, pair: str, axes: str = FRAME) -> BearingLo
         raise PictureError(f"bearing load: {pair} is unloaded; give the machine masses, forces or gravity")
     on = found.other if axes == found.other != FRAME else found.link
     sign = 1 if on == found.link else -1
-    return BearingLoad(cycle, found, axes, on, sign * force * cycle.motion.axes(axes)[1].conj())
+    return BearingLoad(cycle, found, axes, on, sign * force * cycle.motion.axes[axes][1].conj())
 
 
 def shares(load: BearingLoad, width: float = WIDTH) -> np.ndarray:

@@ -92,5 +92,5 @@ def _number(paper: Paper, pose: Pose, link: str) -> None:
         a, b = max(((p, q) for p in places for q in places), key=lambda ends: abs(ends[1] - ends[0]))
         middle = (a + b) / 2
     else:
-        middle = complex(pose.motion.axes(link)[0][pose.k])
+        middle = complex(pose.motion.axes[link][0][pose.k])
     paper.name(middle, str(pose.number(link)), BLUE, clear=1.2 if len(places) > 1 else 2.6)

@@ -183,11 +183,11 @@ class Pose:
 
     def direction(self, link: str) -> complex:
         """Unit vector of a link's x axis."""
-        return complex(self.motion.axes(link)[1][self.k])
+        return complex(self.motion.axes[link][1][self.k])
 
     def guide(self, name: str) -> complex:
         """Unit vector of a guide."""
-        return complex(self.motion.guide(name)[1][self.k])
+        return complex(self.motion.guides[name][1][self.k])
 
     def origin(self, link: str) -> Movement:
         """Motion of the origin of a link's axes."""

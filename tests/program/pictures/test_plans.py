@@ -177,7 +177,7 @@ def test_images_of_contacts__as_their_links_carry_them(name):
             for image, vector in plan.images.items():
                 if image.rstrip("'") not in plan.places:
                     continue
-                origin, along = cycle.motion.axes(link_of(pose, plan, image))
+                origin, along = cycle.motion.axes[link_of(pose, plan, image)]
                 kept = (plan.places[image.rstrip("'")] - origin[k]) / along[k]
                 path = origin[around] + kept * along[around]
                 rate = (weights @ path) * (cycle.omega / step) ** order
