@@ -122,7 +122,7 @@ class Store:
         StoreError
             System error.
         """
-        file, rows = self._opened(), self.layout.slice(i)
+        file, rows = self._file, self.layout.slice(i)
         with explained(self.part, "read"):
             return {c.name: file[c.name][rows] for c in self.layout.columns}
 
@@ -145,7 +145,7 @@ class Store:
         """
         rows = self.layout.slice(i)
         arrays = self._checked(rows, arrays)
-        file = self._opened()
+        file = self._file
         with explained(self.part, "write"):
             for name, values in arrays.items():
                 if name != "status":
@@ -182,7 +182,7 @@ class Store:
             return
         if self.pending:
             raise StoreError(f"{self.part} cannot be finished: {len(self.pending)} blocks are not done.")
-        file = self._opened()
+        file = self._file
         with explained(self.part, "finish"):
             creating.write_final_text(file, "finished", datetime.now(UTC).isoformat(timespec="seconds"))
             creating.write_final_text(file, "outcome", outcome)
@@ -192,7 +192,7 @@ class Store:
             with self.part.open("rb+") as plain:
                 os.fsync(plain.fileno())
             if keep_former and self.path.exists():
-                kept = creating.previous_name(self.path)
+                kept = self.path.with_name(f"{self.path.stem}.previous{self.path.suffix}")
                 self.path.replace(kept)
                 self.notes.append(f"The previous {self.path} is kept as {kept}.")
             self.part.replace(self.path)
@@ -254,7 +254,7 @@ class Store:
 
     def _forget(self, blocks: list[int]) -> None:
         """Make blocks pending again."""
-        file = self._opened()
+        file = self._file
         for i in blocks:
             file["progress/block_done"][i] = 0
             if "status" in file:
@@ -288,11 +288,6 @@ class Store:
         if not self.finished:
             self.sources = tuple(dict.fromkeys((*self.sources, self.path)))
         return self.finished
-
-    def _opened(self) -> h5py.File:
-        if self._file is None:
-            raise StoreError(f"{self.part} is not open for writing.")
-        return self._file
 
     def _checked(self, rows: slice, arrays: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         names = {c.name for c in self.layout.columns}
