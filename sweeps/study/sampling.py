@@ -148,7 +148,7 @@ class Sampled:
     Raises
     ------
     SamplingError
-        If low > high, a logarithmic range touches zero, a limit is infinite or NaN, or Sobol' is asked for more
+        If a logarithmic range touches zero, a limit is infinite or NaN, or Sobol' is asked for more
         than 2**30 points.
     """
 
@@ -165,8 +165,6 @@ class Sampled:
         object.__setattr__(self, "logarithmic", self.logarithmic or (False,) * len(self.names))
         for name, low, high, is_logarithmic in zip(self.names, self.lows, self.highs, self.logarithmic, strict=True):
             _check_finite(name, low, high)
-            if low > high:
-                raise SamplingError(f"{name}: low is above high; exchange them")
             if is_logarithmic:
                 _check_ratio(name, low, high)
         if self.method == "sobol" and self.count > SOBOL_LARGEST:
