@@ -47,13 +47,11 @@ class Greeting(NamedTuple):
         Versions of everything that numbers depend on.
     processor : str
         As LLVM names it.
-    host : str
     threads : int
     """
 
     versions: dict[str, str]
     processor: str
-    host: str
     threads: int
 
 
@@ -72,7 +70,7 @@ def own_greeting() -> Greeting:
     versions = {"python": platform.python_version()} | versions_of("numba", "llvmlite", "numpy", "scipy")
     # Last, as it includes the others.
     versions["machine-sweeps"] = program_digest()[:12]
-    return Greeting(versions, get_host_cpu_name(), platform.node(), threads())
+    return Greeting(versions, get_host_cpu_name(), threads())
 
 
 def greet() -> str:
