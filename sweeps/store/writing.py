@@ -182,13 +182,11 @@ class Store:
             return
         if self.pending:
             raise StoreError(f"{self.part} cannot be finished: {len(self.pending)} blocks are not done.")
-        file = self._file
         with explained(self.part, "finish"):
-            creating.write_final_text(file, "finished", datetime.now(UTC).isoformat(timespec="seconds"))
-            creating.write_final_text(file, "outcome", outcome)
-            file.flush()
-        self._close_file()
-        with explained(self.part, "finish"):
+            creating.write_final_text(self._file, "finished", datetime.now(UTC).isoformat(timespec="seconds"))
+            creating.write_final_text(self._file, "outcome", outcome)
+            self._file.flush()
+            self._close_file()
             with self.part.open("rb+") as plain:
                 os.fsync(plain.fileno())
             if keep_former and self.path.exists():
