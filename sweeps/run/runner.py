@@ -199,8 +199,7 @@ def _computed(
         return
     from sweeps.run.cluster.on_workers import compute_block
 
-    rows = ((i, store.layout.slice(i)) for i in store.pending)
-    jobs = ((i, (part.start, part.stop, [e.outline for e in excerpts(i)])) for i, part in rows)
+    jobs = ((i, (store.layout.slice(i), [e.outline for e in excerpts(i)])) for i in store.pending)
     for i, (columns, origin) in crew.results(compute_block, jobs):
         yield i, columns if origin is None else filled_in(columns, origin, excerpts(i))
 

@@ -121,20 +121,20 @@ def blocks_of(digest: str) -> Blocks:
 
 
 def compute_block(
-    digest: str, start: int, stop: int, excerpts: Sequence[Excerpt]
+    digest: str, variants: slice, excerpts: Sequence[Excerpt]
 ) -> tuple[dict[str, np.ndarray], np.ndarray | None]:
     """Columns of a block of a stored study, as from `Blocks.computed`.
 
     Parameters
     ----------
     digest : str
-    start, stop : int
-        The block's variants.
+    variants : slice
+        Those of the block.
     excerpts : sequence of Excerpt
         Outlines of its reusable parts.
     """
     with _ONE_AT_A_TIME:
-        return blocks_of(digest).computed(slice(start, stop), excerpts)
+        return blocks_of(digest).computed(variants, excerpts)
 
 
 def compute_candidates(digest: str, values: dict[str, np.ndarray], drop: np.ndarray) -> dict[str, np.ndarray]:
