@@ -104,9 +104,7 @@ def _moving_guide(m: DrawnMotion, slider: Slider, k: int) -> list[Primitive]:
     place = place + 1j * slider.offset * u
     carrier = m.scene.guides[slider.guide].link
     origin = m.axes[carrier][0][k]
-    low, high = (
-        s + side * (half_length(slider.link) + 2) * r for s, side in zip(m.range_of(slider.link), (-1, 1), strict=True)
-    )
+    low, high = np.add(m.range_of(slider.link), (half_length(slider.link) + 2) * r * np.array([-1, 1]))
     apart = (origin - place) / u
     if abs(apart.imag) < 0.5 * r:
         return of_link(carrier, line(place + min(low, apart.real) * u, place + max(high, apart.real) * u))
