@@ -56,7 +56,7 @@ def mechanism_plan(
     for link in pose.cycle.structure.links:
         _number(paper, pose, link)
     motion.radius = usual
-    pose.lettered[paper.size] = paper.letter(() if cloud else pose.lettered.get(paper.size, ()))
+    paper.letter()
     scale = 1e3 * paper.per_mm
     ratio = f"1 : {scale:g}" if scale >= 1 else f"{1 / scale:g} : 1"
     paper.scale(quantity_text(20 * paper.per_mm, "m"), ratio)

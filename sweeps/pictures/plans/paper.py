@@ -194,26 +194,8 @@ class Paper:
     def _text(self, at: complex, text: str, **look: object) -> None:
         self.ax.add_artist(Text(at.real, at.imag, text, transform=self.ax.transData, **look))
 
-    def letter(self, places: Sequence[complex] = ()) -> list[complex]:
-        """Place all requested labels.
-
-        Parameters
-        ----------
-        places : sequence of complex, optional
-            Label centres from an identical sheet [mm].
-
-        Returns
-        -------
-        list of complex
-            The positions; by default with the least overlap, names before vector symbols.
-        """
-        found = list(places) or self._clear_places()
-        for label, place in zip(self._labels, found, strict=True):
-            self._write(label, place)
-        self._labels.clear()
-        return found
-
-    def _clear_places(self) -> list[complex]:
+    def letter(self) -> None:
+        """Write all requested labels where they overlap least, in the order in which they were requested."""
         marks = np.concatenate(self._marks) if self._marks else np.empty(0, complex)
         taken: list[tuple[complex, complex]] = []
         for label in self._labels:
@@ -224,7 +206,7 @@ class Paper:
             cost = label.costs + 1.5 * covered + 8 * overlaps + 10 * self._outside(label.places, half)
             best = complex(label.places[np.argmin(cost)])
             taken.append((best, half))
-        return [place for place, _ in taken]
+            self._write(label, best)
 
     def _outside(self, places: np.ndarray, half: complex) -> np.ndarray:
         """Overlap of texts with the sheet's border or scale strip [mm]."""

@@ -137,16 +137,10 @@ class Pose:
     cycle : MachineCycle
     k : int
         Node index.
-
-    Attributes
-    ----------
-    lettered : dict
-        Cached label positions of the mechanism's drawing, by sheet size.
     """
 
     def __init__(self, cycle: MachineCycle, k: int) -> None:
         self.cycle, self.k = cycle, k
-        self.lettered: dict[complex, list[complex]] = {}
         self.scene, self.motion = cycle.scene, cycle.motion
 
     @property
