@@ -8,7 +8,6 @@ ignore them. Without a search for steady running, the other methods run until th
 """
 
 import sys
-import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import NamedTuple
@@ -16,8 +15,9 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-sys.path.append(str(Path(__file__).parents[1] / "motion"))
+sys.path += [str(Path(__file__).parents[1] / room) for room in ("", "motion")]
 from cases import CASES, prepare, sample
+from measuring import alternating_times
 from peers import prepare_heyoka
 
 from engine import Machine, Scene
@@ -141,13 +141,8 @@ def main() -> None:
         scale = np.abs(truth) if len(truth) < len(STATISTICS) else np.abs(truth).max(axis=0)
         off = [np.abs(method.results() - truth) / scale for method in methods]
         errors = [max(float(np.median(rows.max(axis=0))), FLOOR) for rows in off]
-        times = np.empty((ROUNDS, len(methods)))
-        for r in range(ROUNDS):
-            for k, method in enumerate(methods):
-                begin = time.process_time()
-                method.timed()
-                times[r, k] = (time.process_time() - begin) / VARIANTS * 1e6
-        cost = np.median(times, axis=0)
+        times = alternating_times([method.timed for method in methods], ROUNDS)
+        cost = np.median(times, axis=1) / VARIANTS * 1e6
         for name in dict.fromkeys(method.name for method in methods):
             own = [k for k, method in enumerate(methods) if method.name == name]
             ax.loglog([errors[k] for k in own], cost[own], "o-", label=name)

@@ -175,10 +175,7 @@ def _slider_cranks() -> list[Kind]:
             cylinders={"gas": gas},
         ),
         _slider_crank(
-            "turning moment",
-            False,
-            {"moments__torque__scale": _decades(0.1, 10.0)},
-            moments={"torque": line},
+            "turning moment", False, {"moments__torque__scale": _decades(0.1, 10.0)}, moments={"torque": line}
         ),
     ]
 
@@ -220,20 +217,8 @@ def _four_bars() -> list[Kind]:
     }
     rub = {"moments__rub__moment": _decades(0.3, 30.0)}
     return [
-        Kind(
-            "crank-rocker",
-            smooth,
-            _drawn(**FOUR_BAR_RANGES, **SIZED, **loads),
-            fields,
-            ROCKER,
-        ),
-        Kind(
-            "rubbed crank-rocker",
-            rubbed,
-            _drawn(**FOUR_BAR_RANGES, **GIVEN, **rub),
-            fields,
-            ROCKER,
-        ),
+        Kind("crank-rocker", smooth, _drawn(**FOUR_BAR_RANGES, **SIZED, **loads), fields, ROCKER),
+        Kind("rubbed crank-rocker", rubbed, _drawn(**FOUR_BAR_RANGES, **GIVEN, **rub), fields, ROCKER),
     ]
 
 

@@ -35,19 +35,8 @@ def slider_crank(sqrt: Callable) -> Callable:
     """Give the function (cos φ, sin φ, ram, p) -> (I, dI/dφ, M) of an offset slider-crank."""
 
     def reduced(c, s, ram, p):
-        r, offset, rod2, i0, i1, ib, iq, mc, ms, fb, m0 = (
-            p[0],
-            p[1],
-            p[2],
-            p[3],
-            p[4],
-            p[5],
-            p[6],
-            p[7],
-            p[8],
-            p[9],
-            p[10],
-        )
+        r, offset, rod2, i0, i1, ib = p[0], p[1], p[2], p[3], p[4], p[5]
+        iq, mc, ms, fb, m0 = p[6], p[7], p[8], p[9], p[10]
         x, y = r * c, r * s
         h = offset - y
         w = 1 / sqrt(rod2 - h * h)

@@ -14,14 +14,7 @@ from typing import NamedTuple
 import heyoka
 import numpy as np
 from cases import CASES, Batch, Case
-from fixed_steps import (
-    COMPILE,
-    RK4,
-    RK8,
-    Tableau,
-    constants_of,
-    lanes_over_angle,
-)
+from fixed_steps import COMPILE, RK4, RK8, Tableau, constants_of, lanes_over_angle
 from numba import njit
 from scipy.integrate import solve_ivp
 

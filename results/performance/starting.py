@@ -72,11 +72,7 @@ class Start(NamedTuple):
 
 def started(*words: str, cache: str) -> tuple[Start, str]:
     """A Python process with its output."""
-    variables = {
-        "XDG_CACHE_HOME": cache,
-        "PYTHONPYCACHEPREFIX": f"{cache}/bytecode",
-        "PYTHONPATH": str(ROOT),
-    }
+    variables = {"XDG_CACHE_HOME": cache, "PYTHONPYCACHEPREFIX": f"{cache}/bytecode", "PYTHONPATH": str(ROOT)}
     kept = {key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"}
     load, begin, before = os.getloadavg()[0], time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run(

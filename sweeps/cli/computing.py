@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from engine import counted
+from engine import counted, set_threads
 from sweeps.cli import needed, shared
 from sweeps.cli.shared import main
 from sweeps.text.input_files import InputError
@@ -48,7 +48,8 @@ def _compute(asked: shared.Options, bar: "ProgressBar", compute: Callable[..., P
     """Compute a result file with progress, on the command's threads or cluster."""
     if asked.out.suffix != ".h5":
         raise InputError.of(str(asked.out), "results are HDF5: give a file that ends in .h5", key="--out")
-    shared.use_threads(asked.jobs)
+    if asked.jobs is not None:
+        set_threads(asked.jobs)
     with shared.cluster_client(asked.cluster, asked.jobs) as client:
 
         def update(done: int, before: int, words: str = "") -> None:
@@ -68,7 +69,8 @@ def _tell(
     if remark:
         shared.tell(remark)
     made = _made(asked, result, study)
-    shared.tell_files(made, begun)
+    shared.tell(f"Files ({time.perf_counter() - begun:.1f} s):")
+    shared.tell("\n".join(f"  {path}" for path in made))
     shared.tell_outdated(result.path, made)
 
 

@@ -9,7 +9,7 @@ from sweeps.cli.shared import main, write_text
 from sweeps.cli.waiting import doing
 from sweeps.text.input_files import InputError
 
-TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
+DRAWINGS = (".svg", ".dxf")
 
 
 @main.command()
@@ -44,18 +44,19 @@ def export(asked: shared.Options) -> None:
     keeps its author's comments and units; only the variant's numbers change. Fields of a result (--columns) get one row
     per variant and position.
     """
-    if asked.to.suffix not in (*TABLES, *DRAWINGS, ".toml"):
-        allowed = ", ".join((*TABLES, *DRAWINGS, ".toml"))
-        raise InputError.of(str(asked.to), f"ending {asked.to.suffix!r}: allowed are {allowed}", key="--to")
-    if asked.history and asked.to.suffix not in TABLES:
-        message = f"writes a table, {', '.join(TABLES)}, not {asked.to.suffix!r}"
+    tables = needed.TABLE_ENDINGS
+    if asked.to.suffix not in (allowed := (*tables, *DRAWINGS, ".toml")):
+        message = f"ending {asked.to.suffix!r}: allowed are {', '.join(allowed)}"
+        raise InputError.of(str(asked.to), message, key="--to")
+    if asked.history and asked.to.suffix not in tables:
+        message = f"writes a table, {', '.join(tables)}, not {asked.to.suffix!r}"
         raise InputError.of(str(asked.to), message, key="--history")
 
     if needed.is_result(asked.file):
         shared.tell_altered(asked.file)
 
     of_one = asked.variant is not None or asked.at or asked.history or asked.settings or asked.element
-    is_sweep = asked.to.suffix in TABLES and needed.is_result(asked.file) and not of_one
+    is_sweep = asked.to.suffix in tables and needed.is_result(asked.file) and not of_one
     if asked.where and not is_sweep:
         raise InputError.of("--where", "chooses variants of a whole result file; here there is one machine")
     if is_sweep:

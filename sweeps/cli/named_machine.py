@@ -233,9 +233,9 @@ def read_at(scene: Scene, text: str, names: Sequence[str] = ()) -> Readings:
     times = [_time(part) for part in text.split(",") if part.strip()]
     if not times:
         raise InputError.of("--at", "no positions; for example --at 0,60,120")
-    if None not in times and times:
+    if None not in times:
         # Only regimes need compiled code.
-        found = needed.readings_in_time(scene, [time for time in times if time is not None])
+        found = needed.readings_in_time(scene, times)
         need_known(names, found.values, "--at", "is not available at an instant")
         kept = names or found.values
         return found._replace(values={name: found.values[name] for name in kept})

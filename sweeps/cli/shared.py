@@ -3,7 +3,6 @@
 import json
 import re
 import sys
-import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from functools import reduce, wraps
@@ -248,7 +247,7 @@ def tell_data(data: object) -> None:
 
 def stop_without_answer(result: "SweepResult") -> None:
     """Exit with a special code if no variant has a result, or none meets the conditions of the question."""
-    works = result.verdict_counts()[engine.Verdict.OK]
+    works = result.verdict_counts[engine.Verdict.OK]
     if not works or (result.aim is not None and result.file.variants > 1 and result.best(result.aim) is None):
         sys.exit(NO_ANSWER)
 
@@ -273,12 +272,6 @@ def tell_warnings(result: "SweepResult") -> None:
     """Print the warnings on the answer of a result."""
     for warning in warnings_of(result):
         tell(f"Warning: {warning}")
-
-
-def tell_files(made: list[Path], started: float) -> None:
-    """List the files written since `started` (`time.perf_counter`)."""
-    tell(f"Files ({time.perf_counter() - started:.1f} s):")
-    tell("\n".join(f"  {path}" for path in made))
 
 
 def pictures_beside(out: Path) -> list[Path]:
@@ -320,12 +313,6 @@ def plots_of(result: "SweepResult", study: Path) -> list[Path]:
 def names_in(text: str) -> tuple[str, ...]:
     """Names separated by commas."""
     return tuple(n.strip() for n in text.split(",") if n.strip())
-
-
-def use_threads(jobs: int | None) -> None:
-    """Set the number of threads (default: all cores)."""
-    if jobs is not None:
-        engine.set_threads(jobs)
 
 
 @contextmanager

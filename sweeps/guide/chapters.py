@@ -22,17 +22,13 @@ def chapters() -> dict[str, str]:
     return {name: page.read_text("utf8") for name, page in pages}
 
 
-def title_of(text: str) -> str:
-    """Title of a chapter."""
-    return text.partition("\n")[0].removeprefix("# ")
-
-
 def chapters_text() -> str:
     """Names and titles of all chapters, by subject, and the names of the reference pages."""
     texts, parts = chapters(), ["Chapters (`sweeps guide CHAPTER` shows one, `sweeps guide --web` all in a browser):"]
     for subject, names in SUBJECTS.items():
         parts += [f"  {subject}"] if subject else []
-        parts.append(table([(name, title_of(texts[name])) for name in names], "    " if subject else "  "))
+        rows = [(name, texts[name].partition("\n")[0].removeprefix("# ")) for name in names]
+        parts.append(table(rows, "    " if subject else "  "))
     return "\n".join([*parts, f"  {REFERENCE}", f"    {', '.join(GENERATED)}"])
 
 

@@ -60,10 +60,9 @@ class SceneOfChain:
 
     def __init__(self, chain: Chain) -> None:
         self.chain = chain
-        taken: set[str] = {"frame", "crank", "input"}
-        self.names = {name: _allowed(name, "P", taken) for name in chain.joints}
-        self.links = {name: _allowed(name, "link", taken) for name in chain.links}
-        self.taken = taken
+        self.taken = {"frame", "crank", "input"}
+        self.names = {name: _allowed(name, "P", self.taken) for name in chain.joints}
+        self.links = {name: _allowed(name, "link", self.taken) for name in chain.links}
         self.data: dict[str, Any] = {"title": chain.title, "points": {}, "guides": {}, "groups": {}}
         self.known: set[str] = set()
 
@@ -96,13 +95,11 @@ class SceneOfChain:
         while left:
             found = next(self._dyads(left), None)
             if found is None:
-                words = ", ".join(left)
                 raise LinkageError(
-                    f"the links {words} can't be split into dyads; describe them under [links] of a scene "
+                    f"the links {', '.join(left)} can't be split into dyads; describe them under [links] of a scene "
                     "(`sweeps guide links`)"
                 )
-            inner, first, second = found
-            self._add(inner, first, second, left)
+            self._add(*found, left)
         self.data = {key: value for key, value in self.data.items() if value not in ({}, "")}
         try:
             return Scene.model_validate(self.data)

@@ -98,10 +98,8 @@ class _Joints:
         if len(parents) != {"Crank": 1, "Prismatic": 3, "Linear": 3}.get(kind, 2):
             raise LinkageError(f"joint {name} has {len(parents)} parents, too few or too many for {kind}")
         if kind == "Crank":
-            towards = self._at(joint) - self.places[parents[0]]
-            self.places[name] = self.places[parents[0]] + cmath.rect(
-                self._length(joint, "distance"), cmath.phase(towards)
-            )
+            angle = cmath.phase(self._at(joint) - self.places[parents[0]])
+            self.places[name] = self.places[parents[0]] + cmath.rect(self._length(joint, "distance"), angle)
             self.cranks.append((self._link(name, parents[0]), parents[0], float(joint.get("angle") or 0.0)))
         elif kind == "Fixed":
             self._fix_to(name, parents, self._length(joint, "distance"), float(joint["angle"]))

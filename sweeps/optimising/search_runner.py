@@ -7,7 +7,6 @@ reads stored candidates instead of evaluating them, so its path is identical bit
 import json
 from collections.abc import Callable
 from dataclasses import replace
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -37,6 +36,7 @@ from sweeps.store.creating import remove_unlocked
 from sweeps.study.search_task import GENETIC, LOCAL, SearchTask, search_record, task_of
 from sweeps.study.study import Study, check_study
 from sweeps.study.study_text import Best
+from sweeps.text.versions import versions_of
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -289,10 +289,4 @@ def _goal(task: SearchTask) -> dict[str, Any] | None:
 
 
 def _versions() -> str:
-    found = []
-    for name in ("scipy", "pymoo"):
-        try:
-            found.append(f"{name} {version(name)}")
-        except PackageNotFoundError:
-            continue
-    return ", ".join(found)
+    return ", ".join(f"{name} {version}" for name, version in versions_of("scipy", "pymoo").items())

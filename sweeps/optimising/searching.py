@@ -72,15 +72,11 @@ def _evolve(task: SearchTask, evaluate: Evaluate) -> None:
         energies = intermediate_result.population_energies
         return energies.max() < BEYOND and np.std(energies) <= ALIKE * abs(np.mean(energies))
 
-    first = first_generation(task)
-    if task.generations == 1:
-        costs(first.T)
-        return
     bounds = [(0.0, 1.0)] * task.variables.size
     together = {"vectorized": True, "updating": "deferred", "polish": False}
     # No spread is below that: `is_settled` decides.
     end = {"maxiter": task.generations - 1, "atol": -1.0, "tol": 0.0, "callback": is_settled}
-    differential_evolution(costs, bounds, init=first, rng=task.seed, **together, **end)
+    differential_evolution(costs, bounds, init=first_generation(task), rng=task.seed, **together, **end)
 
 
 def descend(task: SearchTask, trials: Trials, start: np.ndarray, steps: int = STEPS) -> list[dict[str, np.ndarray]]:

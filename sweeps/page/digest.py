@@ -1,6 +1,5 @@
 """Digest of a result file of any size for the report: the best variants and a sample of all."""
 
-from collections import Counter
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
@@ -15,7 +14,7 @@ from sweeps.text.conditions import Condition, parts_of
 
 MOST_BEST, MOST_SAMPLED = 500, 2000
 # Ordered axes, whose variants have neighbours; samples and tables have no order.
-ORDERED_AXES = ("Listed", "Linear", "Logarithmic")
+ORDERED_AXES = ("Listed", "Steps")
 
 
 class ConditionEffect(NamedTuple):
@@ -87,21 +86,6 @@ class Digest:
         return parts_of(self.where)
 
     # Over all variants
-
-    @cached_property
-    def counts(self) -> Counter:
-        """Number of variants per verdict."""
-        return self.result.verdict_counts()
-
-    @cached_property
-    def undecided(self) -> int:
-        """Number of variants for which the condition is undecided."""
-        return self.result.undecided(self.where)
-
-    @cached_property
-    def rivals(self) -> int:
-        """Number of variants that tie with the best within the error estimates."""
-        return 0 if self.best is None else self.result.rivals(self.best, self.aim)
 
     def _first(self, where: str, most: int) -> np.ndarray:
         """The best variants under a condition, best first."""

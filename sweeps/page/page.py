@@ -78,7 +78,7 @@ def _filled(tables: Iterable[tuple[str, page_tables.PageTable]]) -> list[tuple[s
 def _answer(digest: Digest) -> str:
     result, aim = digest.result, digest.aim
     if digest.is_one:
-        verdict = next(iter(digest.counts))
+        verdict = next(iter(result.verdict_counts))
         if verdict in MOTION_VERDICTS:
             return failure_text(result.scene_of(0), verdict)
         if verdict == Verdict.OK:
@@ -96,16 +96,13 @@ def _answer(digest: Digest) -> str:
 def _remark(digest: Digest) -> str:
     if digest.is_one:
         return ""
-    text = f"{digest.counts[Verdict.OK]} of {digest.result.file.variants} variants work."
-    return (
-        f"{text} {digest.result.count_meeting(digest.where)} meet the condition."
-        if digest.aim and digest.aim.where
-        else text
-    )
+    result = digest.result
+    text = f"{result.verdict_counts[Verdict.OK]} of {result.file.variants} variants work."
+    return f"{text} {result.count_meeting(digest.where)} meet the condition." if digest.where else text
 
 
 def _sample_words(digest: Digest, moving: int) -> str:
-    works, shown = digest.counts[Verdict.OK], digest.shown.size
+    works, shown = digest.result.verdict_counts[Verdict.OK], digest.shown.size
     kinds = []
     if digest.leaders.size:
         met = " that meet the condition" if digest.aim.where else ""
@@ -118,20 +115,19 @@ def _sample_words(digest: Digest, moving: int) -> str:
 
 
 def _warnings(digest: Digest) -> list[str]:
-    result = digest.result
+    result, counts = digest.result, digest.result.verdict_counts
     best = [0] if digest.is_one else [] if digest.best is None else [digest.best]
     found = [*result.altered, *result_warnings(result, best)]
-    if waiting := digest.counts[Verdict.NOT_COMPUTED]:
+    if waiting := counts[Verdict.NOT_COMPUTED]:
         found.append(f"{counted(waiting, 'variant')} not computed yet: run the study again to resume.")
-    if digest.undecided:
-        found.append(f"For {counted(digest.undecided, 'variant')} the condition is undecided within error estimates.")
-    if digest.rivals:
+    if undecided := result.undecided(digest.where):
+        found.append(f"For {counted(undecided, 'variant')} the condition is undecided within error estimates.")
+    if digest.best is not None and (rivals := result.rivals(digest.best, digest.aim)):
         found.append(
-            f"{digest.rivals} other variants tie with the best within the error estimates: "
+            f"{rivals} other variants tie with the best within the error estimates: "
             "choose between them on other grounds."
         )
-    works = digest.counts[Verdict.OK]
-    failed = result.file.variants - works - digest.counts[Verdict.DROPPED] - digest.counts[Verdict.NOT_COMPUTED]
+    failed = result.file.variants - sum(counts[v] for v in (Verdict.OK, Verdict.DROPPED, Verdict.NOT_COMPUTED))
     if failed and result.file.variants > 1:
         found.append(f"{counted(failed, 'variant')} without a result; see the verdicts.")
     coarse = [name for name, share in digest.worst_errors.items() if share > (result.accuracy or 0.01)]

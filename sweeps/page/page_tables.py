@@ -174,7 +174,7 @@ def verdicts_table(digest: Digest) -> PageTable:
     """Number of variants per verdict."""
     rows = [
         (verdict.short, str(count), "; ".join(blame_lines(digest.result, verdict)), verdict.sentence)
-        for verdict, count in sorted(digest.counts.items())
+        for verdict, count in sorted(digest.result.verdict_counts.items())
     ]
     return PageTable(("verdict", "variants", "where", "meaning"), rows, (1,))
 

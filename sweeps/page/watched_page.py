@@ -39,8 +39,7 @@ class WatchedPage:
     def __init__(self, file: str, read: Callable[[], Scene], errors: tuple[type[Exception], ...]) -> None:
         self._read, self._errors = read, errors
         self._changed, self._files = Condition(), dict[Path, Stamp | None]()
-        self._session, self._count, self._parts = secrets.token_hex(8), 0, {"title": file}
-        self._file = file
+        self._file, self._parts = file, {"title": file}
         self.version = self.text = self.message = ""
         self._make()
 
@@ -69,8 +68,7 @@ class WatchedPage:
                 self._parts, self.message = _parts(self._read(), self._file), ""
             except self._errors as error:
                 self.message = str(error)
-        self._count += 1
-        version = f"{self._session}-{self._count}"
+        version = secrets.token_hex(8)
         now = {"version": version}
         if self.message:
             now |= {"message": self.message, "drawn": "The machine as it was before the mistake"}

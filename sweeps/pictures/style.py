@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from io import BytesIO
 from pathlib import Path
 
@@ -42,11 +42,9 @@ FORMATS = (".svg", ".pdf", ".png")
 _STYLE = rc_params_from_file(Path(__file__).with_name("house.mplstyle"), use_default_template=False)
 
 
-@contextmanager
-def house_style() -> Iterator[None]:
+def house_style() -> AbstractContextManager[None]:
     """Context with the fonts, lines and colours of all plots."""
-    with rc_context(_STYLE):
-        yield
+    return rc_context(_STYLE)
 
 
 class PlainNumbers(ScalarFormatter):

@@ -79,11 +79,7 @@ def _(thing: engine.Outcome) -> str:
     codes, counts = np.unique(thing.status, return_counts=True)
     verdicts = ", ".join(f"{n} {engine.Verdict(c).short}" for c, n in zip(codes.tolist(), counts, strict=True))
     rows = [
-        (
-            str(i),
-            engine.Verdict(int(thing.status[i])).short,
-            *(_cell(thing, name, i) for name in thing.summaries),
-        )
+        (str(i), engine.Verdict(int(thing.status[i])).short, *(_cell(thing, name, i) for name in thing.summaries))
         for i in range(min(thing.status.size, SHOWN))
     ]
     rest = f"the first {SHOWN} of them, " if thing.status.size > SHOWN else ""

@@ -68,15 +68,14 @@ def readings_at(scene: engine.Scene, at: Sequence[float] | int, names: Sequence[
         message = "the scene has only machine elements, which have no positions; `sweeps run` gives their numbers"
         raise InputError.of(scene.title or "scene", message)
     unit = engine.InputUnits.of(scene).q
-    machine = engine.MovingMachine(
-        scene, positions=at if isinstance(at, int) else _in_range(scene, np.asarray(at, float))
-    )
+    given = None if isinstance(at, int) else np.asarray(at, float)
+    machine = engine.MovingMachine(scene, positions=at if given is None else _in_range(scene, given))
     known, place = machine.register.fields, "phi" if unit == "rad" else "q"
     fields = list(names) or list(machine.register.available_fields)
     verdict = machine.verdict(fields)
     return Readings(
         place,
-        machine.q if isinstance(at, int) else np.asarray(at, float),
+        machine.q if given is None else given,
         {name: machine.without_rounding(name, row) for name, row in machine.fields(fields).items()},
         {name: known[name].units for name in fields} | {place: unit},
         {name: known[name].long_name for name in fields} | {"phi": "crank angle", "q": "input displacement"},
@@ -94,9 +93,8 @@ def _in_range(scene: engine.Scene, at: np.ndarray) -> np.ndarray:
     if ((shares < -_ROUNDING) | (shares > 1 + _ROUNDING)).any():
         kind = "crank angle" if isinstance(drive, engine.CrankInput) else "displacement"
         unit = engine.InputUnits.of(scene).q
-        ends = " and ".join(
-            f"input.{key} = {engine.quantity_text(getattr(drive, key), unit)}" for key in ("start", "stop")
-        )
+        start, stop = (engine.quantity_text(end, unit) for end in (drive.start, drive.stop))
+        ends = f"input.start = {start} and input.stop = {stop}"
         raise InputError.of("--at", f"a {kind} is outside the input range, {ends}")
     return np.clip(at, *sorted((drive.start, drive.stop)))
 

@@ -40,11 +40,8 @@ def regime_words(scene: Scene, name: str) -> str:
 
 
 def _begin(scene: Scene, name: str, regime: RunRegime) -> str:
-    before, keys, units = (
-        list(scene.regimes)[: list(scene.regimes).index(name)],
-        run_keys(scene.input),
-        InputUnits.of(scene),
-    )
+    keys, units, names = run_keys(scene.input), InputUnits.of(scene), list(scene.regimes)
+    before = names[: names.index(name)]
     begin = f"where {before[-1]} ended" if before else "rest"
     speed, place = getattr(regime, keys.from_speed), getattr(regime, keys.from_place)
     if speed is not None:

@@ -46,7 +46,7 @@ def meeting_text(result: SweepResult, where: Where) -> str:
 def counts_text(result: SweepResult) -> str:
     """Variants per verdict, with the failing groups and angles."""
     rows = []
-    for verdict, count in result.verdict_counts().items():
+    for verdict, count in result.verdict_counts.items():
         sentence = "" if verdict == engine.Verdict.OK else verdict.sentence
         rows.append((f"{count}", verdict.short, sentence))
         dropped = verdict == engine.Verdict.DROPPED

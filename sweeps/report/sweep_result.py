@@ -134,8 +134,10 @@ class SweepResult(ResultFile):
         """A condition's judgement of some variants; recomputed, as 1e8 of them would fill memory."""
         known = number_units(self.scene) | self.units
         try:
-            self.need(Condition.parse(all_of(where)).names, "where", known)
-            condition = Condition.read_all(where, engine.dimensions_by_unit(known))
+            condition = Condition.parse(all_of(where))
+            self.need(condition.names, "where", known)
+            for part in condition.parts:
+                part.check(engine.dimensions_by_unit(known))
         except engine.ExpressionError as error:
             raise InputError.of(str(self.path), str(error), key="where") from None
 

@@ -57,12 +57,6 @@ def block_size(study: Study, seconds: Callable[[], float]) -> int:
     return max(min(within, largest_block(study), study.design.size), 1)
 
 
-def evaluate_block(study: Study, variants: slice, buffer: np.ndarray | None = None) -> dict[str, np.ndarray]:
-    """All columns of a block of variants."""
-    values, drop = study.values(variants.start, variants.stop)
-    return evaluate_variants(study, values, drop, buffer)
-
-
 def evaluate_variants(
     study: Study, values: dict[str, np.ndarray], drop: np.ndarray, buffer: np.ndarray | None = None
 ) -> dict[str, np.ndarray]:

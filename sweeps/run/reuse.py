@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from engine import Verdict
-from sweeps.run.blocks import evaluate_block, evaluate_variants
+from sweeps.run.blocks import evaluate_variants
 from sweeps.store import Column, FileLayout, MappedResult, StoreError, VariantIndex, variant_keys
 from sweeps.study.study import Study
 from sweeps.study.study_record import machine_record
@@ -45,7 +45,7 @@ class EarlierResult:
             self._file = MappedResult(path)
             theirs = json.loads(self._file.attributes["study_json"])
             ours = json.loads(layout.attributes["study_json"])
-            if not self._file.edited_decisively and self._file.has_checksums:
+            if not self._file.edited_decisively:
                 self.names = _shared(theirs, ours, {*self._file.described} & {*layout.columns})
         except (StoreError, KeyError, ValueError, TypeError, RecursionError):
             # A damaged file isn't reused.
@@ -207,9 +207,9 @@ class Blocks:
         origin : ndarray (variants,) of int or None
             Excerpt of each reused variant, −1 if computed; None if all are computed.
         """
-        if not excerpts:
-            return evaluate_block(self.study, variants, buffer), None
         values, drop = self.study.values(variants.start, variants.stop)
+        if not excerpts:
+            return evaluate_variants(self.study, values, drop, buffer), None
         found = {c.name: np.zeros((drop.size, *self.layout.shape(c)[1:]), c.dtype) for c in self.layout.columns}
         found |= values
         origin = np.full(drop.size, -1)

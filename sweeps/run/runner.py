@@ -10,9 +10,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import h5py
-import llvmlite
-import numba
 import numpy as np
 
 from engine import Verdict, threads, units_shown
@@ -25,7 +22,7 @@ from sweeps.store import Column, FileLayout, MappedResult, Store, StoreError, ma
 from sweeps.study.study import Study, check_study
 from sweeps.study.study_record import numbers_record, study_record
 from sweeps.text.scene_text import write_scene
-from sweeps.text.versions import own_version
+from sweeps.text.versions import own_version, versions_of
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -59,8 +56,8 @@ def layout_of(study: Study) -> FileLayout:
 
 
 def _attributes(study: Study) -> dict[str, str]:
-    versions = {"machine-sweeps": own_version(), "numba": numba.__version__, "llvmlite": llvmlite.__version__}
-    versions |= {"numpy": np.__version__, "h5py": h5py.__version__, "python": platform.python_version()}
+    versions = {"machine-sweeps": own_version()} | versions_of("numba", "llvmlite", "numpy", "h5py")
+    versions["python"] = platform.python_version()
     return {
         "title": study.title or study.name,
         "question": study.question,
@@ -202,8 +199,7 @@ def _computed(
         return
     from sweeps.run.cluster.on_workers import compute_block
 
-    rows = ((i, store.layout.slice(i)) for i in store.pending)
-    jobs = ((i, (part.start, part.stop, [e.outline for e in excerpts(i)])) for i, part in rows)
+    jobs = ((i, (store.layout.slice(i), [e.outline for e in excerpts(i)])) for i in store.pending)
     for i, (columns, origin) in crew.results(compute_block, jobs):
         yield i, columns if origin is None else filled_in(columns, origin, excerpts(i))
 

@@ -46,31 +46,24 @@ def part_path(path: Path) -> Path:
     return path.with_name(f"{path.stem}.part{path.suffix}")
 
 
-def previous_name(path: Path) -> Path:
-    """Return the name of the result before the last one: `out.previous.h5` for `out.h5`."""
-    return path.with_name(f"{path.stem}.previous{path.suffix}")
-
-
 def numbered_name(path: Path) -> Path:
     """Return the first unused name `out.1.h5`, `out.2.h5`, … for `out.h5`."""
     names = (path.with_name(f"{path.stem}.{i}{path.suffix}") for i in itertools.count(1))
     return next(name for name in names if not name.exists() and not part_path(name).exists())
 
 
-def check_space(path: Path, layout: FileLayout, freed: int = 0) -> None:
+def check_space(path: Path, layout: FileLayout) -> None:
     """Raise a `StoreError` with required and free space if the file would not fit.
 
     Parameters
     ----------
     path : Path
-        Planned file.
+        Planned file; an existing one is replaced.
     layout : FileLayout
         Its shape.
-    freed : int
-        Bytes freed before it is made.
     """
     with explained(path, "check the disk space for"):
-        free = shutil.disk_usage(path.absolute().parent).free + freed
+        free = shutil.disk_usage(path.absolute().parent).free + (path.stat().st_size if path.exists() else 0)
     if layout.bytes() > free:
         raise StoreError(
             f"{path} needs {bytes_text(layout.bytes())}, {bytes_text(free)} are free on its disk. Request fewer "
@@ -232,7 +225,7 @@ def _fill(file: h5py.File, layout: FileLayout, sources: Sequence[str]) -> None:
         dataset = _dataset(file, column.name, layout.shape(column), np.dtype(column.dtype), _nothing(column))
         for axis, name in enumerate(column.dims):
             dataset.dims[axis].attach_scale(scales[name])
-        _describe(dataset, column.long_name, column.units)
+        dataset.attrs.update(long_name=column.long_name, units=column.units)
         if layout.coordinates and column.name not in layout.coordinates:
             dataset.attrs["coordinates"] = " ".join(layout.coordinates)
         if column.name == "status":
@@ -291,13 +284,8 @@ def _axis_scale(file: h5py.File, axis: FieldAxis) -> h5py.Dataset:
 
 def _as_scale(dataset: h5py.Dataset, name: str, long_name: str, units: str) -> h5py.Dataset:
     dataset.make_scale(name)
-    _describe(dataset, long_name, units)
+    dataset.attrs.update(long_name=long_name, units=units)
     return dataset
-
-
-def _describe(dataset: h5py.Dataset, long_name: str, units: str) -> None:
-    dataset.attrs["long_name"] = long_name
-    dataset.attrs["units"] = units
 
 
 def _describe_codes(dataset: h5py.Dataset, codes: dict[int, str]) -> None:

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
-from engine import nearest_names
 from sweeps.text.input_files import HDF5_SIGNATURE
 from sweeps.text.versions import extra, origin_text
 
@@ -59,8 +58,6 @@ class MappedResult:
         Blocks written at the time of opening.
     flat, fields : list of str
         Names of the columns over variants only (without axes), and of those over another axis.
-    has_checksums : bool
-        Files of earlier versions have none; their blocks count as intact.
     edited : list of str
         Modified text attributes and axes.
 
@@ -90,12 +87,9 @@ class MappedResult:
             flags = progress["block_done"][:]
             self.done = flags == DONE
             self._misflagged = ~self.done & ((flags != 0) | finished)
-            self.has_checksums = "block_checksum" in progress
-            self._sums = {
-                kind: progress[name][:]
-                for kind, name in (("flat", "block_checksum"), ("fields", "fields_checksum"))
-                if name in progress
-            }
+            self._sums = {"flat": progress["block_checksum"][:]}
+            if "fields_checksum" in progress:
+                self._sums["fields"] = progress["fields_checksum"][:]
             noted, found = json.loads(progress.attrs.get("text_checksums", "{}")), texts_checksums(texts_of(file))
             self.edited = [_shown_text(name) for name, crc in noted.items() if found.get(name) != crc]
             axes = [axis for axis in self.axes.values() if axis]
@@ -337,27 +331,13 @@ def read_columns(path: Path, names: Sequence[str] | None = None) -> dict[str, np
     Raises
     ------
     StoreError
-        The file cannot be read, is damaged, or has no such column.
+        The file cannot be read, or is damaged.
     """
-    mapped = _sound(path, names)
-    if names is None:
-        names = mapped.flat
+    mapped = MappedResult(path)
+    names = mapped.flat if names is None else names
+    mapped.refuse_damage(("flat", "fields") if {*names} & {*mapped.fields} else ("flat",))
     first = {"status": np.array(mapped.known_status())} if "status" in names else {}
     return {name: first[name] if name in first else np.array(mapped.columns[name]) for name in names}
-
-
-def _sound(path: Path, names: Sequence[str] | None) -> MappedResult:
-    """A file whose named columns (default: all over variants) agree with their checksums."""
-    mapped = MappedResult(path)
-    known = list(mapped.columns)
-    for name in names or ():
-        if name not in known:
-            close = nearest_names(name, known)
-            hint = f"Did you mean {close[0]!r}?" if close else f"It has {', '.join(known)}."
-            raise StoreError(f"{path} has no column {name!r}. {hint}")
-    kinds = ("flat", "fields") if any(name in mapped.fields for name in names or ()) else ("flat",)
-    mapped.refuse_damage(kinds)
-    return mapped
 
 
 def open_dataset(path: Path, check: bool = True) -> "xarray.Dataset":

@@ -93,7 +93,7 @@ class Store:
         store._hold()
         try:
             if restart:
-                creating.check_space(store.part, layout, freed=_file_size(store.part))
+                creating.check_space(store.part, layout)
                 creating.remove_unlocked(store.part)
             if store.part.exists() and store._continue():
                 return store
@@ -122,7 +122,7 @@ class Store:
         StoreError
             System error.
         """
-        file, rows = self._opened(), self.layout.slice(i)
+        file, rows = self._file, self.layout.slice(i)
         with explained(self.part, "read"):
             return {c.name: file[c.name][rows] for c in self.layout.columns}
 
@@ -145,7 +145,7 @@ class Store:
         """
         rows = self.layout.slice(i)
         arrays = self._checked(rows, arrays)
-        file = self._opened()
+        file = self._file
         with explained(self.part, "write"):
             for name, values in arrays.items():
                 if name != "status":
@@ -182,17 +182,15 @@ class Store:
             return
         if self.pending:
             raise StoreError(f"{self.part} cannot be finished: {len(self.pending)} blocks are not done.")
-        file = self._opened()
         with explained(self.part, "finish"):
-            creating.write_final_text(file, "finished", datetime.now(UTC).isoformat(timespec="seconds"))
-            creating.write_final_text(file, "outcome", outcome)
-            file.flush()
-        self._close_file()
-        with explained(self.part, "finish"):
+            creating.write_final_text(self._file, "finished", datetime.now(UTC).isoformat(timespec="seconds"))
+            creating.write_final_text(self._file, "outcome", outcome)
+            self._file.flush()
+            self._close_file()
             with self.part.open("rb+") as plain:
                 os.fsync(plain.fileno())
             if keep_former and self.path.exists():
-                kept = creating.previous_name(self.path)
+                kept = self.path.with_name(f"{self.path.stem}.previous{self.path.suffix}")
                 self.path.replace(kept)
                 self.notes.append(f"The previous {self.path} is kept as {kept}.")
             self.part.replace(self.path)
@@ -254,7 +252,7 @@ class Store:
 
     def _forget(self, blocks: list[int]) -> None:
         """Make blocks pending again."""
-        file = self._opened()
+        file = self._file
         for i in blocks:
             file["progress/block_done"][i] = 0
             if "status" in file:
@@ -289,11 +287,6 @@ class Store:
             self.sources = tuple(dict.fromkeys((*self.sources, self.path)))
         return self.finished
 
-    def _opened(self) -> h5py.File:
-        if self._file is None:
-            raise StoreError(f"{self.part} is not open for writing.")
-        return self._file
-
     def _checked(self, rows: slice, arrays: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         names = {c.name for c in self.layout.columns}
         if names != set(arrays):
@@ -323,10 +316,6 @@ def _same_study(file: h5py.File, layout: FileLayout) -> bool:
     theirs, ours = layout_record(file), layout.record()
     same = theirs | {"block": 0} == ours | {"block": 0}
     return same and file.attrs.get("study_hash") == layout.attributes["study_hash"]
-
-
-def _file_size(path: Path) -> int:
-    return path.stat().st_size if path.exists() else 0
 
 
 def update_texts(path: Path, attributes: Mapping[str, str]) -> None:

@@ -14,7 +14,8 @@ import numpy as np
 from engine import even_steps
 from sweeps.study.unit_points import SOBOL_LARGEST, latin_points, random_points, sobol_points
 
-LARGEST = 2**63 - 1
+# Larger results fit on no disk.
+MOST_VARIANTS = 10**12
 
 _UNIT_POINTS = {"random": random_points, "sobol": sobol_points, "latin": latin_points}
 
@@ -24,19 +25,7 @@ class SamplingError(ValueError):
 
 
 @dataclass(frozen=True, eq=False)
-class _OneNumber:
-    """One parameter."""
-
-    name: str
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The parameter's path."""
-        return (self.name,)
-
-
-@dataclass(frozen=True, eq=False)
-class Listed(_OneNumber):
+class Listed:
     """One parameter that takes the values of a list.
 
     Raises
@@ -45,10 +34,16 @@ class Listed(_OneNumber):
         If the list holds anything but finite numbers.
     """
 
+    name: str
     listed: Sequence[float]
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "listed", _column(self.name, self.listed))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameter's path."""
+        return (self.name,)
 
     @property
     def size(self) -> int:
@@ -61,56 +56,41 @@ class Listed(_OneNumber):
 
 
 @dataclass(frozen=True)
-class _Steps(_OneNumber):
-    """One parameter in `count` steps from `start` to `stop`."""
+class Steps:
+    """One parameter in `size` equal steps, or equal ratios, from `start` to `stop`, both hit exactly.
 
+    Raises
+    ------
+    SamplingError
+        If the size is 1 for two different ends, an end is infinite or NaN, or a logarithmic range touches or crosses
+        zero.
+    """
+
+    name: str
     start: float
     stop: float
-    count: int
+    size: int
+    logarithmic: bool = False
 
     def __post_init__(self) -> None:
-        _check_range(self.name, self.start, self.stop, self.count)
+        _check_finite(self.name, self.start, self.stop)
+        if self.size == 1 and self.start != self.stop:
+            raise SamplingError(f"{self.name}: count 1 can't hit both ends; take 2 or more, or give a single value")
+        if self.logarithmic:
+            _check_ratio(self.name, self.start, self.stop)
 
     @property
-    def size(self) -> int:
-        """The count."""
-        return self.count
-
-
-@dataclass(frozen=True)
-class Linear(_Steps):
-    """One parameter in `count` equal steps from `start` to `stop`, both hit exactly.
-
-    Raises
-    ------
-    SamplingError
-        If count is 1 for two different ends, or if an end is infinite or NaN.
-    """
+    def names(self) -> tuple[str, ...]:
+        """The parameter's path."""
+        return (self.name,)
 
     def values(self, indices: np.ndarray) -> dict[str, np.ndarray]:
         """Values at the indices."""
-        return {self.name: even_steps(self.start, self.stop, self.count, indices)}
-
-
-@dataclass(frozen=True)
-class Logarithmic(_Steps):
-    """One parameter in `count` equal ratios from `start` to `stop`, both hit exactly.
-
-    Raises
-    ------
-    SamplingError
-        As for `Linear`, and if the range touches or crosses zero.
-    """
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        _check_ratio(self.name, self.start, self.stop)
-
-    def values(self, indices: np.ndarray) -> dict[str, np.ndarray]:
-        """Values at the indices."""
-        logarithm = math.log(self.stop / self.start) / max(self.count - 1, 1)
+        if not self.logarithmic:
+            return {self.name: even_steps(self.start, self.stop, self.size, indices)}
+        logarithm = math.log(self.stop / self.start) / max(self.size - 1, 1)
         steps = self.start * np.exp(indices * logarithm)
-        return {self.name: np.where(indices == self.count - 1, self.stop, steps)}
+        return {self.name: np.where(indices == self.size - 1, self.stop, steps)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,7 +148,7 @@ class Sampled:
     Raises
     ------
     SamplingError
-        If low > high, a logarithmic range touches zero, a limit is infinite or NaN, or Sobol' is asked for more
+        If a logarithmic range touches zero, a limit is infinite or NaN, or Sobol' is asked for more
         than 2**30 points.
     """
 
@@ -185,8 +165,6 @@ class Sampled:
         object.__setattr__(self, "logarithmic", self.logarithmic or (False,) * len(self.names))
         for name, low, high, is_logarithmic in zip(self.names, self.lows, self.highs, self.logarithmic, strict=True):
             _check_finite(name, low, high)
-            if low > high:
-                raise SamplingError(f"{name}: low is above high; exchange them")
             if is_logarithmic:
                 _check_ratio(name, low, high)
         if self.method == "sobol" and self.count > SOBOL_LARGEST:
@@ -224,7 +202,7 @@ class Sampled:
 
 
 # Parameters that vary together: `size` sets of `values` for `names`, dotted paths.
-Axis = Listed | Linear | Logarithmic | Columns | Sampled
+Axis = Listed | Steps | Columns | Sampled
 
 
 @dataclass(frozen=True)
@@ -236,7 +214,7 @@ class Design:
     Raises
     ------
     SamplingError
-        If two axes have a name in common, or the product exceeds 2**63 - 1 variants.
+        If two axes have a name in common, or the product exceeds `MOST_VARIANTS`.
     """
 
     axes: tuple[Axis, ...]
@@ -246,8 +224,9 @@ class Design:
         twice = [name for name, count in Counter(self.names).items() if count > 1]
         if twice:
             raise SamplingError(f"{twice[0]}: varies twice; leave one of the two out")
-        if self.size > LARGEST:
-            raise SamplingError(f"{' x '.join(map(str, self.shape))} = {self.size} variants; at most {LARGEST}")
+        if self.size > MOST_VARIANTS:
+            words = "reduce a count, or sample with low and high"
+            raise SamplingError(f"{self.size} variants, at most {MOST_VARIANTS}; {words}")
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -255,14 +234,9 @@ class Design:
         return tuple(name for axis in self.axes for name in axis.names)
 
     @property
-    def shape(self) -> tuple[int, ...]:
-        """The axes' sizes."""
-        return tuple(axis.size for axis in self.axes)
-
-    @property
     def size(self) -> int:
         """Number of variants."""
-        return math.prod(self.shape)
+        return math.prod(axis.size for axis in self.axes)
 
     def values(self, start: int, stop: int) -> dict[str, np.ndarray]:
         """Parameters of the variants start..stop-1.
@@ -298,12 +272,6 @@ def _column(name: str, values: Sequence[float]) -> np.ndarray:
 def _check_finite(name: str, low: float, high: float) -> None:
     if not math.isfinite(high - low):
         raise SamplingError(f"{name}: the range and its ends must be finite")
-
-
-def _check_range(name: str, start: float, stop: float, count: int) -> None:
-    _check_finite(name, start, stop)
-    if count == 1 and start != stop:
-        raise SamplingError(f"{name}: count 1 can't hit both ends; take 2 or more, or give a single value")
 
 
 def _check_ratio(name: str, low: float, high: float) -> None:

@@ -212,7 +212,5 @@ class _TaskReader:
             low, high = (engine.quantity_text(end, self.units[name]) for end in (span.low, span.high))
             return f"allowed: {low} to {high}"
         axis = next(a for a in variables.choices if name in a.names)
-        listed = axis.values(np.arange(axis.size))[name]
-        return (
-            f"allowed: {', '.join(engine.quantity_text(v, self.units[name]) for v in dict.fromkeys(listed.tolist()))}"
-        )
+        listed = dict.fromkeys(axis.values(np.arange(axis.size))[name].tolist())
+        return f"allowed: {', '.join(engine.quantity_text(value, self.units[name]) for value in listed)}"

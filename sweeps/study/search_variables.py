@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sweeps.study.sampling import Axis, Columns, Design, Listed, Logarithmic, Sampled, between, entry_at
+from sweeps.study.sampling import Axis, Columns, Design, Listed, Sampled, between, entry_at
 
 
 class Span(NamedTuple):
@@ -49,8 +49,7 @@ class Variables:
                 spans += [span for span in sampled if span.name not in axis.sizes]
                 choices += [Listed(name, sizes) for name, sizes in axis.sizes.items()]
             else:
-                ends = sorted((axis.start, axis.stop))
-                spans.append(Span(axis.name, *ends, isinstance(axis, Logarithmic)))
+                spans.append(Span(axis.name, *sorted((axis.start, axis.stop)), axis.logarithmic))
         return cls(tuple(spans), tuple(choices), design.names)
 
     @property

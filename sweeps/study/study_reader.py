@@ -12,7 +12,7 @@ from typing import Any
 import engine
 from sweeps.study import study_text
 from sweeps.study.default_summaries import default_summaries
-from sweeps.study.sampling import Axis, Columns, Design, Linear, Listed, Logarithmic, Sampled, SamplingError
+from sweeps.study.sampling import Axis, Columns, Design, Listed, Sampled, SamplingError, Steps
 from sweeps.study.search_task import task_of
 from sweeps.study.sensitivity import Sensitivity, read_tolerances
 from sweeps.study.study import KnownNames, Study
@@ -26,8 +26,6 @@ from sweeps.text.toml_text import Problems, line_of, parse_toml, problems_in, va
 
 # Keys that are attributes of a study.
 _AS_GIVEN = ("positions", "field_precision", "accuracy", "question", "best", "optimise", "tolerances")
-# Larger results fit on no disk.
-MOST_VARIANTS = 10**12
 
 
 class StudyReader:
@@ -157,13 +155,7 @@ class StudyReader:
             message = "nothing is sampled; give low and high, or choose, for a variable, or remove this"
             self.problems.add(["sampling"], message)
         with self.problems.noted(SamplingError, ["vary"]):
-            design = Design(tuple(axes))
-            if design.size > MOST_VARIANTS:
-                message = (
-                    f"{design.size} variants, at most {MOST_VARIANTS}; reduce a count, or sample with low and high"
-                )
-                self.problems.add(["vary"], message)
-            return design
+            return Design(tuple(axes))
         return None
 
     def _check_variable(self, path: str) -> None:
@@ -178,11 +170,9 @@ class StudyReader:
         if path.isidentifier() and path in self._names_used:
             return ""
         words = "is not a number that the scene gives"
-        return (
-            f"{words}; give it there first"
-            if is_absent(self.scene, path)
-            else (engine.unknown_name_message(path, self.numbers, words))
-        )
+        if is_absent(self.scene, path):
+            return f"{words}; give it there first"
+        return engine.unknown_name_message(path, self.numbers, words)
 
     def _refusal(self, path: str, others: Iterable[str]) -> str:
         """Why a number of the scene can't vary (it has no effect), or "".
@@ -251,8 +241,7 @@ class StudyReader:
             return Listed(path, tuple(self._sizes(path, axis)))
         if isinstance(axis, study_text.Listing):
             return Listed(path, tuple(self._quantities(path, axis.values)))
-        kind = Linear if axis.spacing == "linear" else Logarithmic
-        return kind(path, *self._quantities(path, (axis.start, axis.stop)), axis.count)
+        return Steps(path, *self._quantities(path, (axis.start, axis.stop)), axis.count, axis.spacing == "log")
 
     def _add_columns(self, axes: list[Axis], name: str) -> None:
         columns, table = {}, []

@@ -5,7 +5,7 @@ position; the best one is refined by least squares in all lengths and positions.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -181,10 +181,5 @@ def _brought_nearer(start: np.ndarray, mode: int, wanted: np.ndarray, dense: np.
         return np.concatenate([both.real, both.imag])
 
     scale = np.array([size] * 4 + [1.0] * 5)
-    return _best_of(apart, start, scale)
-
-
-def _best_of(apart: Callable[[np.ndarray], np.ndarray], start: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    """The better of the least-squares result and its start."""
     end = least_squares(apart, start, x_scale=scale, max_nfev=200).x
     return end if np.sum(apart(end) ** 2) < np.sum(apart(start) ** 2) else start

@@ -127,10 +127,8 @@ def quick_crank_rocker(rocker: float, swing: float, ratio: float, coupler: float
     chord = 2.0 * rocker * math.sin(0.5 * swing)
     words = f"a swing of {math.degrees(swing):g}° with a quick-return ratio of {ratio:g}"
     none = f"no crank-rocker has {words}: use a lower ratio, or a slotted lever"
-    trial, not_this = (
-        partial(_crank_rocker, rocker, swing, theta),
-        f"no crank-rocker with a coupler of {{:g}} m has {words}",
-    )
+    not_this = f"no crank-rocker with a coupler of {{:g}} m has {words}"
+    trial = partial(_crank_rocker, rocker, swing, theta)
     return _chosen(trial, coupler, _lengths(chord, theta, rocker), none, not_this)
 
 

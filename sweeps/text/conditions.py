@@ -112,13 +112,6 @@ class Condition:
         condition.check(dimensions)
         return condition
 
-    @classmethod
-    def read_all(cls, where: Where, dimensions: Mapping[str, engine.Powers | None]) -> "Condition":
-        """Read conditions that must all hold as one, each checked as by `read`."""
-        for text in [where] if isinstance(where, str) else where:
-            cls.read(text, dimensions)
-        return cls.parse(all_of(where))
-
     @property
     def text(self) -> str:
         """The condition as written, on one line."""

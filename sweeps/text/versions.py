@@ -1,16 +1,22 @@
 """Version of this program, of the one that made a file, and the libraries of the program's extras."""
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib.metadata import PackageNotFoundError, version
+
+
+def versions_of(*names: str) -> dict[str, str]:
+    """Versions of the libraries that are installed, by their names."""
+    found = {}
+    for name in names:
+        with suppress(PackageNotFoundError):
+            found[name] = version(name)
+    return found
 
 
 def own_version() -> str:
     """Installed version of this program."""
-    try:
-        return version("machine-sweeps")
-    except PackageNotFoundError:
-        return "not installed"
+    return versions_of("machine-sweeps").get("machine-sweeps", "not installed")
 
 
 @contextmanager

@@ -24,7 +24,7 @@ from sweeps.pictures.style import save, save_beside
 from sweeps.pictures.sweep.result_pictures import result_pictures
 from sweeps.report.answers.comparison import comparison
 from sweeps.report.check_report import between_positions_text, check_text
-from sweeps.report.files.data_files import table_data, write_table
+from sweeps.report.files.data_files import TABLE_ENDINGS, table_data, write_table
 from sweeps.report.files.exports import history_table, reading_table, result_table
 from sweeps.report.files.result_data import result_data
 from sweeps.report.help.editor_schema import schema_texts

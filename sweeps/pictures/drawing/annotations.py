@@ -88,7 +88,7 @@ def _forces(m: DrawnMotion, k: int, outlines: np.ndarray) -> tuple[list[Primitiv
         link, value = acting[name].link, values[name].real
         if value == 0.0 or link == FRAME or (link in m.scene.shafts and m.scene.shafts[link].pivot is None):
             continue
-        at, r = complex(m.axes(link)[0][k]), ARC * m.radius
+        at, r = complex(m.axes[link][0][k]), ARC * m.radius
         sense = math.copysign(1.0, value)
         figures += arrow(at + r * np.exp(1j * sense * np.linspace(0.4, SPAN, 32)), m.radius, "forces")
         words = f"{name} = {quantity_text(abs(value), 'N m')}"
@@ -110,7 +110,7 @@ def _links(m: DrawnMotion, k: int, outlines: np.ndarray) -> tuple[list[Primitive
     marks = []
     for link in m.links[:-1]:
         joints = [complex(m.points[name][k]) for name in m.members(link)]
-        joints = joints or [complex(m.axes(link)[0][k])]
+        joints = joints or [complex(m.axes[link][0][k])]
         marks.append(_mark("links", sum(joints) / len(joints), 0.5 * m.radius, link))
     return [], marks
 

@@ -65,14 +65,14 @@ def new_document() -> "Drawing":
     return ezdxf.new("R2010", setup=["linetypes"], units=units)
 
 
-def write_dxf(path: Path | str, drawn: Scene | DrawnMotion, phi: float, paths: Sequence[str] = ()) -> None:
+def write_dxf(path: Path | str, drawn: Scene | DrawnMotion, phi: float) -> None:
     """Write a mechanism at one position as DXF (R2010, mm or inches), on the layers of `sweeps.pictures.drawing`.
 
     Parameters
     ----------
     path : path
         File to write.
-    drawn, phi, paths
+    drawn, phi
         As for `sweeps.pictures.drawing.primitives`.
 
     Raises
@@ -80,7 +80,7 @@ def write_dxf(path: Path | str, drawn: Scene | DrawnMotion, phi: float, paths: S
     PictureError
         ezdxf isn't installed, the mechanism can't be drawn, or the file can't be written.
     """
-    save_dxf(path, primitives(drawn, phi, paths), _LOOKS)
+    save_dxf(path, primitives(drawn, phi), _LOOKS)
 
 
 def save_dxf(path: Path | str, shown: Sequence[Primitive], looks: Mapping[str, tuple[int, str]]) -> None:

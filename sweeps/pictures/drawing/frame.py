@@ -27,7 +27,7 @@ def frame_parts(m: DrawnMotion) -> tuple[Primitive, ...]:
             found += rails_of(m, slider).figures
     for group in scene.groups.values():
         if group.type == "RPP" and scene.guides[group.second.guide].link == FRAME:
-            place, along = (values[0] for values in m.guide(group.second.guide))
+            place, along = (values[0] for values in m.guides[group.second.guide])
             found += bush(place + bush_at(m, group) * along, along, m.radius)
     found += follower_guides(m)
     for name, shaft in scene.shafts.items():

@@ -37,7 +37,7 @@ def rails_of(m: DrawnMotion, slider: Slider) -> Rails:
     slider : Slider
     """
     r, (low, high) = m.radius, m.range_of(slider.link)
-    place, u = (complex(values[0]) for values in m.guide(slider.guide))
+    place, u = (complex(values[0]) for values in m.guides[slider.guide])
     base = place + 1j * slider.offset * u
     heads = {cylinder.head for cylinder in m.scene.cylinders.values() if cylinder.piston == slider.link}
     ends = [
@@ -66,7 +66,7 @@ def _passing(m: DrawnMotion, slider: Slider) -> np.ndarray:
     found = [np.empty((0, 2), complex)]
     for link in m.links[:-1]:
         if link != slider.link:
-            rows = [m.axes(link)[0], *(m.points[name] for name in m.members(link))]
+            rows = [m.axes[link][0], *(m.points[name] for name in m.members(link))]
             found += [np.stack(pair, axis=1)[::EVERY] for pair in combinations(rows, 2)]
     lines = np.concatenate(found)
     return lines[np.isfinite(lines).all(axis=1)]

@@ -14,7 +14,7 @@ def cam_shapes(m: DrawnMotion, k: int) -> list[Primitive]:
     """Cam profiles at a node, with rollers, faces and the stems of sliding followers."""
     found = []
     for name, cam in m.scene.cams.items():
-        place, along = m.axes(cam.on)
+        place, along = m.axes[cam.on]
         found += of_link(cam.on, line(*(place[k] + m.profiles[name] * along[k])))
         found += of_link(cam.follower.link, *_follower_shape(m, name, k))
     return found
@@ -23,10 +23,10 @@ def cam_shapes(m: DrawnMotion, k: int) -> list[Primitive]:
 def _follower_shape(m: DrawnMotion, name: str, k: int) -> list[Primitive]:
     """Stem of a sliding follower and its contact, at a node."""
     cam = m.scene.cams[name]
-    origin, u = (values[k] for values in m.axes(cam.follower.link))
+    origin, u = (values[k] for values in m.axes[cam.follower.link])
     found = []
     if cam.translating:
-        top = m.guide(cam.follower.guide)[0][k] + (_bush(m, name) + (HALF_BUSH + 1.5) * m.radius) * u
+        top = m.guides[cam.follower.guide][0][k] + (_bush(m, name) + (HALF_BUSH + 1.5) * m.radius) * u
         low = m.range_of(cam.follower.link)[0]
         found.append(line(origin, top + (m.slides[cam.follower.link][k] - low) * u))
     return found + _touching(m, name, k, origin, u)
@@ -37,7 +37,7 @@ def _touching(m: DrawnMotion, name: str, k: int, origin: complex, u: complex) ->
     follower, at = m.scene.cams[name].follower, f"cams.{name}.follower"
     if follower.contact == "flat":
         across = -1j * u if follower.type == "translating" else u
-        reach = ((m.contacts[name] - m.axes(follower.link)[0]) / (across / u * m.axes(follower.link)[1])).real
+        reach = ((m.contacts[name] - m.axes[follower.link][0]) / (across / u * m.axes[follower.link][1])).real
         low, high = np.nanmin(reach) - BEYOND * m.radius, np.nanmax(reach) + BEYOND * m.radius
         return [line(origin + (low if follower.type == "translating" else 0.0) * across, origin + high * across)]
     centre = origin if follower.type == "translating" else origin + m.numbers[f"{at}.arm"] * u
@@ -53,7 +53,7 @@ def follower_guides(m: DrawnMotion) -> list[Primitive]:
     found = []
     for name, cam in m.scene.cams.items():
         if cam.translating:
-            place, u = (complex(values[0]) for values in m.guide(cam.follower.guide))
+            place, u = (complex(values[0]) for values in m.guides[cam.follower.guide])
             found += bush(place + _bush(m, name) * u, u, m.radius)
     return found
 
@@ -78,7 +78,7 @@ def pitch_curves(m: DrawnMotion, k: int) -> list[Primitive]:
     found = []
     for name, curves in m.pitch_curves.items():
         for link, curve in zip((name, m.scene.noncircular_wheels[name].geared_to), curves, strict=True):
-            place, along = m.axes(link)
+            place, along = m.axes[link]
             drawn = np.append(curve, curve[:1]) if m.scene.has_cycle else curve
             found += of_link(link, line(*(place[k] + drawn * along[k]), layer="pitch"))
     return found

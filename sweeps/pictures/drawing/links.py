@@ -33,7 +33,7 @@ def plates_and_bars(m: DrawnMotion, k: int) -> tuple[list[Primitive], list[Primi
     carriers = {scene.guides[s.guide].link for s in m.sliders}
     carriers |= {g.second.link for g in scene.groups.values() if g.type in ("RPR", "RPP")}
     for link in m.links[:-1]:
-        shape = of_link(link, *link_shape([m.axes(link)[0][k], *(m.points[n][k] for n in m.members(link))], r))
+        shape = of_link(link, *link_shape([m.axes[link][0][k], *(m.points[n][k] for n in m.members(link))], r))
         is_plate = bool(shape) and shape[0].kind == "polygon"
         (under if link in carriers else plates if is_plate else over).extend(shape)
     for name, group in scene.groups.items():
@@ -42,31 +42,27 @@ def plates_and_bars(m: DrawnMotion, k: int) -> tuple[list[Primitive], list[Primi
     for slider in m.sliders:
         if scene.guides[slider.guide].link != FRAME:
             under += _moving_guide(m, slider, k)
-    blocks = [p for s in m.sliders for p in slider_body(m, s, k, block_half(m, s))]
+    blocks = [p for s in m.sliders for p in slider_body(m, s, k)]
     spans = [tuple(m.points[end][k] for end in s.between) for s in scene.springs.values()]
     springs = [zigzag(a, b, r) for a, b in spans if abs(b - a) > r]
     touching = [*planet_circles(m, k), *cam_shapes(m, k), *rack_shapes(m, k), *pitch_curves(m, k)]
     return [*under, *blocks, *plates], [*touching, *over, *springs, *joints(m, k)]
 
 
-def block_half(m: DrawnMotion, slider: Slider) -> float:
-    """Half the height of a slider's block [m]."""
-    return rails_of(m, slider).half if m.scene.guides[slider.guide].link == FRAME else HALF_HEIGHT * m.radius
-
-
-def slider_body(m: DrawnMotion, slider: Slider, k: int, half: float) -> list[Primitive]:
-    """A slider of a height, its tool away from the rest of the machine, its upper side up."""
-    along = complex(m.guide(slider.guide)[1][k])
+def slider_body(m: DrawnMotion, slider: Slider, k: int) -> list[Primitive]:
+    """A slider, its tool away from the rest of the machine, its upper side up."""
+    half = rails_of(m, slider).half if m.scene.guides[slider.guide].link == FRAME else HALF_HEIGHT * m.radius
+    along = complex(m.guides[slider.guide][1][k])
     front, up = (sign * along for sign in _sides(m, slider))
-    shape = slider_shape(slider.link, complex(m.axes(slider.link)[0][k]), front, up, half, m.radius)
+    shape = slider_shape(slider.link, complex(m.axes[slider.link][0][k]), front, up, half, m.radius)
     return of_link(slider.link, *shape)
 
 
 @lru_cache(64)
 def _sides(m: DrawnMotion, slider: Slider) -> tuple[complex, complex]:
     """Front and upper side of a slider in the axes of its guide, the same at all positions."""
-    along = m.guide(slider.guide)[1][0]
-    inward = np.mean([np.nanmean(points) for points in m.points.values()]) - np.nanmean(m.axes(slider.link)[0])
+    along = m.guides[slider.guide][1][0]
+    inward = np.mean([np.nanmean(points) for points in m.points.values()]) - np.nanmean(m.axes[slider.link][0])
     return math.copysign(1.0, -(inward / along).real), 1j if along.real > -1e-9 else -1j
 
 
@@ -74,7 +70,7 @@ def _slotted(m: DrawnMotion, name: str, k: int) -> list[Primitive]:
     """Slotted link and block of RPR or RPP."""
     r, group = m.radius, m.scene.groups[name]
     slotted, sliding = group.second.link, group.first.link
-    origin, u = m.axes(slotted)[0][k], m.axes(sliding)[1][k]
+    origin, u = m.axes[slotted][0][k], m.axes[sliding][1][k]
     pin = m.points[group.first.joint][k]
     low, high = m.range_of(sliding)
     foot = origin + m.slides[sliding][k] * u
@@ -83,9 +79,9 @@ def _slotted(m: DrawnMotion, name: str, k: int) -> list[Primitive]:
     if group.type == "RPR":
         return [*of_link(slotted, line(*_rod(m, name, k))), *block]
     slot = box(origin + (low + high) / 2 * u, u, (high - low) / 2 + margin, HALF_HEIGHT * r, "paper")
-    along = m.axes(slotted)[1][k]
+    along = m.axes[slotted][1][k]
     start = origin + HALF_HEIGHT * r / abs((u / along).imag) * along
-    held = m.guide(group.second.guide)[0][k] + (bush_at(m, group) + 4 * r) * along
+    held = m.guides[group.second.guide][0][k] + (bush_at(m, group) + 4 * r) * along
     tip = held + (m.slides[slotted][k] - m.range_of(slotted)[0] + 1.5 * r) * along
     carrier = m.scene.guides[group.second.guide].link
     held_by = [] if carrier == FRAME else of_link(carrier, box(held - 4 * r * along, along, 4 * r, 1.2 * r))
@@ -95,7 +91,7 @@ def _slotted(m: DrawnMotion, name: str, k: int) -> list[Primitive]:
 def _rod(m: DrawnMotion, name: str, k: int) -> tuple[complex, complex]:
     """Ends of the rod that forms the slot of an RPR rocker."""
     group = m.scene.groups[name]
-    origin, u = (values[k] for values in m.axes(group.second.link))
+    origin, u = (values[k] for values in m.axes[group.second.link])
     low, high = m.range_of(group.first.link)
     margin = (HALF_LENGTH + 1.5) * m.radius
     return origin + min(low - margin, 0) * u, origin + max(high + margin, 0) * u
@@ -104,13 +100,11 @@ def _rod(m: DrawnMotion, name: str, k: int) -> tuple[complex, complex]:
 def _moving_guide(m: DrawnMotion, slider: Slider, k: int) -> list[Primitive]:
     """Guide rod of a slider on a moving link, joined to the link's origin."""
     r = m.radius
-    place, u = (values[k] for values in m.guide(slider.guide))
+    place, u = (values[k] for values in m.guides[slider.guide])
     place = place + 1j * slider.offset * u
     carrier = m.scene.guides[slider.guide].link
-    origin = m.axes(carrier)[0][k]
-    low, high = (
-        s + side * (half_length(slider.link) + 2) * r for s, side in zip(m.range_of(slider.link), (-1, 1), strict=True)
-    )
+    origin = m.axes[carrier][0][k]
+    low, high = np.add(m.range_of(slider.link), (half_length(slider.link) + 2) * r * np.array([-1, 1]))
     apart = (origin - place) / u
     if abs(apart.imag) < 0.5 * r:
         return of_link(carrier, line(place + min(low, apart.real) * u, place + max(high, apart.real) * u))

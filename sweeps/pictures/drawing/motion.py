@@ -50,6 +50,8 @@ class DrawnMotion:
         Crank angles [rad] or displacements of a sliding input [m].
     points : dict of str to complex ndarray (nodes,)
     slides : dict of str to ndarray (nodes,)
+    axes, guides : dict of str to (complex ndarray, complex ndarray)
+        Origin and direction of each link's axes, a point and the direction of each guide; (nodes,).
     contacts : dict of str to complex ndarray (nodes,)
         Contact points of cams and followers.
     centres : dict of str to complex ndarray (nodes,)
@@ -77,11 +79,11 @@ class DrawnMotion:
         except engine.NowhereDefinedError as error:
             raise PictureError(f"this mechanism can't be drawn at any position: {error}") from None
         self.points, self.slides, self.contacts = places.points, places.slides, places.contacts
-        self._axes, self._guides, self.centres = places.links, places.guides, places.centres
+        self.axes, self.guides, self.centres = places.links, places.guides, places.centres
         self.links = (*engine.order_groups(scene).links, engine.FRAME)
         self.profiles = {name: self._profile(name) for name in scene.cams}
         self.pitch_curves = {
-            name: tuple((point - self.axes(link)[0]) / self.axes(link)[1] for link in (name, wheel.geared_to))
+            name: tuple((point - self.axes[link][0]) / self.axes[link][1] for link in (name, wheel.geared_to))
             for (name, wheel), point in zip(scene.noncircular_wheels.items(), places.pitch_points.values(), strict=True)
         }
         self.sliders = tuple(self._sliders())
@@ -114,17 +116,9 @@ class DrawnMotion:
             )
         return k
 
-    def axes(self, link: str) -> tuple[np.ndarray, np.ndarray]:
-        """Origin and direction of a link's axes at each node."""
-        return self._axes[link]
-
-    def guide(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """A point and the direction of a guide at each node."""
-        return self._guides[name]
-
     def _profile(self, name: str) -> np.ndarray:
         """Profile of a cam over a turn, or as far as it turns."""
-        place, along = self.axes(self.scene.cams[name].on)
+        place, along = self.axes[self.scene.cams[name].on]
         profile = (self.contacts[name] - place) / along
         turns = abs(np.unwrap(np.angle(along))[-1] - np.angle(along[0])) / math.tau
         if not self.scene.has_cycle and turns < 1.0:
@@ -161,7 +155,7 @@ class DrawnMotion:
         """Length of yoke stems."""
         for group in self.scene.groups.values():
             if group.type == "RPP":
-                place, along = self.guide(group.second.guide)
+                place, along = self.guides[group.second.guide]
                 low, high = self.range_of(group.second.link)
                 yield place + (2 * high - low) * along
 

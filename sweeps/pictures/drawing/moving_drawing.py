@@ -77,7 +77,7 @@ def moving_drawing(motion: DrawnMotion, intervals: int = 120) -> MovingDrawing:
     poses = [figures(motion, [at], named=False)[-1] for at in motion.q[nodes]]
     recorded = _aligned(poses, motion.radius)
     recorded.sort(key=lambda pair: (pair[0].layer in ABOVE, pair[0].layer == "paths"))
-    axes = [tuple(values[nodes] for values in motion.axes(link)) for link in (FRAME, *motion.links[:-1])]
+    axes = [tuple(values[nodes] for values in motion.axes[link]) for link in (FRAME, *motion.links[:-1])]
     found = [_carried(look, places, axes, motion.radius) for look, places in recorded]
     named = names_of_points(motion, nodes, poses)
     for name in zip(*named, strict=True):

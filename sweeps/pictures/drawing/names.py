@@ -25,12 +25,12 @@ def input_arrows(m: DrawnMotion, k: int) -> list[Primitive]:
     if isinstance(drive, CrankInput):
         shown = _turning_arrow(m.points[drive.pivot][k], m.numbers["input.length"] * np.exp(1j * m.q[k]), sense, r)
     else:
-        shown = _sliding_arrow(m.points[drive.point][k], sense * m.guide(drive.guide)[1][k], r)
+        shown = _sliding_arrow(m.points[drive.point][k], sense * m.guides[drive.guide][1][k], r)
     before, after = k - 1, (k + 1) % m.q.size
     for name, second in m.scene.inputs.items():
-        (origin, along), seconds_sense = m.axes(name), sense
+        (origin, along), seconds_sense = m.axes[name], sense
         if isinstance(second, SecondCrank):
-            against = along / m.axes(holder_of(m.scene, second.pivot))[1]
+            against = along / m.axes[holder_of(m.scene, second.pivot)][1]
             seconds_sense *= _sign_of_step(np.angle(against[after] / against[before]))
             arms = [m.points[point][k] - origin[k] for point in m.members(name)]
             arm = max(arms, key=abs)

@@ -29,7 +29,7 @@ def _meshing(
     m: DrawnMotion, k: int, path: str, rack: str | None, pinion: str, guide: str, pivot: str
 ) -> list[Primitive]:
     radius, axis = m.numbers[path], m.points[pivot][k]
-    spoke = axis + abs(radius) * m.axes(pinion)[1][k]
+    spoke = axis + abs(radius) * m.axes[pinion][1][k]
     circle = Primitive("pitch", "circle", (complex(axis),), abs(radius))
     found, bar = of_link(pinion, circle, line(axis, spoke)), _bar(m, k, path, rack, guide, pivot)
     carrier = rack or m.scene.guides[guide].link
@@ -42,9 +42,9 @@ def _meshing(
 def _bar(m: DrawnMotion, k: int, path: str, rack: str | None, guide: str, pivot: str) -> list[Primitive]:
     """The stem of a bar, if any, and the bar; for a fixed rack its pitch line."""
     radius, axis = m.numbers[path], m.points[pivot]
-    place, u = m.guide(guide)
+    place, u = m.guides[guide]
     touches = axis - 1j * radius * u
-    carried = place if rack is None else m.axes(rack)[0]
+    carried = place if rack is None else m.axes[rack][0]
     reach = ((touches - carried) / u).real
     reached = [reach]
     if rack is not None and rack not in m.scene.racks:

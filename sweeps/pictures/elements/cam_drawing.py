@@ -4,11 +4,13 @@ from pathlib import Path
 
 import numpy as np
 
-from engine import CamCurves, CamElement, cam_curves
+from engine import CamCurves, CamElement
 from sweeps.pictures.drawing.dxf import save_dxf
 from sweeps.pictures.drawing.symbols import line
+from sweeps.pictures.elements.element_motion import reached_curves
 from sweeps.pictures.picture_error import PictureError
-from sweeps.report.files.cam_tables import cam_csv
+from sweeps.report.files.cam_tables import cam_table
+from sweeps.report.files.data_files import TABLE_ENDINGS, write_table
 from sweeps.text.whole_files import new_file
 
 MM = 1e3
@@ -24,7 +26,7 @@ _CROSS = ((-3e-3 + 0j, 3e-3 + 0j), (-3e-3j, 3e-3j))
 
 
 def export_cam(cam: CamElement, out: Path) -> None:
-    """Write a cam by file extension: motion curves as .csv, outlines as .svg or .dxf.
+    """Write a cam by file extension: a table, or outlines as .svg or .dxf, at the start of the cam's first section.
 
     Parameters
     ----------
@@ -34,33 +36,12 @@ def export_cam(cam: CamElement, out: Path) -> None:
     Raises
     ------
     PictureError, InputError
-        As `cam_drawing` and `cam_csv` say.
-    """
-    if out.suffix == ".csv":
-        cam_csv(cam, out, POINTS)
-    else:
-        cam_drawing(cam, out, POINTS)
-
-
-def cam_drawing(cam: CamElement, out: Path, points: int) -> None:
-    """Write a cam's outlines in cam axes: its orientation at the start of its first section.
-
-    Parameters
-    ----------
-    cam : CamElement
-    out : Path
-        Extension .dxf or .svg.
-    points : int
-        Approximate number per outline.
-
-    Raises
-    ------
-    PictureError
         The follower doesn't reach the base circle, ezdxf isn't installed, or the file can't be written.
     """
-    curves = cam_curves(cam, points)
-    if not curves.angle.size:
-        raise PictureError("the follower of the cam doesn't reach the base circle; enlarge base_radius")
+    curves = reached_curves(cam, POINTS)
+    if out.suffix in TABLE_ENDINGS:
+        write_table(out, cam_table(cam, curves))
+        return
     lines = _outlines(cam, curves)
     if out.suffix == ".dxf":
         figures = [line(*outline, outline[0], layer=name) for name, outline in lines.items()]

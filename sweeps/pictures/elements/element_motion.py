@@ -36,10 +36,22 @@ def element_frames(element: engine.CamElement | engine.GearTrain, frames: int) -
 # Cams
 
 
-def _cam_frames(cam: engine.CamElement, frames: int) -> Frames:
-    curves = engine.cam_curves(cam)
+def reached_curves(cam: engine.CamElement, *points: int) -> engine.CamCurves:
+    """Curves of a cam as by `engine.cam_curves`.
+
+    Raises
+    ------
+    PictureError
+        Its follower doesn't reach the base circle.
+    """
+    curves = engine.cam_curves(cam, *points)
     if not curves.angle.size:
         raise PictureError("the follower of the cam doesn't reach the base circle; enlarge base_radius")
+    return curves
+
+
+def _cam_frames(cam: engine.CamElement, frames: int) -> Frames:
+    curves = reached_curves(cam)
     radius = hinge_radius(curves)
     at = np.searchsorted(curves.angle, math.tau * np.arange(frames) / frames).clip(max=curves.angle.size - 1)
     poses = [[*_cam(curves, k), *follower_figures(cam, curves, k, radius)] for k in at]

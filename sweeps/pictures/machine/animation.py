@@ -19,8 +19,6 @@ from sweeps.text.whole_files import new_file
 
 DOTS_PER_INCH = 100
 LARGEST_WIDTH, LARGEST_HEIGHT = 6.4, 6.4
-# All frames are in memory at once.
-MOST_FRAMES = 1000
 # Time of a frame [ms]; browsers slow down ones below 20.
 PACE = 50
 
@@ -68,17 +66,15 @@ def save_animation(frames_of: Callable[[int], Frames], path: Path | str, frames:
     path : path
         File to write (.gif).
     frames : int
-        Frames per cycle, 4 to 1000.
+        Frames per cycle; all are in memory at once.
 
     Raises
     ------
     PictureError
-        A setting is out of range, or the file can't be written.
+        The file's name doesn't end in .gif, or it can't be written.
     """
     if Path(path).suffix.lower() != ".gif":
         raise PictureError(f"{path}: animations are .gif files")
-    if not 4 <= frames <= MOST_FRAMES:
-        raise PictureError(f"frames = {frames}: allowed are 4 to {MOST_FRAMES}, such as 60")
     pictures = _pictures(frames_of(frames))
     indexed = [picture.quantize(palette=_palette(), dither=Image.Dither.NONE) for picture in pictures]
     with new_file(path, PictureError.of) as draft:

@@ -193,15 +193,8 @@ def _mark_quarters(ax: Axes, cycle: _Cycle, x: np.ndarray, y: np.ndarray, others
         within = (np.abs(drawn - centres[:, None]) < half + 1.0).all(axis=2).sum(axis=1)
         beyond = (np.abs(centres - 0.5 * LOOP) > 0.5 * LOOP - half - 2.0).any(axis=1)
         best = np.argmin(within + drawn.size * beyond)
-        ax.annotate(
-            text,
-            (x[same[0]], y[same[0]]),
-            centres[best] - points[same[0]],
-            textcoords="offset points",
-            fontsize=6,
-            ha="center",
-            va="center",
-        )
+        look = {"textcoords": "offset points", "fontsize": 6, "ha": "center", "va": "center"}
+        ax.annotate(text, (x[same[0]], y[same[0]]), centres[best] - points[same[0]], **look)
         drawn = np.concatenate([drawn, centres[best] + half * WITHIN])
 
 

@@ -14,7 +14,6 @@ import engine
 from engine import Scene, Verdict, display_unit
 from sweeps.pictures.machine.cycle_rows import input_axis
 from sweeps.pictures.panels import draw_panel
-from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, legend_below, sheet
 from sweeps.report.regime_words import failure_text
 
@@ -195,26 +194,15 @@ def _thinned(x: np.ndarray, row: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.repeat(x[: count * every : every], 2), np.stack((pieces.min(axis=1), pieces.max(axis=1)), axis=1).ravel()
 
 
-def cycle_diagrams(scene: Scene, seen: "engine.History", regime: str) -> Figure:
+def cycle_diagrams(scene: Scene, part: _Course) -> Figure:
     """Steady running over the crank angle: speed with its mean and δ, acceleration, torques and power.
 
     Parameters
     ----------
     scene : Scene
-    seen : History
-    regime : str
-        Name of a steady regime in the history.
-
-    Raises
-    ------
-    PictureError
-        There is no such motion in the history.
+    part : _Course
+        A steady regime of its history.
     """
-    part = next((p for p in courses(seen) if p.name == regime), None)
-    if part is None:
-        failed = seen.verdict != Verdict.OK
-        why = failure_text(scene, seen.verdict, seen) if failed else f"the regimes are {', '.join(scene.regimes)}"
-        raise PictureError(f"no steady motion {regime!r}: {why}")
     with sheet(180, 125) as figure:
         axes = figure.subplots(2, 2, sharex=True)
         title, marks = _speed_words(scene, part)
@@ -232,7 +220,7 @@ def cycle_diagrams(scene: Scene, seen: "engine.History", regime: str) -> Figure:
         # A clockwise crank turns to the right, too.
         axes[0, 0].xaxis.set_inverted(bool(part.angle[-1] < part.angle[0]))
         legend_below(figure, axes.flat, 4)
-        figure.suptitle(f"{scene.title or 'Machine'}: {regime}", fontweight="bold")
+        figure.suptitle(f"{scene.title or 'Machine'}: {part.name}", fontweight="bold")
     return figure
 
 
@@ -251,7 +239,6 @@ def motion_sheets(scene: Scene) -> Iterator[tuple[str, Figure]]:
     """The history of a machine, and the cycle of each steady regime that it reaches, by name."""
     seen = engine.history(scene, fields=[name for name in engine.history_fields(scene) if name.endswith(".reaction")])
     yield "history", history_diagrams(scene, seen)
-    reached = {part.name for part in courses(seen)}
-    for name, regime in scene.regimes.items():
-        if isinstance(regime, engine.SteadyRegime) and name in reached:
-            yield name, cycle_diagrams(scene, seen, name)
+    for part in courses(seen):
+        if isinstance(scene.regimes[part.name], engine.SteadyRegime):
+            yield part.name, cycle_diagrams(scene, part)

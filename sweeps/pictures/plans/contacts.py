@@ -129,7 +129,7 @@ def touching(pose: Pose, name: str) -> Touching:
     if follower.contact == "flat":
         centre = complex(pose.motion.contacts[name][pose.k]) - normal / curvature
         return Touching(lettered(pose, "C", link), cam.on, link, centre, normal, None)
-    place = complex(pose.motion.axes(link)[0][pose.k])
+    place = complex(pose.motion.axes[link][0][pose.k])
     if follower.type == "oscillating":
         place += pose.cycle.numbers[f"cams.{name}.follower.arm"] * pose.direction(link)
     radius = pose.cycle.numbers[f"cams.{name}.follower.roller_radius"] if follower.contact == "roller" else 0.0

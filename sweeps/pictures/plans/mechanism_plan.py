@@ -56,7 +56,7 @@ def mechanism_plan(
     for link in pose.cycle.structure.links:
         _number(paper, pose, link)
     motion.radius = usual
-    pose.lettered[paper.size] = paper.letter(() if cloud else pose.lettered.get(paper.size, ()))
+    paper.letter()
     scale = 1e3 * paper.per_mm
     ratio = f"1 : {scale:g}" if scale >= 1 else f"{1 / scale:g} : 1"
     paper.scale(quantity_text(20 * paper.per_mm, "m"), ratio)
@@ -92,5 +92,5 @@ def _number(paper: Paper, pose: Pose, link: str) -> None:
         a, b = max(((p, q) for p in places for q in places), key=lambda ends: abs(ends[1] - ends[0]))
         middle = (a + b) / 2
     else:
-        middle = complex(pose.motion.axes(link)[0][pose.k])
+        middle = complex(pose.motion.axes[link][0][pose.k])
     paper.name(middle, str(pose.number(link)), BLUE, clear=1.2 if len(places) > 1 else 2.6)

@@ -19,7 +19,7 @@ from sweeps.pictures.style import GREY, MM_PER_INCH
 MM_PER_POINT = MM_PER_INCH / 72
 LETTERS = 8.0
 # Sizes on paper [mm].
-HEAD, HALF_HEAD = 2.4, 0.55
+HEAD, HALF_HEAD, DOT = 2.4, 0.55, 0.45
 # Height of the strip for the scale along the lower edge.
 STRIP = 5.0
 LEAST_VECTOR = 0.4
@@ -123,13 +123,9 @@ class Paper:
         self.ax.plot(z.real, z.imag, color=colour, linewidth=width, linestyle=dashes, zorder=6, solid_capstyle="round")
         self.mark(points)
 
-    def is_seen(self, vector: complex) -> bool:
-        """Whether a vector is long enough to draw."""
-        return abs(vector) >= LEAST_VECTOR * self.per_mm
-
     def arrow(self, start: complex, vector: complex, text: str, colour: str, width: float = 1.1) -> None:
         """Draw a vector with its symbol, if long enough."""
-        if not self.is_seen(vector):
+        if abs(vector) < LEAST_VECTOR * self.per_mm:
             return
         length, u = abs(vector) / self.per_mm, vector / abs(vector)
         head = min(HEAD, 0.6 * length) * self.per_mm
@@ -171,14 +167,12 @@ class Paper:
         places, costs = (np.array(part) for part in zip(*found, strict=True))
         self._labels.append(_Label(text, colour, places, costs, half, origin))
 
-    def dot(self, at: complex, text: str, size: float = 0.45) -> None:
-        """Draw a named point of radius `size` [mm]."""
-        self.ax.add_artist(
-            Circle((at.real, at.imag), size * self.per_mm, facecolor="black", edgecolor="none", zorder=8)
-        )
-        around = at + size * self.per_mm * np.exp(2j * np.pi * np.arange(5) / 4)
-        self.mark(around)
-        self.name(at, text, clear=size + 0.3)
+    def dot(self, at: complex, text: str) -> None:
+        """Draw a named point."""
+        radius = DOT * self.per_mm
+        self.ax.add_artist(Circle((at.real, at.imag), radius, facecolor="black", edgecolor="none", zorder=8))
+        self.mark(at + radius * np.exp(2j * np.pi * np.arange(5) / 4))
+        self.name(at, text, clear=DOT + 0.3)
 
     def scale(self, bar: str, note: str) -> None:
         """Draw a scale bar of 20 mm in the lower left corner, with its length and the scale."""
@@ -200,26 +194,8 @@ class Paper:
     def _text(self, at: complex, text: str, **look: object) -> None:
         self.ax.add_artist(Text(at.real, at.imag, text, transform=self.ax.transData, **look))
 
-    def letter(self, places: Sequence[complex] = ()) -> list[complex]:
-        """Place all requested labels.
-
-        Parameters
-        ----------
-        places : sequence of complex, optional
-            Label centres from an identical sheet [mm].
-
-        Returns
-        -------
-        list of complex
-            The positions; by default with the least overlap, names before vector symbols.
-        """
-        found = list(places) or self._clear_places()
-        for label, place in zip(self._labels, found, strict=True):
-            self._write(label, place)
-        self._labels.clear()
-        return found
-
-    def _clear_places(self) -> list[complex]:
+    def letter(self) -> None:
+        """Write all requested labels where they overlap least, in the order in which they were requested."""
         marks = np.concatenate(self._marks) if self._marks else np.empty(0, complex)
         taken: list[tuple[complex, complex]] = []
         for label in self._labels:
@@ -230,7 +206,7 @@ class Paper:
             cost = label.costs + 1.5 * covered + 8 * overlaps + 10 * self._outside(label.places, half)
             best = complex(label.places[np.argmin(cost)])
             taken.append((best, half))
-        return [place for place, _ in taken]
+            self._write(label, best)
 
     def _outside(self, places: np.ndarray, half: complex) -> np.ndarray:
         """Overlap of texts with the sheet's border or scale strip [mm]."""

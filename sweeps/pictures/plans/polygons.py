@@ -65,37 +65,6 @@ class PlanKind(NamedTuple):
     rolled: Callable[[float, complex], list[tuple[str, complex, str]]]
 
 
-class VectorPlan(NamedTuple):
-    """A velocity or acceleration plan.
-
-    Attributes
-    ----------
-    kind : PlanKind
-    images : dict of str to complex
-        Vector from the pole to the image of each point [m/s or m/s²].
-    legs : tuple of Leg
-    pole : tuple of str
-        Points at rest.
-    links : tuple of tuple of str
-        Images of each link's points, similar to the link's shape.
-    under : dict of str to str
-        Coincident points on another link, by name (with primes), and their link.
-    special : tuple of SpecialPoint
-        Special points of Assur used by the plan.
-    places : dict of str to complex
-        Unnamed points of the scene [m]: pitch points, points of cams and sliding inputs.
-    """
-
-    kind: PlanKind
-    images: dict[str, complex]
-    legs: tuple[Leg, ...]
-    pole: tuple[str, ...]
-    links: tuple[tuple[str, ...], ...]
-    under: dict[str, str]
-    special: tuple[SpecialPoint, ...]
-    places: dict[str, complex]
-
-
 _VELOCITY = PlanKind(
     *("v", "m s-1", "omega", r"\omega", "rad/s"),
     lambda moving: moving.v,
@@ -116,29 +85,44 @@ _ACCELERATION = PlanKind(
 )
 
 
-def velocities(pose: Pose) -> VectorPlan:
-    """Velocity plan of all points of a mechanism [m/s]."""
-    return _Composer(pose, _VELOCITY).plan()
+class VectorPlan:
+    """A velocity or acceleration plan, built group by group.
 
+    Parameters
+    ----------
+    pose : Pose
+    kind : PlanKind
 
-def accelerations(pose: Pose) -> VectorPlan:
-    """Acceleration plan of all points of a mechanism at constant input speed [m/s²]."""
-    return _Composer(pose, _ACCELERATION).plan()
+    Attributes
+    ----------
+    kind : PlanKind
+    images : dict of str to complex
+        Vector from the pole to the image of each point [m/s or m/s²].
+    legs : list of Leg
+    pole : iterable of str
+        Points at rest.
+    links : tuple of tuple of str
+        Images of each link's points, similar to the link's shape.
+    under : dict of str to str
+        Coincident points on another link, by name (with primes), and their link.
+    special : list of SpecialPoint
+        Special points of Assur used by the plan.
+    places : dict of str to complex
+        Unnamed points of the scene [m]: pitch points, points of cams and sliding inputs.
+    """
 
-
-class _Composer:
-    """Builds a plan group by group."""
-
-    def __init__(self, pose: Pose, order: PlanKind) -> None:
-        self.pose, self.order = pose, order
+    def __init__(self, pose: Pose, kind: PlanKind) -> None:
+        self.pose, self.kind = pose, kind
         self.images: dict[str, complex] = {}
         self.legs: list[Leg] = []
-        self.rest: dict[str, None] = {}
+        self.pole: dict[str, None] = {}
         self.under: dict[str, str] = {}
         self.special: list[SpecialPoint] = []
         self.places: dict[str, complex] = {}
+        self._compose()
+        self.links = tuple(filter(None, map(self._others_on, pose.cycle.structure.links)))
 
-    def plan(self) -> VectorPlan:
+    def _compose(self) -> None:
         scene, drive = self.pose.scene, self.pose.scene.input
         if isinstance(drive, CrankInput):
             self._bar(drive.link, drive.pivot, drive.pin)
@@ -155,17 +139,14 @@ class _Composer:
                 self._carried_by(contact.follower)
             elif element.kind in ("second input", "shaft", "noncircular wheel", "rack", "pinion"):
                 self._driven(element.name, element.kind == "second input")
-        figures = tuple(filter(None, map(self._others_on, self.pose.cycle.structure.links)))
-        legs, rest, special = tuple(self.legs), tuple(self.rest), tuple(self.special)
-        return VectorPlan(self.order, self.images, legs, rest, figures, self.under, special, self.places)
 
     # Images
 
     def _image(self, name: str, moving: Movement, at_rest: bool = False) -> str:
         if at_rest:
-            self.rest[name] = None
+            self.pole[name] = None
         else:
-            self.images[name] = self.order.image(moving)
+            self.images[name] = self.kind.image(moving)
         return name
 
     def _point(self, name: str) -> str:
@@ -197,7 +178,7 @@ class _Composer:
 
     def _leg(self, start: str, end: str, steps: Iterable[tuple[str, complex, str]], start_at_rest: bool) -> None:
         sub = subscript(end) if start_at_rest else subscript(end, start)
-        made = [PlanStep(symbol(self.order.letter, sub, sup), vector, kind) for sup, vector, kind in steps]
+        made = [PlanStep(symbol(self.kind.letter, sub, sup), vector, kind) for sup, vector, kind in steps]
         if not start_at_rest:
             made = [step._replace(kind="relative") if step.kind == "whole" else step for step in made]
         self.legs.append(Leg(start, end, tuple(made)))
@@ -208,7 +189,7 @@ class _Composer:
         if end not in self.images:
             self._point(end)
         arm = self._place(end) - self._place(start)
-        self._leg(start, end, self.order.turning(self.pose.turn(link), arm), start in self.rest)
+        self._leg(start, end, self.kind.turning(self.pose.turn(link), arm), start in self.pole)
 
     def _place(self, name: str) -> complex:
         point = name.rstrip("'")
@@ -221,7 +202,7 @@ class _Composer:
 
     def _slid(self, start: str, end: str, slider: str, carrier: str, u: complex) -> None:
         v, a = (rate * u for rate in self.pose.slide(slider))
-        steps = self.order.slid(self.pose.turn(carrier), v, a)
+        steps = self.kind.slid(self.pose.turn(carrier), v, a)
         if carrier == FRAME:
             # The relative motion is the whole motion.
             steps = [("", steps[-1][1], "whole")]
@@ -241,7 +222,7 @@ class _Composer:
             # The yoke turns with the link that carries its guide.
             slot = self.pose.direction(group.first.link)
             v, a = (rate * slot for rate in self.pose.slide(group.first.link))
-            self._leg(under, pin, self.order.slid(self.pose.turn(carrier), v, a), False)
+            self._leg(under, pin, self.kind.slid(self.pose.turn(carrier), v, a), False)
         else:
             primes = "'"
             for part in (group.first, group.second):
@@ -289,21 +270,21 @@ class _Composer:
         start = self._point(pose.motion.members(link)[0])
         self._image(name, pose.rigid(link, place))
         # One vector from the pole to the pitch point of wheels in mesh.
-        if not any(leg.end == name and leg.start in self.rest for leg in self.legs) or start not in self.rest:
+        if not any(leg.end == name and leg.start in self.pole for leg in self.legs) or start not in self.pole:
             arm = place - self._place(start)
-            self._leg(start, name, self.order.turning(pose.turn(link), arm), start in self.rest)
+            self._leg(start, name, self.kind.turning(pose.turn(link), arm), start in self.pole)
         return name
 
     def _rolling(self, contact: Rolling) -> None:
         """Legs to the pitch point on both bodies, and between them if they differ."""
         name, turn = contact.name, self.pose.turn
         self.places[name] = contact.place
-        apart = self.order.rolled(turn(contact.link).omega - turn(contact.driver).omega, contact.drift)
+        apart = self.kind.rolled(turn(contact.link).omega - turn(contact.driver).omega, contact.drift)
         start = self._to(contact.driver, name + "'" * bool(apart))
         self._to(contact.link, name)
         if apart:
             self.under[start] = contact.driver
-            self._leg(start, name, apart, start in self.rest)
+            self._leg(start, name, apart, start in self.pole)
 
     def _touching(self, contact: Touching) -> None:
         """Legs to a point on the cam and on its follower, and between them along the tangent."""
@@ -321,7 +302,7 @@ class _Composer:
         v = ((end.v - start.v) / tangent).real * tangent
         a = ((end.a - start.a - 2j * turn.omega * v) / tangent).real * tangent
         bend = None if flat else -contact.curvature * contact.normal
-        self._leg(f"{name}'", name, self.order.slid(turn, v, a, bend), False)
+        self._leg(f"{name}'", name, self.kind.slid(turn, v, a, bend), False)
 
     # Groups of free links
 
@@ -346,26 +327,36 @@ class _Composer:
 
     def _from_special_point(self, special: SpecialPoint) -> None:
         """Two legs to the special point, the leg to the third joint, and the bars used."""
-        pose, order, name = self.pose, self.order, special.name
+        pose, name = self.pose, special.name
         self.special.append(special)
         self._image(name, pose.rigid(special.link, special.place))
         turn = pose.turn(special.link)
         for bar in special.bars:
             self._point(bar.outer)
             a, b = self._place(bar.outer), self._place(bar.inner)
-            along = order.turning(pose.turn(bar.link), b - a)
-            beyond = order.turning(turn, special.place - b)
+            along = self.kind.turning(pose.turn(bar.link), b - a)
+            beyond = self.kind.turning(turn, special.place - b)
             # Normal parts in sequence; parts across the bar combined.
             sub, (sup, vector, kind) = subscript(name, bar.outer), along[-1]
-            made = [PlanStep(symbol(order.letter, sub, sup), vector + beyond[-1][1], kind)]
+            made = [PlanStep(symbol(self.kind.letter, sub, sup), vector + beyond[-1][1], kind)]
             if len(along) > 1:
-                text = symbol(order.letter, subscript(name, bar.inner), beyond[0][0])
+                text = symbol(self.kind.letter, subscript(name, bar.inner), beyond[0][0])
                 # The bar's own leg names the first step.
                 made = [PlanStep("", *along[0][1:]), PlanStep(text, *beyond[0][1:]), *made]
-            if bar.outer not in self.rest:
+            if bar.outer not in self.pole:
                 made = [step._replace(kind="relative") if step.kind == "whole" else step for step in made]
             self.legs.append(Leg(bar.outer, name, tuple(made)))
             self._bar(bar.link, bar.outer, bar.inner)
         if special.joint is not None:
             self._point(special.joint)
-            self._leg(name, special.joint, order.turning(turn, self._place(special.joint) - special.place), False)
+            self._leg(name, special.joint, self.kind.turning(turn, self._place(special.joint) - special.place), False)
+
+
+def velocities(pose: Pose) -> VectorPlan:
+    """Velocity plan of all points of a mechanism [m/s]."""
+    return VectorPlan(pose, _VELOCITY)
+
+
+def accelerations(pose: Pose) -> VectorPlan:
+    """Acceleration plan of all points of a mechanism at constant input speed [m/s²]."""
+    return VectorPlan(pose, _ACCELERATION)

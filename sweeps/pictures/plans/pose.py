@@ -137,16 +137,10 @@ class Pose:
     cycle : MachineCycle
     k : int
         Node index.
-
-    Attributes
-    ----------
-    lettered : dict
-        Cached label positions of the mechanism's drawing, by sheet size.
     """
 
     def __init__(self, cycle: MachineCycle, k: int) -> None:
         self.cycle, self.k = cycle, k
-        self.lettered: dict[complex, list[complex]] = {}
         self.scene, self.motion = cycle.scene, cycle.motion
 
     @property
@@ -183,11 +177,11 @@ class Pose:
 
     def direction(self, link: str) -> complex:
         """Unit vector of a link's x axis."""
-        return complex(self.motion.axes(link)[1][self.k])
+        return complex(self.motion.axes[link][1][self.k])
 
     def guide(self, name: str) -> complex:
         """Unit vector of a guide."""
-        return complex(self.motion.guide(name)[1][self.k])
+        return complex(self.motion.guides[name][1][self.k])
 
     def origin(self, link: str) -> Movement:
         """Motion of the origin of a link's axes."""
@@ -203,13 +197,13 @@ class Pose:
     @cached_property
     def acting(self) -> list[engine.LinkForce]:
         """All loads of each link: points and forces as x + iy."""
-        found = self.cycle.link_forces
-        moments = [None if force.moment is None else float(force.moment[self.k]) for force in found]
-        vectors = [
-            [None if row is None else complex(row[self.k]) for row in (force.at, force.force)] for force in found
-        ]
+
+        def here(row: np.ndarray | None) -> complex | float | None:
+            return None if row is None else row[self.k].item()
+
         return [
-            f._replace(at=at, force=force, moment=m) for f, (at, force), m in zip(found, vectors, moments, strict=True)
+            force._replace(at=here(force.at), force=here(force.force), moment=here(force.moment))
+            for force in self.cycle.link_forces
         ]
 
     def centre(self, body: str) -> Movement:

@@ -44,9 +44,8 @@ def write(figure: Figure, left: float, top: float, text: str, **look: object) ->
 
 def heading(figure: Figure, scene: Scene, what: str) -> None:
     """Title of a sheet."""
-    w, h = figure.get_size_inches() * MM_PER_INCH
-    look = {"fontsize": 10, "fontweight": "bold", "parse_math": False}
-    figure.text(4 / w, (h - 3) / h, titled(scene.title, what), ha="left", va="top", **look)
+    top = figure.get_figheight() * MM_PER_INCH - 3
+    write(figure, 4, top, titled(scene.title, what), fontsize=10, fontweight="bold", parse_math=False)
 
 
 def links_line(pose: Pose) -> str:

@@ -77,7 +77,7 @@ def special_point(pose: Pose, group: FreeGroup) -> SpecialPoint | None:
             while name in pose.motion.points:
                 name += "w"
             found.append(SpecialPoint(name, link, place, (one, two), joint))
-    middle = complex(pose.motion.axes(link)[0][pose.k])
+    middle = complex(pose.motion.axes[link][0][pose.k])
     return min(found, key=lambda special: abs(special.place - middle), default=None)
 
 

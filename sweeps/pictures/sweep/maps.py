@@ -108,11 +108,9 @@ def field_band(ax: Axes, data: SweepData, name: str, best: int | None = None) ->
     Raises
     ------
     PictureError
-        No such field, or no computed variant.
+        No computed variant.
     """
     values, label, _ = data.shown(name)
-    if values.ndim != 2 or name not in data.along:
-        raise PictureError(f"{name!r} is not a field of this result")
     axis = data.along[name]
     # Rows of a run stop at its end.
     over_cycle, known = axis.over_positions, np.isfinite(values)
@@ -173,17 +171,9 @@ def map2d(ax: Axes, data: SweepData, x: str, y: str, colour: str, best: int | No
         The summary.
     best : int, optional
         Variant to mark.
-
-    Raises
-    ------
-    PictureError
-        There is no such grid or array.
     """
-    along = data.grid_parameters()
-    if sorted(along) != sorted((x, y)):
-        raise PictureError(f"a map needs a grid over {x} and {y}; this grid is over {', '.join(along) or 'nothing'}")
     sizes = [size for size in data.shape if size > 1]
-    turn = along[0] == x
+    turn = data.grid_parameters()[0] == x
     (xs, x_label, _), (ys, y_label, _), (values, label, _) = (data.shown(name) for name in (x, y, colour))
 
     def cells(flat: np.ndarray) -> np.ndarray:

@@ -80,9 +80,6 @@ class SweepData(NamedTuple):
         """Which variants were computed successfully."""
         return np.asarray(self.status) == Verdict.OK
 
-    def _is_error(self, name: str) -> bool:
-        return name.endswith("_error") and name.removesuffix("_error") in self.arrays
-
     def shown(self, name: str) -> tuple[np.ndarray, str, float]:
         """Values of an array in a practical unit, its label, and the factor from SI.
 
@@ -92,7 +89,7 @@ class SweepData(NamedTuple):
             No such array.
         """
         if name not in self.arrays:
-            known = did_you_mean(name, (n for n in self.arrays if not self._is_error(n)))
+            known = did_you_mean(name, (n for n in self.arrays if not n.endswith("_error")))
             raise PictureError(f"{name!r} is not in this result; {known}")
         values = np.asarray(self.arrays[name], dtype=float)
         factor, unit = display_unit(self.units.get(name, "1"), values)

@@ -203,9 +203,5 @@ class _Gap:
             return self.name, str(common), "0", ""
         pairs = zip(self.results, self.farthest, strict=True)
         values = [quantity_text(float(r.columns[self.name][v]), r.units[self.name]) for r, v in pairs]
-        return (
-            self.name,
-            str(common - self.outside),
-            str(self.outside),
-            f"variant {self.farthest[0]}: {values[0]} and {values[1]}",
-        )
+        widest = f"variant {self.farthest[0]}: {values[0]} and {values[1]}"
+        return self.name, str(common - self.outside), str(self.outside), widest

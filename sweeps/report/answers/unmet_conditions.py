@@ -84,7 +84,7 @@ def no_answer_text(result: SweepResult, noun: str = "variant") -> str:
     noun : str
         What a variant is called.
     """
-    aim, counts = result.aim, result.verdict_counts()
+    aim, counts = result.aim, result.verdict_counts
     if result.count_meeting(aim.where):
         met = " that meet the conditions" if aim.where else ""
         return f"{aim.goal} is undefined for all {noun}s{met}."
@@ -100,7 +100,7 @@ def no_answer_text(result: SweepResult, noun: str = "variant") -> str:
 
 def _asked(result: SweepResult) -> _Asked | None:
     """Conditions on the computed variants, or if none is computed those that dropped the others."""
-    counts, conditions = result.verdict_counts(), parts_of(result.aim.where)
+    counts, conditions = result.verdict_counts, parts_of(result.aim.where)
     if counts[Verdict.OK] and conditions:
         return _Asked(conditions, Verdict.OK)
     if counts[Verdict.DROPPED]:
@@ -124,15 +124,13 @@ def _closest_text(result: SweepResult, asked: _Asked, noun: str) -> str:
     A choice of parameters, `forces.load.scale == 1`, can't be missed by a little: variants that meet all of these come
     first.
     """
-    parameters = set(result.parameters) if asked.verdict == Verdict.OK else set()
-    fixed = [set(condition.names) <= parameters for condition in asked.conditions]
+    parameters, computed = set(result.parameters), asked.verdict == Verdict.OK
+    fixed = [computed and parameters.issuperset(condition.names) for condition in asked.conditions]
     best, nearest = (np.inf, np.inf), (0, np.zeros(len(fixed), bool))
     for chosen, missed, margins in _judged(result, asked):
         if not chosen.size:
             continue
-        wrong = (
-            (missed & np.array(fixed)[:, None]).sum(axis=0) if asked.verdict == Verdict.OK else np.zeros(chosen.size)
-        )
+        wrong = (missed & np.array(fixed)[:, None]).sum(axis=0)
         worst = np.where(missed, np.maximum(margins, 0.0), 0.0).max(axis=0)
         k = int(np.lexsort((worst, wrong))[0])
         if (wrong[k], worst[k]) < best:

@@ -1,35 +1,22 @@
 """Motion curves and outlines of a cam as a table."""
 
-from pathlib import Path
-
 import numpy as np
 
-from engine import CamElement, cam_curves
-from sweeps.report.files.data_files import DataTable, write_table
-from sweeps.text.input_files import InputError
+from engine import CamCurves, CamElement
+from sweeps.report.files.data_files import DataTable
 
 
-def cam_csv(cam: CamElement, out: Path, points: int) -> None:
-    """Motion, pressure angle, curvature, forces and outlines of a cam over its turn as CSV.
+def cam_table(cam: CamElement, c: CamCurves) -> DataTable:
+    """Motion, pressure angle, curvature, forces and outlines of a cam over its turn.
 
     At a jump of a law its angle has two rows.
 
     Parameters
     ----------
     cam : CamElement
-    out : Path
-    points : int
-        Approximate number of rows.
-
-    Raises
-    ------
-    InputError
-        The follower doesn't reach the base circle, or the file can't be written.
+    c : CamCurves
+        Its curves.
     """
-    c = cam_curves(cam, points)
-    if not c.angle.size:
-        message = "is too small: the follower doesn't reach the base circle; enlarge it"
-        raise InputError.of(out.stem, message, key="base_radius")
     stroke = "m" if cam.translating else "rad"
     columns = {
         "angle": (c.angle, "rad"),
@@ -50,4 +37,4 @@ def cam_csv(cam: CamElement, out: Path, points: int) -> None:
     with np.errstate(invalid="ignore"):
         same = (np.abs(np.diff(rows)) <= 1e-12 * scale[:, None]).all(axis=0)
     kept, units = rows[:, np.append(True, ~same)], {name: unit for name, (_, unit) in columns.items()}
-    write_table(out, DataTable.whole(dict(zip(columns, kept, strict=True)), units))
+    return DataTable.whole(dict(zip(columns, kept, strict=True)), units)

@@ -80,11 +80,8 @@ def write_table(out: Path, table: DataTable) -> None:
     Raises
     ------
     InputError
-        Unknown extension, the file can't be written, the table is too large for its format, or pyarrow isn't
-        installed.
+        The file can't be written, the table is too large for its format, or pyarrow isn't installed.
     """
-    if out.suffix not in _WRITERS:
-        raise InputError.of(str(out), f"unknown table format {out.suffix!r}; allowed: {', '.join(TABLE_ENDINGS)}")
     try:
         with new_file(out) as draft:
             _WRITERS[out.suffix](draft, _in_shown_units(table))

@@ -19,7 +19,7 @@ def result_data(result: SweepResult, variants: Iterable[int], names: Sequence[st
     names : sequence of str
         Summaries (default: all).
     """
-    counts = {verdict.name.lower(): count for verdict, count in result.verdict_counts().items()}
+    counts = {verdict.name.lower(): count for verdict, count in result.verdict_counts.items()}
     shown = [*result.parameters, *(names or result.summaries)]
     return {
         "title": result.file.title,

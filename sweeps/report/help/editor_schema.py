@@ -67,15 +67,12 @@ class _Generator(GenerateJsonSchema):
             made |= _either(made, "elements", ["input"])
         if model is StudyText:
             given["scene"] = {"anyOf": [{"type": "string"}, self.generate_inner(Scene.__pydantic_core_schema__)]}
-        rows = [key for key, value in given.items() if any(_is_list(arm) for arm in (value, *value.get("anyOf", ())))]
+        arms = ((key, arm) for key, value in given.items() for arm in (value, *value.get("anyOf", ())))
+        rows = [key for key, arm in arms if arm.get("type") == "array"]
         if rows and model in _OF_ROWS:
             given["file"] = {"type": "string", "description": f"CSV file with columns for any of {', '.join(rows)}"}
             made |= _either(made, "file", rows)
         return made
-
-
-def _is_list(schema: Schema) -> bool:
-    return schema.get("type") == "array"
 
 
 def _either(made: Schema, other: str, keys: list[str]) -> Schema:

@@ -49,11 +49,7 @@ def quantities_text(scene: Scene, source: str, words: Sequence[str] = ()) -> str
 
 def _holding(quantities: Iterable[Quantity], words: Sequence[str]) -> list[Quantity]:
     """Quantities that contain all words."""
-    return [q for q in quantities if speaks_of(_everything_about(q), words)]
-
-
-def _everything_about(quantity: Quantity) -> str:
-    return " ".join((quantity.name, quantity.symbol, quantity.long_name, _unit(quantity)))
+    return [q for q in quantities if speaks_of(f"{q.name} {q.symbol} {q.long_name} {_unit(q)}", words)]
 
 
 def _unit(quantity: Quantity) -> str:

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ValidationError
 
 from engine import ExpressionError, Scene, SceneError, any_quantity, parse_expression, wrong_input
 from sweeps.store import DamagedError, MappedResult
+from sweeps.study.search_variables import Span
 from sweeps.study.study_text import Best
 from sweeps.text.versions import origin_text
 
@@ -22,16 +23,10 @@ class _Objective(BaseModel):
     way: str
 
 
-class _Range(BaseModel):
-    name: str
-    low: float
-    high: float
-
-
 class _Search(BaseModel):
     objectives: list[_Objective]
     where: list[str]
-    ranges: list[_Range]
+    ranges: list[Span]
     method: str
     seed: int
 

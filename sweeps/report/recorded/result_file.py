@@ -127,7 +127,7 @@ class ResultFile:
     @property
     def done(self) -> int:
         """Number of variants computed or dropped so far."""
-        return self.file.variants - self.verdict_counts()[engine.Verdict.NOT_COMPUTED]
+        return self.file.variants - self.verdict_counts[engine.Verdict.NOT_COMPUTED]
 
     @property
     def finished(self) -> str:
@@ -135,6 +135,7 @@ class ResultFile:
         text = self.file.attributes.get("finished", "")
         return f"{text[:16].replace('T', ' ')} UTC" if text else ""
 
+    @cached_property
     def verdict_counts(self) -> Counter[engine.Verdict]:
         """Number of variants per verdict."""
         status = self.columns["status"]

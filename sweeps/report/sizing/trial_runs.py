@@ -163,13 +163,11 @@ def trial_runs_text(path: Path, noise: str | None = None, holes: int | None = No
         columns.append(("residual from noise", *(f"{radius:.2g} {unit}" for radius in found.radii)))
     rows = list(zip(*columns, strict=True))
     per = f"{runs.unit} per {runs.weight_unit}".strip()
-    heads = ("sensor", "initial", *(f"plane {plane}, {per}" for plane in found.planes), "left")
-    effects = [heads]
+    effects = [("sensor", "initial", *(f"plane {plane}, {per}" for plane in found.planes), "left")]
     for name, first, row, left in zip(runs.names, runs.initial, found.coefficients, found.left, strict=True):
         shown = [f"{abs(c):.4g}" + (f" at {degrees_text(c)}" if runs.phases else "") for c in row]
-        whole = abs(first)
-        rest = f"{left:.2g} {runs.unit}" if left > 1e-9 * whole else f"0 {runs.unit}"
-        effects.append((name, f"{whole:.4g} {runs.unit}", *shown, rest))
+        rest = f"{left:.2g}" if left > 1e-9 * abs(first) else "0"
+        effects.append((name, f"{abs(first):.4g} {runs.unit}", *shown, f"{rest} {runs.unit}"))
     notes = ["Use the radius and angle convention of the trial weights, and remove the trial weights."]
     if holes is not None:
         notes.append("Hole 1 is at the mark; holes are numbered in the direction of the angles.")

@@ -251,7 +251,8 @@ class Crew:
             self._look()
             for job in self._next(waiting, suspects, len(under_way)):
                 workers = frozenset(self.members)
-                future = self._submitted(function, job, workers)
+                how = {"workers": sorted(workers), "retries": ATTEMPTS - 1, "pure": False}
+                future = self.client.submit(function, self.digest, *job[1], **how)
                 under_way[future] = _Attempt(job, workers)
                 future.add_done_callback(ended.put)
             if not under_way and self.members:
@@ -301,10 +302,6 @@ class Crew:
         else:
             yield from itertools.islice(waiting, max(UNDER_WAY * len(self.members) - busy, 0))
 
-    def _submitted(self, function: Callable, job: Job, workers: frozenset[str]) -> Future:
-        arguments = (self.digest, *job[1])
-        return self.client.submit(function, *arguments, workers=sorted(workers), retries=ATTEMPTS - 1, pure=False)
-
     def _ended(self, under_way: Mapping[Future, _Attempt], ended: Queue[Future]) -> list[Future]:
         """Finished jobs, after at most a second."""
         if not under_way:
@@ -353,15 +350,8 @@ async def _greetings(client: Client, workers: list[str]) -> dict[str, on_workers
     expression = f"__import__({on_workers.greet.__module__!r}, fromlist=['greet']).greet()"
     call = {"function": pickle.dumps(eval), "args": pickle.dumps((expression,)), "kwargs": pickle.dumps({})}
     comm = await connect(client.scheduler.address, deserialize=False, **client.connection_args)
-    answers = await send_recv(
-        comm,
-        op="broadcast",
-        msg={"op": "run", **call},
-        workers=workers,
-        on_error="ignore",
-        serializers=PLAIN,
-        close=True,
-    )
+    request = {"op": "broadcast", "msg": {"op": "run", **call}, "workers": workers, "on_error": "ignore"}
+    answers = await send_recv(comm, serializers=PLAIN, close=True, **request)
     return {worker: _greeting(answer) for worker, answer in answers.items()}
 
 

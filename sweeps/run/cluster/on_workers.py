@@ -15,10 +15,7 @@ from functools import cache, lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
-import llvmlite
-import numba
 import numpy as np
-import scipy
 from distributed import Worker, get_worker
 from llvmlite.binding import get_host_cpu_name
 
@@ -26,6 +23,7 @@ from engine import set_threads, sources_digest, threads
 from sweeps.run.blocks import evaluate_variants
 from sweeps.run.cost import seconds_of_variant
 from sweeps.run.reuse import Blocks, Excerpt
+from sweeps.text.versions import versions_of
 
 # Prepared studies per worker.
 MACHINES_KEPT = 2
@@ -49,13 +47,11 @@ class Greeting(NamedTuple):
         Versions of everything that numbers depend on.
     processor : str
         As LLVM names it.
-    host : str
     threads : int
     """
 
     versions: dict[str, str]
     processor: str
-    host: str
     threads: int
 
 
@@ -71,16 +67,10 @@ def program_digest() -> str:
 
 def own_greeting() -> Greeting:
     """Identity of this process."""
-    versions = {
-        "Python": platform.python_version(),
-        "numba": numba.__version__,
-        "llvmlite": llvmlite.__version__,
-        "NumPy": np.__version__,
-        "SciPy": scipy.__version__,
-        # Last, as it includes the others.
-        "machine-sweeps": program_digest()[:12],
-    }
-    return Greeting(versions, get_host_cpu_name(), platform.node(), threads())
+    versions = {"python": platform.python_version()} | versions_of("numba", "llvmlite", "numpy", "scipy")
+    # Last, as it includes the others.
+    versions["machine-sweeps"] = program_digest()[:12]
+    return Greeting(versions, get_host_cpu_name(), threads())
 
 
 def greet() -> str:
@@ -131,20 +121,20 @@ def blocks_of(digest: str) -> Blocks:
 
 
 def compute_block(
-    digest: str, start: int, stop: int, excerpts: Sequence[Excerpt]
+    digest: str, variants: slice, excerpts: Sequence[Excerpt]
 ) -> tuple[dict[str, np.ndarray], np.ndarray | None]:
     """Columns of a block of a stored study, as from `Blocks.computed`.
 
     Parameters
     ----------
     digest : str
-    start, stop : int
-        The block's variants.
+    variants : slice
+        Those of the block.
     excerpts : sequence of Excerpt
         Outlines of its reusable parts.
     """
     with _ONE_AT_A_TIME:
-        return blocks_of(digest).computed(slice(start, stop), excerpts)
+        return blocks_of(digest).computed(variants, excerpts)
 
 
 def compute_candidates(digest: str, values: dict[str, np.ndarray], drop: np.ndarray) -> dict[str, np.ndarray]:

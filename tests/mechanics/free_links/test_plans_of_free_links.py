@@ -31,6 +31,6 @@ def test_sheet_of_a_triad__names_its_special_point():
 def test_origin_of_a_sliding_plate__is_on_its_guide():
     cycle = cycle_of("sliding plate")
     pose = cycle.at(0.7)
-    point, direction = (values[pose.k] for values in cycle.motion.guide("slot"))
+    point, direction = (values[pose.k] for values in cycle.motion.guides["slot"])
     assert ((pose.origin("plate").place - point) / direction).imag == pytest.approx(0.01, abs=EXACT)
     assert np.isfinite(pose.origin("plate").a)

@@ -21,7 +21,7 @@ from sweeps.optimising.trials import Trials
 from sweeps.page.digest import Digest
 from sweeps.pictures.sweep.front_picture import front_picture
 from sweeps.pictures.sweep.result_pictures import result_pictures, sweep_data
-from sweeps.study.sampling import Columns, Design, Linear, Listed, Logarithmic, Sampled
+from sweeps.study.sampling import Columns, Design, Listed, Sampled, Steps
 from sweeps.study.search_task import task_of
 from sweeps.study.search_variables import Variables
 from sweeps.text.conditions import Condition
@@ -69,11 +69,11 @@ def test_margin__is_the_share_by_which_a_limit_is_missed():
 
 DESIGN = Design(
     (
-        Linear("a", 3.0, -1.0, 4),
+        Steps("a", 3.0, -1.0, 4),
         Listed("b", [5.0, 7.0, 9.0]),
         Sampled(("c", "d"), (1.0, 0.0), (100.0, 8.0), 16, "latin", 0, (True, False)),
         Columns(("e", "f"), ((1.0, 2.0), (10.0, 20.0))),
-        Logarithmic("g", 1e-3, 1e3, 5),
+        Steps("g", 1e-3, 1e3, 5, True),
     )
 )
 

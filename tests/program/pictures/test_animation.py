@@ -33,12 +33,9 @@ def test_animation__asked_frames_small_and_endless(scene, tmp_path):
     assert file.stat().st_size < 12 / 60 * 2e6
 
 
-@pytest.mark.parametrize(
-    ("file", "frames", "words"), [("a.mp4", 60, "are .gif files"), ("a.gif", 2, "frames = 2: allowed are 4 to 1000")]
-)
-def test_animation_with_wrong_settings__refused(file, frames, words, tmp_path):
-    with pytest.raises(PictureError, match=words):
-        save_animation(lambda count: machine_frames(four_bar(), count), tmp_path / file, frames=frames)
+def test_animation_that_is_no_gif__refused(tmp_path):
+    with pytest.raises(PictureError, match=r"are \.gif files"):
+        save_animation(lambda count: machine_frames(four_bar(), count), tmp_path / "a.mp4")
 
 
 INTERVALS = 12

@@ -225,25 +225,15 @@ def with_second_inputs(speed):
     """A crank that drives a four-bar, and beside it a swinging crank, and a slide that rests for a half turn."""
     scene = four_bar().model_dump(exclude_none=True)
     scene["points"] |= {"S": {"x": 0.1, "y": -0.1}, "T": {"link": "swing", "x": 0.0, "y": 0.06}}
-    return Scene.model_validate(
-        scene
-        | {
-            "input": crank(speed=speed),
-            "guides": {"way": {"y": -0.2, "angle": 0.3}},
-            "inputs": {
-                "swing": {"type": "crank", "pivot": "S", "harmonics": {"one": {"order": 1, "sine": 0.4}}},
-                "ram": {
-                    "type": "slider",
-                    "guide": "way",
-                    "sections": {
-                        "out": {"type": "rise", "law": "cycloidal", "angle": math.pi / 2, "lift": 0.05},
-                        "stay": {"type": "dwell", "angle": math.pi},
-                        "back": {"type": "return", "law": "cycloidal"},
-                    },
-                },
-            },
-        }
-    )
+    sections = {
+        "out": {"type": "rise", "law": "cycloidal", "angle": math.pi / 2, "lift": 0.05},
+        "stay": {"type": "dwell", "angle": math.pi},
+        "back": {"type": "return", "law": "cycloidal"},
+    }
+    swing = {"type": "crank", "pivot": "S", "harmonics": {"one": {"order": 1, "sine": 0.4}}}
+    inputs = {"swing": swing, "ram": {"type": "slider", "guide": "way", "sections": sections}}
+    guides = {"way": {"y": -0.2, "angle": 0.3}}
+    return Scene.model_validate(scene | {"input": crank(speed=speed), "guides": guides, "inputs": inputs})
 
 
 @pytest.mark.parametrize("speed", [6.0, -6.0])

@@ -23,11 +23,10 @@ EXACT = 1e-12
 
 def test_dxf__layers_millimetres_and_joints_in_place(tmp_path):
     file, phi = tmp_path / "a.dxf", math.pi / 3
-    write_dxf(file, slider_crank(), phi, paths=["B"])
+    scene = slider_crank(wanted={"w": {"type": "path", "point": "B", "x": [0.1, 0.2], "y": [0.0, 0.0]}})
+    write_dxf(file, scene, phi)
     document = ezdxf.readfile(file)
-    assert {p.layer for p in primitives(slider_crank(), phi, paths=["B"])} <= {
-        layer.dxf.name for layer in document.layers
-    }
+    assert {p.layer for p in primitives(scene, phi)} <= {layer.dxf.name for layer in document.layers}
     assert document.units == ezdxf.units.MM
     space = document.modelspace()
     for layer in ("links", "joints", "frame", "paths", "names"):

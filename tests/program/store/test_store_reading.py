@@ -90,12 +90,6 @@ def test_columns_by_default__no_fields(path: Path) -> None:
     assert read_columns(path, ["phi"])["phi"].shape == (5,)
 
 
-def test_unknown_column__suggestion(path: Path) -> None:
-    complete(path, layout())
-    with pytest.raises(StoreError, match=r"no column 'peak_torqe'\. Did you mean 'peak_torque'"):
-        read_columns(path, ["peak_torqe"])
-
-
 # Damage
 
 

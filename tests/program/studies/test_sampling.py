@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import qmc
 
-from sweeps.study.sampling import Columns, Design, Linear, Listed, Logarithmic, Sampled
+from sweeps.study.sampling import Columns, Design, Listed, Sampled, Steps
 from sweeps.study.unit_points import latin_points, permuted, random_points, sobol_points
 
 EPS = np.finfo(float).eps
@@ -32,7 +32,7 @@ finite = st.floats(-1e150, 1e150)
 @settings(deadline=None)
 @given(finite, finite, st.integers(2, 300))
 def test_linear__is_linspace_with_exact_ends(start, stop, count):
-    found = every(Linear("a.b", start, stop, count))["a.b"]
+    found = every(Steps("a.b", start, stop, count))["a.b"]
     assert found[0] == start
     assert found[-1] == stop
     # linspace rounds step, product and sum, this one once or as often; where the step underflows, to 5e-324 each.
@@ -43,7 +43,7 @@ def test_linear__is_linspace_with_exact_ends(start, stop, count):
 @given(st.integers(-(10**6), 10**6), st.integers(-(10**6), 10**6), st.integers(0, 9), st.integers(2, 300))
 def test_linear__has_the_numbers_that_a_person_would_write(first, last, places, count):
     start, stop = (Fraction(end, 10**places) for end in (first, last))
-    found = every(Linear("a", float(start), float(stop), count))["a"]
+    found = every(Steps("a", float(start), float(stop), count))["a"]
     # Correctly rounded, as a number of the text is.
     assert found.tolist() == [float(start + (stop - start) * i / (count - 1)) for i in range(count)]
 
@@ -51,7 +51,7 @@ def test_linear__has_the_numbers_that_a_person_would_write(first, last, places, 
 @settings(deadline=None)
 @given(st.floats(1e-100, 1e100), st.floats(1e-100, 1e100), st.integers(2, 300), st.sampled_from([1, -1]))
 def test_logarithmic__is_geomspace_with_exact_ends(start, stop, count, sign):
-    found = every(Logarithmic("a", sign * start, sign * stop, count))["a"]
+    found = every(Steps("a", sign * start, sign * stop, count, True))["a"]
     assert found[0] == sign * start
     assert found[-1] == sign * stop
     # exp(x) magnifies the relative error of x (three roundings at most, in each of the two) by |x| <= 461.
@@ -149,8 +149,8 @@ def test_note__warns_of_sobol_counts_that_are_no_power_of_two():
 
 
 axes = {
-    "x": st.builds(Linear, st.just("x"), st.just(0.1), st.just(0.7), st.integers(2, 9)),
-    "l": st.builds(Logarithmic, st.just("l"), st.just(0.1), st.just(7.0), st.integers(2, 9)),
+    "x": st.builds(Steps, st.just("x"), st.just(0.1), st.just(0.7), st.integers(2, 9)),
+    "l": st.builds(Steps, st.just("l"), st.just(0.1), st.just(7.0), st.integers(2, 9), st.just(True)),
     "s": st.builds(
         Sampled, st.just(("s", "t")), st.just((1, -3)), st.just((2, -1)), st.integers(1, 70),
         st.sampled_from(METHODS), st.integers(0, 9), st.just((False, True)),
@@ -193,18 +193,17 @@ def test_scattered_indices__are_bit_identical_to_the_whole(method, indices):
 test_wrong_choice__is_refused_with_path_and_value = refusals(
     lambda make: make(),
     (lambda: Listed("a.b", [1.0, math.nan]), "a.b … value 2 … nan … finite"),
-    (lambda: Linear("a.b", 0, 1, 1), "a.b … both ends … 2 or more"),
-    (lambda: Linear("a.b", 0, math.inf, 3), "a.b … finite"),
-    (lambda: Linear("a.b", -1.7e308, 1.7e308, 3), "a.b … finite"),
-    (lambda: Logarithmic("a.b", -1.0, 2.0, 3), "a.b … zero"),
-    (lambda: Logarithmic("a.b", 0, 2.0, 3), "a.b … zero"),
-    (lambda: Logarithmic("a.b", 1e-200, 1e200, 3), "a.b … ratio"),
-    (lambda: Sampled(("a",), (2.0,), (1.0,), 4), "a: low … above high"),
+    (lambda: Steps("a.b", 0, 1, 1), "a.b … both ends … 2 or more"),
+    (lambda: Steps("a.b", 0, math.inf, 3), "a.b … finite"),
+    (lambda: Steps("a.b", -1.7e308, 1.7e308, 3), "a.b … finite"),
+    (lambda: Steps("a.b", -1.0, 2.0, 3, True), "a.b … zero"),
+    (lambda: Steps("a.b", 0, 2.0, 3, True), "a.b … zero"),
+    (lambda: Steps("a.b", 1e-200, 1e200, 3, True), "a.b … ratio"),
     (lambda: Sampled(("a",), (0.0,), (math.nan,), 4), "a … finite"),
     (lambda: Sampled(("a",), (0.0,), (1.0,), 4, logarithmic=(True,)), "a … zero"),
     (lambda: pair(2**30 + 1, "sobol"), "1073741825 … 'random' or 'latin'"),
-    (lambda: Design((Listed("a", [1]), Linear("a", 0, 1, 2))), "a: varies twice"),
-    (lambda: Design((Linear("a", 0, 1, 2**40), Linear("b", 0, 1, 2**40))), f"{2**80} … at most"),
+    (lambda: Design((Listed("a", [1]), Steps("a", 0, 1, 2))), "a: varies twice"),
+    (lambda: Design((Steps("a", 0, 1, 2**40), Steps("b", 0, 1, 2**40))), f"{2**80} … at most"),
     (lambda: Design((Listed("a", [1]),)).values(0, 2), "0 to 2 … 0 to 1"),
     (lambda: Design((Listed("a", [1]),)).values(-1, 1), "-1 to 1"),
     (lambda: Design((Listed("a", [1, 2]),)).values(2, 1), "2 to 1"),

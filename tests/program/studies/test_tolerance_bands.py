@@ -16,7 +16,7 @@ from sweeps import InputError, Study, SweepResult, read_study, run_study
 from sweeps.pictures.style import VERMILION
 from sweeps.pictures.sweep.maps import curves
 from sweeps.pictures.sweep.result_pictures import sweep_data
-from sweeps.run.blocks import evaluate_block, largest_block
+from sweeps.run.blocks import evaluate_variants, largest_block
 from sweeps.study import sensitivity
 
 EPS = np.finfo(float).eps
@@ -125,7 +125,7 @@ def test_blocks__don_t_change_a_bit(result, tmp_path, monkeypatch):
     study = study_of(tmp_path, ALL)
     monkeypatch.setattr(sensitivity, "TOGETHER", 1)
     machine = study.machine()
-    parts = [evaluate_block(study, slice(i, i + 2), machine.new_buffer(2)) for i in range(0, 8, 2)]
+    parts = [evaluate_variants(study, *study.values(i, i + 2), machine.new_buffer(2)) for i in range(0, 8, 2)]
     for column in result.file.described:
         found = np.concatenate([part[column.name] for part in parts])
         assert found.tobytes() == result.columns[column.name].tobytes(), column.name

@@ -56,14 +56,7 @@ FRICTION = {
     "speed": 50.0,
     "moment": 20.0,
 }
-CHAIN = {
-    "type": "chain_drive",
-    "pitch": 0.0127,
-    "driving_teeth": 17,
-    "driven_teeth": 51,
-    "speed": 50.0,
-    "moment": 60.0,
-}
+CHAIN = {"type": "chain_drive", "pitch": 0.0127, "driving_teeth": 17, "driven_teeth": 51, "speed": 50.0, "moment": 60.0}
 CAR = {
     "type": "car",
     "speed": 50 / 3.6,

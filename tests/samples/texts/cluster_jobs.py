@@ -45,21 +45,21 @@ def squared_by_survivors(digest: str, number: int) -> int:
     return number**2
 
 
-def block_but_one(digest: str, start: int, stop: int, excerpts: list) -> dict[str, np.ndarray]:
-    if start == THIRD:
+def block_but_one(digest: str, variants: slice, excerpts: list) -> dict[str, np.ndarray]:
+    if variants.start == THIRD:
         raise ArithmeticError("this block is refused")
-    return on_workers.compute_block(digest, start, stop, excerpts)
+    return on_workers.compute_block(digest, variants, excerpts)
 
 
-def block_killing_once(digest: str, start: int, stop: int, excerpts: list) -> dict[str, np.ndarray]:
+def block_killing_once(digest: str, variants: slice, excerpts: list) -> dict[str, np.ndarray]:
     """In mid-block the worker of the third block is killed, the first time."""
     note = Path(os.environ["CLUSTER_TEST_NOTE"])
-    if start == THIRD and not note.exists():
+    if variants.start == THIRD and not note.exists():
         note.touch()
         os.kill(os.getpid(), signal.SIGKILL)
-    return on_workers.compute_block(digest, start, stop, excerpts)
+    return on_workers.compute_block(digest, variants, excerpts)
 
 
-def slow_block(digest: str, start: int, stop: int, excerpts: list) -> dict[str, np.ndarray]:
+def slow_block(digest: str, variants: slice, excerpts: list) -> dict[str, np.ndarray]:
     time.sleep(0.2)
-    return on_workers.compute_block(digest, start, stop, excerpts)
+    return on_workers.compute_block(digest, variants, excerpts)

@@ -6,7 +6,7 @@ from itertools import accumulate
 import numpy as np
 from matplotlib.axes import Axes
 
-from engine import did_you_mean, display_unit
+from engine import display_unit
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.plans.forces.loads import DrawnLoad, group_loads, loads_on_links
 from sweeps.pictures.plans.lettering import size_text
@@ -40,16 +40,13 @@ def force_polygon(pose: Pose, of: str) -> list[DrawnLoad]:
     Raises
     ------
     PictureError
-        There is no such group or link, or forces are undefined at this position.
+        Forces are undefined at this position.
     """
     if of in pose.cycle.groups:
         loads = group_loads(pose, of)
     else:
-        links = loads_on_links(pose)
-        if of not in links:
-            known = did_you_mean(of, [*pose.cycle.groups, *links])
-            raise PictureError(f"force plan: {of!r} is neither a group nor a moving link of this scene; {known}")
-        loads = sorted((load for load in links[of] if not load.is_moment), key=lambda load: load.pair != "")
+        forces = [load for load in loads_on_links(pose)[of] if not load.is_moment]
+        loads = sorted(forces, key=lambda load: load.pair != "")
     if not np.isfinite([load.force for load in loads]).all():
         raise PictureError(f"force plan of {of}: forces are undefined at {pose.title}; choose another position")
     return loads

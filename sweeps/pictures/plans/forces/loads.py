@@ -138,8 +138,7 @@ def _text(pose: Pose, acting: LinkForce, prime: str = "") -> str:
             return symbol(letter, rf"\mathrm{{in}}{own}")
         case "friction":
             return numbered("F", pose.number(acting.source), number, before=r"\mathrm{f}")
-    letter = "R" if acting.at is not None else "M"
-    return numbered(letter, pose.number(acting.source), number, power=prime)
+    return numbered("M" if acting.at is None else "R", pose.number(acting.source), number, power=prime)
 
 
 def loaded_links(pose: Pose) -> list[str]:

@@ -77,7 +77,7 @@ def test_verdicts_piece_by_piece__are_told_as_those_of_all_at_once(tmp_path, mon
     monkeypatch.setattr(result_file, "VARIANTS_AT_A_TIME", 7)
     result = SweepResult(path)
     assert counts_text(result) == whole
-    assert result.verdict_counts() == {Verdict(int(code)): count for code, count in counts.items()}
+    assert result.verdict_counts == {Verdict(int(code)): count for code, count in counts.items()}
     for code in counts:
         assert result.first_with(Verdict(int(code))) == np.flatnonzero(columns["status"] == code)[0]
     assert result.first_with(Verdict.NOT_COMPUTED) is None
