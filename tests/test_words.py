@@ -81,7 +81,6 @@ ENDINGS = {".py", ".pyi", ".md", ".toml", ".txt", ".html", ".js"}
 EXCEPTIONS = {
     ("engine/elements/elastic_drives/two_masses.py", "greatest, greatest_at :"): "names of attributes",
     ("engine/elements/oscillators/one_mass.py", "greatest, time :"): "name of an attribute",
-    ("engine/elements/torsional_trains/order_sums.py", "least, greatest :"): "name of an attribute",
     ("sweeps/synthesis/paths.py", "rms, greatest : float"): "name of an attribute",
     ("engine/quantities/chapters/dynamics.py", "motor moment"): "name of a node that nobody sees",
 }

@@ -185,8 +185,9 @@ class RegimesInOrder(AskedRegimes):
             found = motion.follow(driven[motion.dynamics.off], standing, longer)
             answers, standing = found.answers, found.standing
             asked = {key: v for key, v in answers.values.items() if f"{name}.{key}" in self.asked}
-            # Rounding accumulates from step to step.
+            # Rounding accumulates from step to step; numbers of a brake that nearly locks itself bring more.
             growth = 1.0 + np.abs(found.made) / STEPS_OF_ROUNDING
+            growth = growth * motion.dynamics.rounding_of_brakes(driven[motion.dynamics.off].numbers)
             scales = {key: growth * np.abs(answers.scales.get(key, v)) for key, v in asked.items()}
             scales["energy_change"] = growth * found.energy
             if name in self.instants:

@@ -193,7 +193,8 @@ class CamElement(CamProgram, Element):
         if self.limits is not None:
             if angles is None:
                 height = np.maximum(found["least_base_radius"], 0.0)
-                base = np.hypot(height, n["follower.offset"]) - n.get("follower.roller_radius", 0.0)
+                aside = 0.0 if self.follower.contact == "flat" else n["follower.offset"]
+                base = np.hypot(height, aside) - n.get("follower.roller_radius", 0.0)
             else:
                 base = self._least_base_of_arm(n, x, angles)
             # The curvature at a corner of the profile violates the limit for every base circle.
@@ -306,7 +307,7 @@ def _shape() -> Iterator[Result]:
 
 def _flat_shape(cam: CamElement) -> Iterator[Result]:
     """Curvature under a flat face, and the part of the face in contact."""
-    origin = "off the axis" if cam.translating else "from the pivot"
+    origin = "off the follower's axis" if cam.translating else "from the pivot"
     least, (end, start) = Sought("radius", -1), _both_ways("face")
     found = (
         _result("convex_radius", "minimum radius of curvature of the profile", "m", of=(least,)),

@@ -21,6 +21,8 @@ _FORCES = ("preload", "stiffness", "load")
 class TranslatingFollower(TouchesCam):
     """A translating follower; a positive `offset` of its line of motion from the cam's axis lowers α on the rise.
 
+    Under a flat face, the offset only moves the contact along the face.
+
     `load` presses it onto the cam at all times and includes its weight. Friction in the guide requires `guide_length`
     and `overhang`, by which the follower projects from the guide at its lowest position.
     """
@@ -43,8 +45,6 @@ class TranslatingFollower(TouchesCam):
     def _faults(self) -> Faults:
         if self.friction is not None and self.contact == "flat":
             yield "friction in the guide is computed for a roller or knife edge only: leave it out"
-        if self.offset and self.contact == "flat":
-            yield "give offset = 0 for a flat face: an offset would only move the contact along the face"
 
     @property
     def moved(self) -> float | None:

@@ -48,13 +48,14 @@ def sense_of(follower: TranslatingFollower | OscillatingFollower) -> int:
 def cam_variants(cam: CamProgram, n: Numbers) -> CamVariants:
     """Cams whose followers touch the base circle at zero displacement."""
     prime = n["base_radius"] + n.get("follower.roller_radius", 0.0)
+    flat = cam.follower.contact == "flat"
     if cam.translating:
-        lowest = over_arrays(profiles.least_height, prime, n["follower.offset"])
-    elif cam.follower.contact == "flat":
-        lowest = over_arrays(profiles.least_face_angle, prime, n["follower.pivot_distance"])
+        (lowest,) = (prime,) if flat else over_arrays(profiles.least_height, prime, n["follower.offset"])
+    elif flat:
+        (lowest,) = over_arrays(profiles.least_face_angle, prime, n["follower.pivot_distance"])
     else:
-        lowest = over_arrays(profiles.least_arm_angle, prime, n["follower.arm"], n["follower.pivot_distance"])
-    return CamVariants(cam, n, turn_of(cam, n), lowest[0])
+        (lowest,) = over_arrays(profiles.least_arm_angle, prime, n["follower.arm"], n["follower.pivot_distance"])
+    return CamVariants(cam, n, turn_of(cam, n), lowest)
 
 
 def with_roundings(n: Numbers) -> Numbers:
@@ -93,7 +94,7 @@ def at_positions(some: CamVariants, p: np.ndarray, v: np.ndarray, u: np.ndarray)
         found["angle"] = np.arctan2(across, along)
         found |= _limits(some, v, found) if limits else {}
     elif cam.translating:
-        found |= {"radius": y + s2, "face": s1}
+        found |= {"radius": y + s2, "face": s1 - of("follower.offset")}
         found |= {"curved height": of("limits.convex_radius") - s - s2} if limits else {}
     else:
         d = of("follower.pivot_distance")

@@ -42,10 +42,12 @@ def correct(rotor: Resultant, planes: ArrayLike, radii: ArrayLike = 1.0) -> np.n
     weights = np.broadcast_to(np.square(radii), np.broadcast_shapes(np.shape(radii), planes.shape))
     total = weights.sum(axis=-1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        middle = (weights * planes).sum(axis=-1) / total
-        arms = planes - middle[..., None]
+        # Sums of differences: positions less the middle would lose the short arm of a plane with a large radius.
+        apart = planes[..., :, None] - planes[..., None, :]
+        arms = (weights[..., None, :] * apart).sum(axis=-1) / total[..., None]
         even = rotor.unbalance / total
-        tilting = about(rotor, middle).moment / (weights * arms**2).sum(axis=-1)
+        moment = about(rotor, planes[..., 0]).moment + arms[..., 0] * rotor.unbalance
+        tilting = moment / (weights * arms**2).sum(axis=-1)
         return -weights * (even[..., None] + tilting[..., None] * arms)
 
 

@@ -22,7 +22,6 @@ from engine.elements.rotors.knife_edges import knife_edge_results
 from engine.elements.rotors.rotor_parts import CorrectionPlane, Unbalance
 from engine.elements.rotors.unbalance import (
     Resultant,
-    about,
     kind,
     resultant_unbalance,
     single_plane,
@@ -91,7 +90,7 @@ class RotorElement(Element):
     def named(self, n: Numbers) -> NamedRows:
         """Results of the rotor and of its planes."""
         unbalances, places = _unbalances(self, n)
-        before = resultant_unbalance(unbalances, places, n["centre"])
+        before = resultant_unbalance(unbalances, places, n["first_bearing"])
         made, planes, added = _corrections(self, n, before)
         after = corrected_unbalance(before, made, planes)
         bearings = n["first_bearing"], n["second_bearing"]
@@ -103,11 +102,13 @@ class RotorElement(Element):
         allowed_couple = permissible * np.abs(bearings[1] - bearings[0])
         shares = np.array(tolerance_shares(n["centre"], *bearings))
         yield main_result("unbalance", "resultant unbalance", "kg m"), np.abs(before.unbalance)
-        couple = np.abs(about(before, n["centre"]).moment)
+        couple = np.abs(resultant_unbalance(unbalances, places, n["centre"]).moment)
         yield main_result("couple", "moment unbalance about the centre of mass", "kg m2"), couple
         found = kind(before, n["centre"], permissible, allowed_couple).astype(float)
         yield Quantity("kind", _KINDS, "1", exact=True), found
-        yield Quantity("single_plane", _SINGLE_PLANE, "m", may_be_undefined=True), single_plane(before)
+        # Moments about the origin: those about a bearing would add the rounding of its position.
+        level = single_plane(resultant_unbalance(unbalances, places))
+        yield Quantity("single_plane", _SINGLE_PLANE, "m", may_be_undefined=True), level
         yield main_result("permissible_unbalance", "permissible residual unbalance", "kg m"), permissible
         for side, share in zip(_SIDES, shares, strict=True):
             yield Quantity(f"{side}_permissible", f"{_PERMISSIBLE} {side} bearing", "kg m"), share * permissible

@@ -2,7 +2,10 @@
 
 import math
 from collections.abc import Sequence
+from fractions import Fraction
+from functools import lru_cache
 from itertools import chain, pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,63 +15,80 @@ from engine.cycle.regula_falsi import regula_falsi
 _PER_WAVE = 32
 # Loss of the sample nearest to a peak, at most (π/32)²/2 = 0.0048 of the sum of all magnitudes times (order/highest)².
 _MISSED = 0.005
-# Longest common period of orders that are summed together: in revolutions, and in waves of the lowest of them.
-_REVOLUTIONS, _WAVES = 12, 24
-_WHOLE = 1e-9
+# Most waves of the highest order in a common period of orders that are summed together, and relative tolerance of it.
+_MOST_WAVES, _WHOLE = 1000, 1e-9
+# Largest denominator of a ratio of two sums' periods.
+_DENOMINATOR = 10**6
+# Waves of all variants in memory at a time.
+_AT_ONCE = 2**16
+
+
+class ExtremesOfOrders(NamedTuple):
+    """Minimum and maximum of a sum of orders over time, and by how much their magnitudes may be too large (...)."""
+
+    least: np.ndarray
+    greatest: np.ndarray
+    missed: np.ndarray
 
 
 def _waves_together(orders: Sequence[float]) -> np.ndarray | None:
     """Waves of each order in the shortest common period; None if there is none, or only a long one."""
-    all_orders = np.array(orders)
-    turns = np.arange(1, _REVOLUTIONS + 1)
-    for period in (*turns, *np.arange(1, _WAVES + 1) / all_orders.min()):
-        waves = np.rint(period * all_orders)
-        if np.all(waves > 0) and np.all(np.abs(period * all_orders - waves) < _WHOLE * np.maximum(1.0, waves)):
-            return waves.astype(np.int64)
-    return None
+    shares = [Fraction(order / min(orders)).limit_denominator(_MOST_WAVES) for order in orders]
+    waves = [share * math.lcm(*(share.denominator for share in shares)) for share in shares]
+    equal = np.allclose([float(share) * min(orders) for share in shares], orders, rtol=_WHOLE, atol=0.0)
+    return np.array(waves, dtype=np.int64) if equal and max(waves) <= _MOST_WAVES else None
 
 
-def _groups(orders: Sequence[float]) -> list[list[int]]:
-    """Indices of the orders, those with a common period together, ascending."""
-    groups: list[list[int]] = []
+@lru_cache(maxsize=64)
+def _groups(orders: tuple[float, ...]) -> list[tuple[list[int], np.ndarray]]:
+    """Indices of the orders, those with a common period together, ascending, with their waves in it."""
+    groups: list[tuple[list[int], np.ndarray]] = []
     for i in np.argsort(orders):
-        joined = (group for group in groups if _waves_together([orders[k] for k in (*group, i)]) is not None)
-        group = next(joined, None)
-        if group is None:
-            groups.append([i])
+        for k, (group, _) in enumerate(groups):
+            joined = [*group, i]
+            waves = _waves_together([orders[k] for k in joined])
+            if waves is not None:
+                groups[k] = joined, waves
+                break
         else:
-            group.append(i)
+            groups.append(([i], np.ones(1, np.int64)))
     return groups
 
 
-def extremes_of_orders(orders: Sequence[float], amplitudes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def extremes_of_orders(orders: Sequence[float], amplitudes: np.ndarray) -> ExtremesOfOrders:
     """Minimum and maximum of Re Σ A_h e^(i h φ) over time.
+
+    Sums without a short common period take nearly any phases in the course of time, so that their extremes add. If the
+    ratio of their base frequencies is p/q, they shift against each other by steps of 1/p of the first one's period:
+    their peaks miss each other by half of a step at most.
 
     Parameters
     ----------
     orders : sequence of float
         h, positive.
     amplitudes : ndarray of complex (orders, ...)
-
-    Returns
-    -------
-    least, greatest : ndarray (...)
-        Sums over orders without a common period take any phases in the course of time, so that their extremes add.
     """
-    found = np.zeros((2, *amplitudes.shape[1:]))
-    for group in _groups(orders):
-        found += _extremes_together([orders[i] for i in group], amplitudes[group])
-    least, greatest = found
-    return least, greatest
+    found, missed, common, bends = np.zeros((2, *amplitudes.shape[1:])), np.zeros(amplitudes.shape[1:]), 0.0, 0.0
+    for group, waves in _groups(tuple(orders)):
+        base = orders[group[0]] / waves[0]
+        bend = np.tensordot((base * waves) ** 2, np.abs(amplitudes[group]), 1)
+        found += _extremes_together(waves, amplitudes[group])
+        ratio = Fraction(base / (common or base)).limit_denominator(_DENOMINATOR)
+        if common:
+            missed += 0.5 * (math.pi / (common * ratio.numerator)) ** 2 * np.minimum(bend, bends)
+        common, bends = (common or base) / ratio.denominator, bends + bend
+    return ExtremesOfOrders(*found, missed)
 
 
-def _extremes_together(orders: Sequence[float], amplitudes: np.ndarray) -> np.ndarray:
-    """Minimum and maximum of a sum of ascending orders with a common period."""
-    if len(orders) == 1:
+def _extremes_together(waves: np.ndarray, amplitudes: np.ndarray) -> np.ndarray:
+    """Minimum and maximum of a sum of orders with ascending numbers of waves in their common period."""
+    if len(waves) == 1:
         total = np.abs(amplitudes[0])
         return np.array([-total, total])
-    h, sums = _waves_together(orders), amplitudes.reshape(len(orders), -1)
-    return np.array([-_peaks(h, -sums), _peaks(h, sums)]).reshape(2, *amplitudes.shape[1:])
+    sums = amplitudes.reshape(len(waves), -1)
+    pieces = np.array_split(sums, -(-sums.shape[1] * int(waves.max()) // _AT_ONCE), axis=1)
+    found = np.concatenate([[-_peaks(waves, -piece), _peaks(waves, piece)] for piece in pieces], axis=1)
+    return found.reshape(2, *amplitudes.shape[1:])
 
 
 def _peaks(h: np.ndarray, amplitudes: np.ndarray) -> np.ndarray:

@@ -321,7 +321,8 @@ def _range(orders: tuple[float, ...], amplitudes: Measured) -> tuple[Measured, M
     sound = np.where(infinite, 0.0, amplitudes.value)
     rounded = EPS * (8.0 + 24.0 * max(orders)) * np.abs(sound)
     error = (np.where(infinite, 0.0, amplitudes.error) + rounded).sum(axis=0)
-    least, greatest = (Measured(found, error) for found in extremes_of_orders(orders, sound))
+    *ends, missed = extremes_of_orders(orders, sound)
+    least, greatest = (Measured(end, error + missed) for end in ends)
     return where(infinite, measured(-math.inf), least), where(infinite, measured(math.inf), greatest)
 
 

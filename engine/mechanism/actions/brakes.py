@@ -13,7 +13,8 @@ from engine.laws.brakes import (
 from engine.parts.actions import BandBrake, BlockBrake, Brake
 from engine.scene.scene import Numbers
 
-_LEVER = ("force", "lever_arm", "slack_arm", "tight_arm")
+_ARMS = "slack_arm", "tight_arm"
+_LEVER = "force", "lever_arm", *_ARMS
 
 
 def braking_moment(brake: Brake, at: str, numbers: Numbers) -> float | np.ndarray:
@@ -27,11 +28,8 @@ def braking_moment(brake: Brake, at: str, numbers: Numbers) -> float | np.ndarra
     numbers : Numbers
     """
     if isinstance(brake, BandBrake):
-        lever, friction = (numbers[f"{at}.{key}"] for key in _LEVER), numbers[f"{at}.friction"]
-        if brake.blocks is None:
-            return band_brake(*lever, friction, numbers[f"{at}.wrap"], numbers[f"{at}.radius"])
-        grip = band_and_block_grip(friction, numbers[f"{at}.block_angle"], float(brake.blocks))
-        return band_brake(*lever, 1.0, grip, numbers[f"{at}.radius"])
+        lever = (numbers[f"{at}.{key}"] for key in _LEVER)
+        return band_brake(*lever, 1.0, _grip(brake, at, numbers), numbers[f"{at}.radius"])
     force, friction = numbers[f"{at}.force"], numbers[f"{at}.friction"]
     if isinstance(brake, BlockBrake):
         factor = long_block_factor(0.5 * numbers[f"{at}.embrace"])
@@ -39,3 +37,25 @@ def braking_moment(brake: Brake, at: str, numbers: Numbers) -> float | np.ndarra
     mean_radius = uniform_wear_radius if brake.linings == "worn in" else uniform_pressure_radius
     radius = mean_radius(numbers[f"{at}.inner_radius"], numbers[f"{at}.outer_radius"])
     return pressed_brake(force, friction, radius, float(brake.faces))
+
+
+def rounding_of_braking(brake: Brake, at: str, numbers: Numbers) -> float | np.ndarray:
+    """Factor from the rounding of a brake's numbers to that of its torque: large for a band that nearly locks itself.
+
+    Parameters
+    ----------
+    brake, at, numbers
+        As for `braking_moment`.
+    """
+    if not isinstance(brake, BandBrake):
+        return 1.0
+    slack, tight = (numbers[f"{at}.{key}"] for key in _ARMS)
+    slack = slack * np.exp(-_grip(brake, at, numbers))
+    return (np.abs(slack) + np.abs(tight)) / np.abs(slack + tight)
+
+
+def _grip(brake: BandBrake, at: str, numbers: Numbers) -> float | np.ndarray:
+    """Logarithm of the ratio of the tensions at a band's ends."""
+    if brake.blocks is None:
+        return numbers[f"{at}.friction"] * numbers[f"{at}.wrap"]
+    return band_and_block_grip(numbers[f"{at}.friction"], numbers[f"{at}.block_angle"], float(brake.blocks))

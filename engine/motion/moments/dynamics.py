@@ -1,7 +1,7 @@
 """A machine's equation of motion, prepared: I(φ) and M(φ, ω) of many variants, with a choice of actions."""
 
 import math
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +10,7 @@ from engine.cycle.regula_falsi import regula_falsi
 from engine.graph.functions import functions_at
 from engine.graph.nodes import Given, reached, value_of
 from engine.laws.senses import sense
-from engine.mechanism.actions.brakes import braking_moment
+from engine.mechanism.actions.brakes import braking_moment, rounding_of_braking
 from engine.mechanism.actions.motors import motor_ratio
 from engine.mechanism.friction import relative_motion, rolling_rate
 from engine.mechanism.link_loads import Grip, Load
@@ -326,6 +326,13 @@ class Dynamics:
         for name in self.brakes:
             found |= np.isinf(braking_moment(scene.moments[name], f"moments.{name}", variants.numbers))
         return found
+
+    def rounding_of_brakes(self, numbers: Numbers) -> np.ndarray | float:
+        """Factor by which acting brakes amplify the rounding of their numbers, at least 1."""
+        moments = self.reduction.mechanics.scene.moments
+        with np.errstate(divide="ignore", invalid="ignore"):
+            factors = [rounding_of_braking(moments[name], f"moments.{name}", numbers) for name in self.brakes]
+        return reduce(np.fmax, factors, 1.0)
 
     def drives(self, numbers: Numbers) -> list[tuple[MotorCurve, float | np.ndarray]]:
         """Characteristic of each acting motor, and the magnitude of its speed over that of the input."""

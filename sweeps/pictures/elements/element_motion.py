@@ -94,14 +94,13 @@ def follower_figures(cam: engine.CamElement, curves: engine.CamCurves, k: int, r
     contact, centre = complex(curves.contact[k]), complex(curves.follower[k])
     size, found = float(np.abs(curves.profile).max()), []
     if cam.translating:
-        end = complex(curves.follower[k].real if cam.follower.contact != "flat" else 0.0, contact.imag)
-        foot = centre if cam.follower.contact != "flat" else end
+        foot = complex(cam.follower.offset, contact.imag) if cam.follower.contact == "flat" else centre
         top = max(curves.contact.imag.max(), curves.follower.imag.max()) + STEM * size
         found += bush(foot.real + 1j * top, 1j, r)
         lift = foot.imag - min(curves.follower.imag.min(), curves.contact.imag.min())
         found.append(line(foot, foot.real + 1j * (top + STEM * size / 2 + lift)))
         if cam.follower.contact == "flat":
-            found.append(line(end - 0.55 * size, end + 0.55 * size))
+            found.append(line(foot - 0.55 * size, foot + 0.55 * size))
     else:
         pivot = complex(cam.follower.pivot_distance)
         end = centre if cam.follower.contact != "flat" else pivot + 1.35 * (contact - pivot)

@@ -189,6 +189,20 @@ def test_torque_by_too_few_nodes__has_an_error_figure_that_says_so(nodes, monkey
             assert abs(value(coarse, name)[0] - value(exact, name)[0]) <= value(coarse, name)[1], name
 
 
+def test_torque_near_singularities__keeps_its_error_figure(monkeypatch):
+    """Small clearances, rods hardly longer than the crank: against ten times the nodes."""
+    rng, count = np.random.default_rng(1), 400
+    varied = {"gas.clearance": 10.0 ** rng.uniform(-4, -1, count), "rod": 0.04 / rng.uniform(0.2, 0.98, count)}
+    varied |= {f"gas.n_{stroke}": rng.uniform(1.0, 1.7, count) for stroke in ("compression", "expansion")}
+    varied |= {"speed": 10.0 ** rng.uniform(0, 3, count)}
+    coarse = results(varied, **FOUR | {"cylinders": 1, "gas": GAS})
+    monkeypatch.setattr("engine.elements.engines.engine_torque.NODES", 480)
+    fine = results(varied, **FOUR | {"cylinders": 1, "gas": GAS})
+    for name in (f"it.{name}" for name in ("mean_torque", *map(torque_name, TORQUE_ORDERS))):
+        off = np.abs(coarse.summaries[name] - fine.summaries[name])
+        assert (off <= coarse.errors[name] + fine.errors[name]).all(), name
+
+
 def test_bank_angle_at_which_the_order_cannot_fire__has_no_torque_but_forces():
     twin = FOUR | {"layout": "V", "cylinders": 2, "bank_angle": 1.0, "gas": GAS, "firing_order": (1, 2)}
     outcome = results({"bank_angle": [0.5, 1.0, 3.0]}, **twin)

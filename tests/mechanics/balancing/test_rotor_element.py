@@ -2,6 +2,7 @@
 
 import math
 
+import mpmath
 import numpy as np
 import pytest
 from each_case import refusals
@@ -179,6 +180,42 @@ def test_rotor__error_figures_cover_the_rounding_of_what_should_be_nothing():
     found, outcome = results()
     for name in ("first_force_after", "second_force_after", "quality_after"):
         assert 0 < found[name][0] <= outcome.errors[f"fan.{name}"][0]
+
+
+def test_rotor__error_figures_hold_for_unlike_planes_and_far_positions():
+    """Against 40 digits: radii in a ratio up to 1000, rotors far from the origin, masses near a bearing."""
+    rng, count = np.random.default_rng(1), 60
+    away, close = 10.0 ** rng.uniform(-3, 3, count) * (rng.random(count) < 0.7), 10.0 ** rng.uniform(-4, 0, count)
+    numbers = {f"unbalances.{u}.position": away + close * rng.uniform(-1, 2, count) for u in "abc"}
+    numbers |= {key: away + rng.uniform(-1, 2, count) for key in ("centre", "planes.left.position")}
+    numbers["first_bearing"], numbers["second_bearing"] = away, away + 1.0
+    numbers["planes.right.position"] = numbers["planes.left.position"] + 10.0 ** rng.uniform(-2, 0, count)
+    numbers |= {f"planes.{plane}.radius": 10.0 ** rng.uniform(-3, 0, count) for plane in ("left", "right")}
+    paths = {f"elements.fan.{key}": values for key, values in numbers.items()}
+    found, outcome = results(paths)
+    assert (outcome.status == Verdict.OK).all()
+    with mpmath.workdps(40):
+        parts = [
+            (mpmath.mpf(m) * mpmath.mpf(r) * mpmath.expj(a), f"unbalances.{u}")
+            for u, (m, r, a, _) in zip("abc", own_masses(), strict=True)
+        ]
+        for k in range(count):
+            n = {key: mpmath.mpf(float(values[k])) for key, values in numbers.items()}
+
+            def moment(plane, n=n):
+                return sum(u * (n[f"{at}.position"] - plane) for u, at in parts)
+
+            left, right = (n[f"planes.{plane}.position"] for plane in ("left", "right"))
+            true = {"left.mass": abs(moment(right)) / (right - left) / n["planes.left.radius"]}
+            true["right.mass"] = abs(moment(left)) / (right - left) / n["planes.right.radius"]
+            true["second_force_before"] = (
+                abs(moment(n["first_bearing"])) / (n["second_bearing"] - n["first_bearing"]) * 150**2
+            )
+            true |= {"couple": abs(moment(n["centre"])), "quality_after": 0, "second_force_after": 0}
+            true["single_plane"] = mpmath.re(moment(0) / sum(u for u, _ in parts))
+            for name, value in true.items():
+                off = float(abs(mpmath.mpf(float(found[name][k])) - value))
+                assert off <= outcome.errors[f"fan.{name}"][k], (name, k)
 
 
 def test_rotor__without_what_a_result_needs_does_not_offer_it():

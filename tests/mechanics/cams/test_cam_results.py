@@ -219,6 +219,16 @@ def test_offset_as_large_as_the_prime_circle__cannot_assemble():
         assert status == verdict
 
 
+@pytest.mark.parametrize("offset", [0.012, -0.05])
+def test_offset_of_a_flat_face__only_moves_the_contact(offset):
+    limits = {"limits": {"convex_radius": "4 mm"}}
+    straight, beside = cam_answers(FLAT, **limits), cam_answers(FLAT, follower__offset=offset, **limits)
+    assert straight[2] == beside[2] == Verdict.OK
+    for name, value in straight[0].items():
+        moved = offset if name in ("face_from", "face_to") else 0.0
+        assert beside[0][name] == pytest.approx(value - moved, abs=1e-15, nan_ok=True), name
+
+
 def test_groove__is_pressed_on_both_flanks():
     groove = {"closure": "form", "follower__preload": None, "follower__stiffness": None}
     values, _, status = cam_answers(ROLLER, line_contact={"width": "12 mm"}, **groove)

@@ -34,7 +34,6 @@ test_cam_that_cannot_be__is_refused_with_a_mend = refusals(
     (ROLLER, {"follower__roller_radius": None}, "roller_radius is missing: contact = 'roller' needs it"),
     (KNIFE, {"closure": "form"}, "give contact = 'roller'"),
     (KNIFE, {"line_contact": {"width": "5 mm"}}, "line_contact"),
-    (FLAT, {"follower__offset": "2 mm"}, "offset = 0 for a flat face"),
     (FLAT, {"limits": {"pressure_angle": "30 deg"}}, "a flat face has none"),
     (ARM, {"follower__arm": None}, "arm is missing"),
     (ROLLER, {"follower__friction": 0.1}, "give all, or none"),

@@ -164,6 +164,13 @@ def on_circle(waves, amplitudes):
     return values.min(), values.max()
 
 
+def extremes_together(orders, amplitudes):
+    """Minimum and maximum of orders with a common period."""
+    *found, missed = np.array(extremes_of_orders(orders, amplitudes[:, None]))[:, 0]
+    assert missed == 0.0
+    return np.array(found)
+
+
 @some
 @given(
     st.lists(st.tuples(st.integers(1, 12), st.integers(1, 9)), min_size=2, max_size=6, unique_by=lambda part: part[0]),
@@ -180,22 +187,46 @@ def test_sums_of_orders__reach_the_peaks_of_flat_tops(parts, curvature, lean, at
     # Without curvature at an angle, but for a share: a flat top, or two peaks closer than samples.
     cosines[0] = (curvature * np.abs(cosines).sum() - (waves[1:] ** 2 * cosines[1:]).sum()) / waves[0] ** 2
     amplitudes = (cosines - 1j * lean**3 * cosines.sum()) * np.exp(-1j * waves * at)
-    found = np.array(extremes_of_orders(waves, amplitudes[:, None]))[:, 0]
+    found = extremes_together(waves, amplitudes)
     assert found == pytest.approx(on_circle(waves, amplitudes), abs=1e-12 * np.abs(amplitudes).sum())
 
 
 @pytest.mark.parametrize("unit", [1 / 13, 17 / 83, 1.0, math.sqrt(2)])
 def test_orders_of_a_geared_shaft__have_the_peak_of_their_own_period(unit):
     amplitudes = np.array([1.0, -0.6 + 0.3j, 0.4j])
-    found = np.array(extremes_of_orders([unit, 2 * unit, 5 * unit], amplitudes[:, None]))[:, 0]
+    found = extremes_together([unit, 2 * unit, 5 * unit], amplitudes)
     assert found == pytest.approx(on_circle([1, 2, 5], amplitudes), rel=1e-13)
 
 
 def test_an_order_without_a_common_period__adds_to_the_peak_of_the_others():
     amplitudes = np.array([1.0, -0.6 + 0.3j, 0.25])
-    found = np.array(extremes_of_orders([1.0, 2.0, math.sqrt(3)], amplitudes[:, None]))[:, 0]
+    *found, missed = np.array(extremes_of_orders([1.0, 2.0, math.sqrt(3)], amplitudes[:, None]))[:, 0]
     least, greatest = on_circle([1, 2], amplitudes[:2])
     assert found == pytest.approx((least - 0.25, greatest + 0.25), rel=1e-13)
+    assert missed < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("orders", "turns", "most"),
+    [
+        ((1, 2, 41 / 13, 3.5), 26, 0.0),
+        ((1, 37 / 29), 29, 0.0),
+        ((211 / 199, 1.5, 4), 398, 1.0),
+        ((1.001, 2), 1000, 1e-5),
+    ],
+)
+def test_orders_of_a_long_common_period__have_its_peak_within_the_error(orders, turns, most):
+    """Dense samples of the whole period miss a peak by less than (π/200)²/2 of the amplitudes."""
+    rng = np.random.default_rng(1)
+    phi = np.linspace(0.0, math.tau * turns, round(200 * turns * max(orders)), endpoint=False)
+    for _ in range(5):
+        amplitudes = rng.normal(size=len(orders)) + 1j * rng.normal(size=len(orders))
+        *found, missed = np.array(extremes_of_orders(orders, amplitudes[:, None]))[:, 0]
+        values = sum((a * np.exp(1j * h * phi)).real for h, a in zip(orders, amplitudes, strict=True))
+        slack, size = (math.pi / 200) ** 2 / 2, np.abs(amplitudes).sum()
+        for end, sampled in zip(found, (values.min(), values.max()), strict=True):
+            assert -1e-12 * size < abs(end) - abs(sampled) <= missed + slack * size
+        assert missed <= most * size
 
 
 ENGINE = {

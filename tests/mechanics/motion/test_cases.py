@@ -75,6 +75,28 @@ def asked(scene, varied=None, positions=240):
     return machine.evaluate(varied)
 
 
+# Brakes
+
+
+def test_band_brake_that_nearly_locks_itself__has_errors_of_its_torque():
+    """There the tensions' moments about the fulcrum cancel, and their rounding shows in the torque."""
+    share = 1.0 - 10.0 ** -np.linspace(0.5, 9.0, 60)
+    band = {"type": "band_brake", "on": "crank", "force": 1e-3, "lever_arm": 0.5, "slack_arm": 0.1, "radius": 0.1}
+    band |= {"friction": 0.3, "wrap": 4.0}
+    scene = crank({"brake": band}, {"stop": {"type": "run", "from_speed": 10.0, "rest": True}})
+    arms = -0.1 * math.exp(-0.3 * 4.0) * share
+    outcome = asked(scene, {"moments.brake.tight_arm": arms})
+    assert (outcome.status == Verdict.OK).all()
+    with mpmath.workdps(30):
+        growth = mpmath.exp(mpf(0.3) * mpf(4.0))
+        for k, arm in enumerate(arms):
+            moment = mpf(1e-3) * mpf(0.5) * mpf(0.1) * (growth - 1) / (mpf(0.1) + mpf(float(arm)) * growth)
+            for name, true in (("time", INERTIA * 10.0 / moment), ("angle", INERTIA * 50.0 / moment)):
+                value, error = (float(rows[f"stop.{name}"][k]) for rows in (outcome.summaries, outcome.errors))
+                assert abs(value - float(true)) <= error, (name, share[k])
+                assert error <= 1e-14 / (1.0 - share[k]) * float(true) + 1e-8 * float(true)
+
+
 # Which case
 
 
