@@ -240,7 +240,7 @@ def _end_swings(runs: OneSpeedRuns, who: np.ndarray, back: np.ndarray) -> None:
     who, back = who[swing], back[swing]
     if not who.size:
         return
-    ahead, form, time = runs.turned[who], runs.equation(who), runs.clock[who] + runs.state.time[who]
+    ahead, form, time = runs.turned[who], runs.form.of(who), runs.clock[who] + runs.state.time[who]
     places = back + np.linspace(0.0, 1.0, LOOKED_AT)[:, None] * (ahead - back)
     one, still = np.ones(who.size), np.zeros_like(places)
     forwards, backwards = (form.acceleration(places, still, time + still, way * one)[0] for way in (1.0, -1.0))
