@@ -19,11 +19,10 @@ from engine.motion.quantities import FieldAnswers
 from engine.motion.regime_motions import ROUNDING, OneRegime, RegimeMotion
 from engine.motion.run_motions import RunAtOneSpeed, RunAtTwoSpeeds
 from engine.motion.runs.run_progress import Standing
-from engine.motion.runs.spread_errors import change_or_anything
 from engine.motion.steady_motions import SteadyAtOneSpeed, SteadyAtTwoSpeeds
 from engine.scene.scene import Numbers
 from engine.stepping.records import on_arrays
-from engine.stepping.walk_task import WALKS
+from engine.stepping.walk_task import WALKS, change_or_anything
 from engine.words.verdicts import Verdict
 
 # Largest relative change of the final time, angle or speed with equal steps of twice the length; beyond: TOO_COARSE.

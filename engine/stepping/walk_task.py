@@ -1,6 +1,7 @@
 """Settings of a walk: its system, method, tolerance and ends; and the reasons why a walk may end."""
 
 import math
+from collections.abc import Sequence
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -18,6 +19,17 @@ COARSER, COARSEST = 2.0**7, 1e-1
 def tolerance_of_walk(tolerance: float, longer: float) -> float:
     """Step tolerance of a walk with steps longer by one of the factors `WALKS`."""
     return tolerance if longer == 1.0 else max(tolerance, min(COARSER * tolerance, COARSEST))
+
+
+def change_or_anything(change: np.ndarray, value: np.ndarray) -> np.ndarray:
+    """Change of a result with the errors of a motion; a result that they make undefined may be anything."""
+    return np.where(np.isnan(change) & np.isfinite(value), np.inf, change)
+
+
+def range_of_walks(rows: Sequence[np.ndarray]) -> np.ndarray:
+    """Range of the results of several walks, of which the first are given; infinite where another has none."""
+    with np.errstate(invalid="ignore"):
+        return change_or_anything(np.ptp(rows, axis=0), rows[0])
 
 
 class Why(IntEnum):

@@ -15,7 +15,7 @@ from engine.laws.rounding import EPS, LEAST_NORMAL
 from engine.parts.motors import DCCharacteristic, InductionCharacteristic, MotorCurve, TableCharacteristic
 from engine.parts.skeleton import Angle, AngularSpeed, Inertia, Moment, Time
 from engine.stepping.recorded import made_steps, weights_at
-from engine.stepping.walk_task import WALKS
+from engine.stepping.walk_task import WALKS, range_of_walks
 from engine.words.quantity import main_result
 from engine.words.verdicts import Verdict
 
@@ -136,11 +136,9 @@ class TwoMassDrive(ElasticShaft, Element):
         fine, followed = found_by[0]
         # A speed rounds like that of the vibration, however small it is at the end.
         swing = fine["greatest_moment"] / found["stiffness"] * found["natural_frequency"]
-        with np.errstate(invalid="ignore"):
-            for name, row in fine.items():
-                size = np.abs(row) + (swing if name.endswith("speed") else 0.0)
-                error = np.ptp([values[name] for values, _ in found_by], axis=0) + STEPS * EPS * size
-                errors[name] = np.where(np.isnan(error), np.inf, error)
+        for name, row in fine.items():
+            size = np.abs(row) + (swing if name.endswith("speed") else 0.0)
+            errors[name] = range_of_walks([values[name] for values, _ in found_by]) + STEPS * EPS * size
         too_stiff = np.where(followed.too_stiff, Verdict.SHAFT_RIGID, Verdict.OK)
         return Answers(found | fine, errors, too_stiff.astype(np.uint8))
 

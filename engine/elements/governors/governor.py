@@ -27,7 +27,7 @@ from engine.laws.tables import Table
 from engine.parts.actions import Force
 from engine.parts.bodies import STANDARD_GRAVITY
 from engine.parts.skeleton import Acceleration, Length, Mass, Number, Positive, quantity
-from engine.stepping.walk_task import WALKS
+from engine.stepping.walk_task import WALKS, range_of_walks
 from engine.units.display import quantity_text
 from engine.words.quantity import Quantity, main_result
 from engine.words.verdicts import Verdict
@@ -120,9 +120,7 @@ class Governor(Element):
             changes = [follow_changes(g, marks, verdicts, cycle, longer) for longer in WALKS]
             for result, *rows in zip(_TRANSIENT, *(each.answers for each in changes), strict=True):
                 found[result.name] = rows[0]
-                # A motion that fails at once has infinite results.
-                with np.errstate(invalid="ignore"):
-                    errors[result.name] = np.ptp(rows, axis=0) + ROUNDING * np.abs(rows[0]) * TOLERANCE
+                errors[result.name] = range_of_walks(rows) + ROUNDING * np.abs(rows[0]) * TOLERANCE
             for each in changes:
                 verdicts = np.where(verdicts == Verdict.OK, each.verdict, verdicts)
         well = verdicts == Verdict.OK

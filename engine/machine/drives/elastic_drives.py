@@ -42,7 +42,7 @@ from engine.motion.runs.run_progress import ADAPTIVE, Stepping
 from engine.motion.settled.steady import steady_motion
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.stepping.records import over_all
-from engine.stepping.walk_task import WALKS
+from engine.stepping.walk_task import WALKS, range_of_walks
 from engine.words.verdicts import Verdict
 
 # Maximum number of values in the curves of variants that are solved together.
@@ -140,7 +140,7 @@ class ElasticDrives:
         # Unfinished runs have no results.
         every[0, :, runs[0].verdict != Verdict.OK] = np.nan
         values[len(RESULTS) :, part.which] = every[0]
-        errors[len(RESULTS) :, part.which] = np.ptp(every, axis=0) + ROUNDING * np.abs(every[0])
+        errors[len(RESULTS) :, part.which] = range_of_walks(every) + ROUNDING * np.abs(every[0])
         verdict[part.which] = runs[0].verdict
 
     def seconds_of_runs(self, numbers: Numbers, count: int) -> float:

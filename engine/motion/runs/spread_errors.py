@@ -7,15 +7,11 @@ import numpy as np
 
 from engine.motion.runs.run_progress import Changed, RunOutcome
 from engine.motion.settled.steady import Steady
+from engine.stepping.walk_task import change_or_anything
 
 Motion = TypeVar("Motion", RunOutcome, Steady)
 # Fields that don't enter the results.
 SKIPPED = ("verdict", "record", "steep")
-
-
-def change_or_anything(change: np.ndarray, value: np.ndarray) -> np.ndarray:
-    """Change of a result with the errors of a motion; a result that they make undefined may be anything."""
-    return np.where(np.isnan(change) & np.isfinite(value), np.inf, change)
 
 
 def spread_errors(

@@ -9,6 +9,7 @@ from motion_scenes import ask, run, slider_crank, steady
 from engine import Verdict
 from engine.compiling.threads import set_threads
 from engine.motion.runs.spread_errors import spread_errors
+from engine.stepping.walk_task import range_of_walks
 
 REGIMES = {
     "start": run("dc fan gravity", speed=35.0),
@@ -162,3 +163,10 @@ def test_efficiency_of_a_useful_work_of_zero__is_covered():
     defined = np.isfinite(found.values["go.efficiency"])
     assert defined.any()
     assert (found.errors["go.efficiency"] >= found.values["go.efficiency"])[defined].all()
+
+
+def test_result_that_only_some_walks_have__may_be_anything():
+    given, first, last = np.array([1.0, 1.0, np.nan, np.inf]), np.array([1.1, np.nan, 1.0, np.inf]), np.ones(4)
+    found = range_of_walks([given, first, last])
+    assert found[0] == pytest.approx(0.1, rel=1e-12)
+    assert np.array_equal(found[1:], [np.inf, np.nan, np.inf], equal_nan=True)
