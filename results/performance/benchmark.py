@@ -222,8 +222,8 @@ each has a different motion. The machine is shared with others (load {load:.1f} 
 {processor}; {system}; {versions}.
 C++: `{compiler}`. Made by `python results/performance/benchmark.py`.
 
-Ratios depend on the processor: on an Intel Xeon with AVX-512, at commit 8b705021, the engine took 0.56, 0.48 and 0.66
-of the C++ time for the summaries, and 1.55, 1.27 and 1.21 of it for I, dI/dφ and M.
+Ratios depend on the processor: on an AMD EPYC, at commit 799b45ca, the engine took 0.90, 0.79 and 0.85 of the
+C++ time for the summaries, and 1.83, 1.25 and 1.14 of it for I, dI/dφ and M.
 
 ## Summaries of a flywheel study
 
