@@ -43,8 +43,8 @@ BOUNDS = (
     "Python and NumPy half.",
 )
 ELSEWHERE = (
-    "Ratios depend on the processor: on an Intel Xeon with AVX-512, at commit 0940de1e, those of heyoka.py were",
-    "1.3 … 1.8, 0.54 … 0.73 and 0.62 … 0.87.",
+    "Ratios depend on the processor: on an AMD EPYC, at commit 0a892ce1, those of heyoka.py were",
+    "2.1 … 2.5, 0.86 … 1 and 1 … 1.4.",
 )
 HEYOKA, BY_HAND = "heyoka.py batch", "RK8 over φ, lanes"
 
