@@ -21,8 +21,9 @@ def regula_falsi(f: Callable[[np.ndarray], np.ndarray], a: np.ndarray, b: np.nda
         Ends of the brackets; b is returned where f doesn't change its sign.
     """
     fa, fb = f(a), f(b)
-    small = _LAST_STEP * np.abs(b - a)
-    moving = np.isfinite(fa + fb) & (fb != 0.0) & (((fa > 0.0) != (fb > 0.0)) | (fa == 0.0)) & (small > 0.0)
+    # Never less than the rounding of the root.
+    small = np.maximum(_LAST_STEP * np.abs(b - a), 2.0 * np.spacing(np.maximum(np.abs(a), np.abs(b))))
+    moving = np.isfinite(fa + fb) & (fb != 0.0) & (((fa > 0.0) != (fb > 0.0)) | (fa == 0.0)) & (a != b)
     step = before = np.full(np.shape(fb), np.inf)
     for _ in range(_ITERATIONS):
         with np.errstate(all="ignore"):
@@ -43,7 +44,6 @@ def regula_falsi(f: Callable[[np.ndarray], np.ndarray], a: np.ndarray, b: np.nda
             less = 1.0 - fc / fb
         a, fa = np.where(crossed, b, a), np.where(crossed, fb, np.where(less > 0.0, less, 0.5) * fa)
         b, fb = np.where(checks & crossed, b, c), np.where(checks & crossed, fb, fc)
-        # The bracket is small enough, or as small as rounding lets it be.
         moving &= np.abs(b - a) > small
         if not moving.any():
             break

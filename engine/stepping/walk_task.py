@@ -27,7 +27,7 @@ def change_or_anything(change: np.ndarray, value: np.ndarray) -> np.ndarray:
 
 
 def range_of_walks(rows: Sequence[np.ndarray]) -> np.ndarray:
-    """Range of the results of several walks, of which the first are given; infinite where another has none."""
+    """Range of the results of several walks; infinite where the first has a result and another has none."""
     with np.errstate(invalid="ignore"):
         return change_or_anything(np.ptp(rows, axis=0), rows[0])
 

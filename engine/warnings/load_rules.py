@@ -72,14 +72,14 @@ def loose_belt_rules(scene: Scene) -> Iterator[Rule]:
     for name, belt in scene.elements.items():
         if belt.type == "belt" and belt.gives("tension", "linear_density") == ["tension", "linear_density"]:
             sentence = (
-                "its centrifugal tension is {value}, all of its tension of {limit}: it transmits nothing; tighten it, "
-                "or lower the speed"
+                "its centrifugal tension of {value} uses up its tension of {limit}: it transmits no torque; tighten "
+                "it, or lower the speed"
             )
-            yield Rule(f"elements.{name}", "above", "N", sentence, _lifting(f"elements.{name}"))
 
+            def judge(n: Numbers, at: str = f"elements.{name}") -> tuple[object, object]:
+                return n[f"{at}.linear_density"] * n[f"{at}.speed"] ** 2, n[f"{at}.tension"]
 
-def _lifting(at: str) -> object:
-    return lambda n: (n[f"{at}.linear_density"] * n[f"{at}.speed"] ** 2, n[f"{at}.tension"])
+            yield Rule(f"elements.{name}", "above", "N", sentence, judge)
 
 
 def unused_load_rules(scene: Scene) -> Iterator[Rule]:

@@ -54,8 +54,8 @@ class Verdict(IntEnum):
     )
     NO_END = (
         *(8, "doesn't reach its end"),
-        "a regime or a governor never reaches the state that ends it; change the end, the drive or the damping, or "
-        "raise at_most",
+        "a regime, or a governor's response, never reaches its end; change the end, the drive or the damping, raise "
+        "at_most, or shorten the response",
     )
     JAMS = (
         *(9, "friction jams"),
@@ -109,7 +109,7 @@ class Verdict(IntEnum):
     UNDERCUT = (
         *(19, "cam undercut"),
         "a cam is undercut: its profile can't move the follower by the law; choose a larger base circle, a longer "
-        "section, another law or, on a roller, a smaller one",
+        "section, another law, or a smaller roller if it has one",
     )
     LIFTS_OFF = (
         *(20, "follower lifts off"),

@@ -26,7 +26,7 @@ DRAWINGS = (".svg", ".dxf")
 )
 @shared.WHERE
 @click.option("--history", is_flag=True, help="Time history through the regimes (tables).")
-@click.option("--element", help="A cam element: its motion curves (CSV) or outlines (SVG, DXF).")
+@click.option("--element", help="A cam element: its motion curves (a table) or outlines (SVG, DXF).")
 @click.option(
     "--columns",
     default="",

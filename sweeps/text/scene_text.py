@@ -14,7 +14,7 @@ from sweeps.text.toml_text import line_of, parse_toml, problems_in, validate
 
 # Tables whose entries may take lists from the columns of a CSV `file`.
 TABLES_OF_ROWS = ("forces", "moments", "wanted")
-# Significant digits that most doubles need at most, and that all do.
+# Significant digits: the first suffice for most doubles, the last for all.
 _DIGITS = (15, 16, 17)
 
 
@@ -122,12 +122,17 @@ def in_unit(value: float, unit: str, dimension: str) -> str | None:
     return None
 
 
-def number_text(value: float, dimension: str) -> str | float:
-    """A number in scene text: the shortest of those in common units that read back exactly."""
+def number_texts(values: Sequence[float], dimension: str) -> list[str | float]:
+    """Numbers in scene text, in one unit: the common one in which they are shortest and read back exactly."""
     if dimension == "number":
-        return value
-    units = engine.common_units(dimension)
-    return min(filter(None, (in_unit(value, unit, dimension) for unit in units)), key=len)
+        return list(values)
+    written = ([in_unit(value, unit, dimension) for value in values] for unit in engine.common_units(dimension))
+    return min((texts for texts in written if None not in texts), key=lambda texts: sum(map(len, texts)))
+
+
+def number_text(value: float, dimension: str) -> str | float:
+    """A number in scene text, as `number_texts`."""
+    return number_texts([value], dimension)[0]
 
 
 def write_scene(scene: engine.Scene, values: Mapping[str, float] | None = None) -> str:
@@ -329,5 +334,5 @@ def _with_units(part: engine.ScenePart, data: dict[str, Any]) -> None:
             for k, inner in enumerate(value):
                 if isinstance(inner, engine.ScenePart):
                     _with_units(inner, written[k])
-                elif dimension is not None:
-                    written[k] = number_text(inner, dimension)
+            if dimension is not None:
+                written[:] = number_texts(value, dimension)

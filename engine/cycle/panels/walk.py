@@ -130,7 +130,7 @@ SHORTER, LONGER = 0.25, 3.0
 # Fraction of the tolerance for which the length of a panel is chosen.
 AIM = 0.2
 # Maximum length of a panel as a fraction of the range: rounding is measured where panels meet. Two panels measure it at
-# one position, which leaves 6 of 1000 estimates too small; three leave none, and no more panels than they need.
+# one position, which leaves 6 of 1000 estimates too small; three leave none.
 LONGEST = 0.34
 # Length of the panels of a lane that has reached MOST panels, as a fraction of the range.
 LAST_ONES = 0.1

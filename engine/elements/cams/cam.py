@@ -193,8 +193,8 @@ class CamElement(CamProgram, Element):
         if self.limits is not None:
             if angles is None:
                 height = np.maximum(found["least_base_radius"], 0.0)
-                aside = 0.0 if self.follower.contact == "flat" else n["follower.offset"]
-                base = np.hypot(height, aside) - n.get("follower.roller_radius", 0.0)
+                offset = 0.0 if self.follower.contact == "flat" else n["follower.offset"]
+                base = np.hypot(height, offset) - n.get("follower.roller_radius", 0.0)
             else:
                 base = self._least_base_of_arm(n, x, angles)
             # The curvature at a corner of the profile violates the limit for every base circle.
@@ -229,7 +229,7 @@ class CamElement(CamProgram, Element):
             verdicts[(verdicts == Verdict.OK) & lifts] = Verdict.LIFTS_OFF
         whole = np.isin(verdicts, (Verdict.OK, Verdict.UNDERCUT, Verdict.LIFTS_OFF))
         faults = {"undercut": verdicts == Verdict.UNDERCUT, "lifting": verdicts == Verdict.LIFTS_OFF}
-        faults |= {"impact": impact, "jerk": values["acceleration_jump"] > 0.0}
+        faults |= {"impact": impact, "acceleration jump": values["acceleration_jump"] > 0.0}
         kept, off = {}, {}
         for result, lost, _ in _results(self):
             name, gone = result.name, np.any([~whole, *(faults[fault] for fault in lost)], axis=0)
@@ -307,7 +307,7 @@ def _shape() -> Iterator[Result]:
 
 def _flat_shape(cam: CamElement) -> Iterator[Result]:
     """Curvature under a flat face, and the part of the face in contact."""
-    origin = "off the follower's axis" if cam.translating else "from the pivot"
+    origin = "from the follower's axis" if cam.translating else "from the pivot"
     least, (end, start) = Sought("radius", -1), _both_ways("face")
     found = (
         _result("convex_radius", "minimum radius of curvature of the profile", "m", of=(least,)),
@@ -323,7 +323,7 @@ def _flat_shape(cam: CamElement) -> Iterator[Result]:
 def _motion(cam: CamElement) -> Iterator[Result]:
     """The follower's motion."""
     unit, (faster, slower) = "m" if cam.translating else "rad", _both_ways("acceleration")
-    jerk, of_jerk = (*_SMOOTH, "jerk"), "peak jerk of the follower; none where the acceleration jumps"
+    jerk, of_jerk = (*_SMOOTH, "acceleration jump"), "peak jerk of the follower; none where the acceleration jumps"
     for name, words, power, lost, of in (
         ("greatest_velocity", "peak velocity of the follower", 1, _MADE, _both_ways("velocity")),
         ("greatest_acceleration", "peak acceleration of the follower, away from the cam", 2, _SMOOTH, (faster,)),

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.cycle.regula_falsi import regula_falsi
+from engine.laws.rounding import EPS
 
 # Samples per wave of the highest order, from which the peaks are refined.
 _PER_WAVE = 32
@@ -24,11 +25,11 @@ _AT_ONCE = 2**16
 
 
 class ExtremesOfOrders(NamedTuple):
-    """Minimum and maximum of a sum of orders over time, and by how much their magnitudes may be too large (...)."""
+    """Minimum and maximum of a sum of orders over time, and the error estimate of both."""
 
     least: np.ndarray
     greatest: np.ndarray
-    missed: np.ndarray
+    error: np.ndarray
 
 
 def _waves_together(orders: Sequence[float]) -> np.ndarray | None:
@@ -46,7 +47,7 @@ def _groups(orders: tuple[float, ...]) -> list[tuple[list[int], np.ndarray]]:
     for i in np.argsort(orders):
         for k, (group, _) in enumerate(groups):
             joined = [*group, i]
-            waves = _waves_together([orders[k] for k in joined])
+            waves = _waves_together([orders[own] for own in joined])
             if waves is not None:
                 groups[k] = joined, waves
                 break
@@ -68,16 +69,18 @@ def extremes_of_orders(orders: Sequence[float], amplitudes: np.ndarray) -> Extre
         h, positive.
     amplitudes : ndarray of complex (orders, ...)
     """
-    found, missed, common, bends = np.zeros((2, *amplitudes.shape[1:])), np.zeros(amplitudes.shape[1:]), 0.0, 0.0
+    found, error, common, bends = np.zeros((2, *amplitudes.shape[1:])), np.zeros(amplitudes.shape[1:]), 0.0, 0.0
     for group, waves in _groups(tuple(orders)):
         base = orders[group[0]] / waves[0]
         bend = np.tensordot((base * waves) ** 2, np.abs(amplitudes[group]), 1)
         found += _extremes_together(waves, amplitudes[group])
+        # Each power of a unit vector is a product more.
+        error += 2.0 * EPS * np.tensordot(waves, np.abs(amplitudes[group]), 1)
         ratio = Fraction(base / (common or base)).limit_denominator(_DENOMINATOR)
         if common:
-            missed += 0.5 * (math.pi / (common * ratio.numerator)) ** 2 * np.minimum(bend, bends)
+            error += 0.5 * (math.pi / (common * ratio.numerator)) ** 2 * np.minimum(bend, bends)
         common, bends = (common or base) / ratio.denominator, bends + bend
-    return ExtremesOfOrders(*found, missed)
+    return ExtremesOfOrders(*found, error)
 
 
 def _extremes_together(waves: np.ndarray, amplitudes: np.ndarray) -> np.ndarray:
@@ -86,7 +89,7 @@ def _extremes_together(waves: np.ndarray, amplitudes: np.ndarray) -> np.ndarray:
         total = np.abs(amplitudes[0])
         return np.array([-total, total])
     sums = amplitudes.reshape(len(waves), -1)
-    pieces = np.array_split(sums, -(-sums.shape[1] * int(waves.max()) // _AT_ONCE), axis=1)
+    pieces = np.array_split(sums, max(-(-sums.shape[1] * int(waves.max()) // _AT_ONCE), 1), axis=1)
     found = np.concatenate([[-_peaks(waves, -piece), _peaks(waves, piece)] for piece in pieces], axis=1)
     return found.reshape(2, *amplitudes.shape[1:])
 

@@ -128,7 +128,7 @@ class TorsionalTrain(Element):
     def _faults_of_excitations(self) -> Faults:
         asked = [("load", self.load), ("machine_at", self.machine_at)]
         asked += [(f"excitations.{name}.on", excitation.on) for name, excitation in self.excitations.items()]
-        for key, mass in (*asked, *(("cylinders_at", mass) for mass in self.cylinders_at)):
+        for key, mass in (*asked, *(("cylinders_at", mass) for mass in dict.fromkeys(self.cylinders_at))):
             if mass is not None and mass not in self.masses:
                 yield f"{key}: there is no mass {mass!r}; masses are {', '.join(self.masses)}"
         given = [key for key in ("speed", "engine", "machine_at") if getattr(self, key) is not None]
@@ -321,8 +321,8 @@ def _range(orders: tuple[float, ...], amplitudes: Measured) -> tuple[Measured, M
     sound = np.where(infinite, 0.0, amplitudes.value)
     rounded = EPS * (8.0 + 24.0 * max(orders)) * np.abs(sound)
     error = (np.where(infinite, 0.0, amplitudes.error) + rounded).sum(axis=0)
-    *ends, missed = extremes_of_orders(orders, sound)
-    least, greatest = (Measured(end, error + missed) for end in ends)
+    *ends, more = extremes_of_orders(orders, sound)
+    least, greatest = (Measured(end, error + more) for end in ends)
     return where(infinite, measured(-math.inf), least), where(infinite, measured(math.inf), greatest)
 
 

@@ -88,6 +88,7 @@ class SeedWalk:
         found, given = np.empty((len(self._functions.curves), q.size)), np.ascontiguousarray(unknowns)
         return fill_points(self._fill, Points(table, self._functions.memory, q, found, given, self._given))
 
+    @np.errstate(all="ignore")
     def __call__(
         self, table: np.ndarray, start: np.ndarray, sines: np.ndarray, intervals: int, longest: float, turns: bool
     ) -> SeedPaths:
@@ -131,10 +132,9 @@ class SeedWalk:
             # A step is as long as the quintic's error at its middle allows.
             middle = between_seeds.in_python(seed, np.split(ahead, 3), 0.5, change)
             excess = self.curves(own, own[0] + whole * (at + 0.5 * tried), middle)[3 * count] / CLOSE
-            with np.errstate(all="ignore"):
-                # The determinant changes sign where two modes meet: reject a step across such a position.
-                sound = proved & (turned / sine[going] > LEAST_SHARE) & (excess < np.inf)
-                factor = np.where(sound, (_AIM / np.maximum(excess, 1e-12)) ** _STEP_EXPONENT, _SHORTER)
+            # The determinant changes sign where two modes meet: reject a step across such a position.
+            sound = proved & (turned / sine[going] > LEAST_SHARE) & (excess < np.inf)
+            factor = np.where(sound, (_AIM / np.maximum(excess, 1e-12)) ** _STEP_EXPONENT, _SHORTER)
             accepted = sound & (excess <= 1.0)
             # A step shortened by the end of the range says little about the length of the next.
             wanted = np.maximum(tried * np.minimum(factor, _LONGER), np.where(factor >= 1.0, step[going], 0.0))

@@ -288,7 +288,7 @@ class CoupledRuns(MachineRuns):
         column, begin, length, samples, _ = made_steps(gone.recorded, gone.steps)
         phase, moving, own = some(joined, column), samples[: SHAFT_SPEED + 1], who[column]
         moving[[CRANK_SPEED, SHAFT_SPEED]] *= np.array(faced_ways(phase))[:, None]
-        # Nothing but the coupling differs from step to step.
+        # Only the coupling is asked per step; the sides stay per variant.
         sides = self.sides._replace(coupling=some(self.sides.coupling, own))
         here = SidesAt(sides, phase, moving, self.time[own] + begin + SHOWN[:, None] * length)
         moment = np.zeros((0, *moving.shape[1:]))

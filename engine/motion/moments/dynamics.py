@@ -262,7 +262,8 @@ class Dynamics:
         self.brakes = tuple(name for name in self.active if isinstance(scene.moments.get(name), Brake))
         # Whether all torques vanish with the speed: then nothing stops or starts the machine.
         self.fades = not (self.motors or rubs or own) and all(load.order in (1, 2) for load in working)
-        # Whether what does not resist at standstill fades with the speed: a root of it would stop a machine.
+        # Whether torques that don't resist at standstill vanish at least linearly with the speed; one that falls as its
+        # root would stop the machine.
         by_speed = reduction.speed in reached([load.basis for load in working])
         self.smooth = not by_speed and all(load.order in POLYNOMIAL_ORDERS for load in working)
         self.cycle = reduction.cycle

@@ -30,9 +30,10 @@ STILL = 1e-12
 CLOSELY = 0.1
 # With dense output, a machine remains in the time form until its relative energy change per radian is below this.
 BRISK_TO_LOOK = 0.4
-# Positions of a swing at which resistance at standstill is looked for, and its least size, relative to all torques.
-LOOKED_AT, RESISTED = 64, 1e-9
-# Swings within this range end as a geometric series [rad, or in units of `reach`]; comparison runs end them earlier.
+# Even positions of a swing at which resistance at standstill is looked for; its least size, relative to all torques.
+SWING_SAMPLES, RESISTED = 64, 1e-9
+# Swings within this range end as a geometric series [rad, or in units of `reach`]; comparison runs end them some swings
+# earlier, which shows the error of that.
 NARROW = 1e-7
 # Many steps that change neither the angle (in total) nor the time (each) by more than these fractions make no progress:
 # at a dead centre of the driven side the inertia grows without bound.
@@ -241,7 +242,12 @@ def _end_swings(runs: OneSpeedRuns, who: np.ndarray, back: np.ndarray) -> None:
     if not who.size:
         return
     ahead, form, time = runs.turned[who], runs.form.of(who), runs.clock[who] + runs.state.time[who]
-    places = back + np.linspace(0.0, 1.0, LOOKED_AT)[:, None] * (ahead - back)
+    places = back + np.linspace(0.0, 1.0, SWING_SAMPLES)[:, None] * (ahead - back)
+    # A narrow resistance begins and ends at breaks.
+    start = runs.start[who] + runs.variants.direction[who] * back
+    bounds = None if runs.dynamics.reduction.has_cycle else runs.bounds[:, who] - back
+    breaks = back + np.clip(np.split(runs.edges(who, start, bounds), 2)[0], 0.0, ahead - back)
+    places = np.sort(np.concatenate((places, 0.5 * (breaks[1:] + breaks[:-1]))), axis=0)
     one, still = np.ones(who.size), np.zeros_like(places)
     forwards, backwards = (form.acceleration(places, still, time + still, way * one)[0] for way in (1.0, -1.0))
     resisted = (np.abs(forwards - backwards) > RESISTED * np.abs(backwards)).any(axis=0)
@@ -249,7 +255,7 @@ def _end_swings(runs: OneSpeedRuns, who: np.ndarray, back: np.ndarray) -> None:
         # A run may begin with a speed, and swing farther backwards.
         again = np.isfinite(runs.farthest_swing[who])
         runs.give_up_endless(who[again & ~resisted & runs.dynamics.smooth])
-    # Accelerations towards the jump and away from it, beyond and before it.
+    # Beyond the jump: away from it and towards it; before it: towards and away.
     out, home, on, off = -forwards[-1], -backwards[-1], forwards[0], backwards[0]
     jump = ahead + form.to_break(ahead)
     peak = np.sqrt(2.0 * home * (ahead - jump))

@@ -19,7 +19,7 @@ _WORDS = (
     "second derivative of the {} with respect to the input",
 )
 _SUFFIXES = ("", "_phi", "_phiphi")
-# Symbols of a coordinate and of its time derivatives, and the words and names of these.
+# Symbols of a coordinate and of its time derivatives, words for the derivatives, and their names.
 _KINDS = {
     "x": (("x_{owner}", "v_{owner}x", "a_{owner}x"), "x component of the {rate} of point {owner}", ("vx", "ax")),
     "y": (("y_{owner}", "v_{owner}y", "a_{owner}y"), "y component of the {rate} of point {owner}", ("vy", "ay")),

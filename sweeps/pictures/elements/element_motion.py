@@ -100,7 +100,9 @@ def follower_figures(cam: engine.CamElement, curves: engine.CamCurves, k: int, r
         lift = foot.imag - min(curves.follower.imag.min(), curves.contact.imag.min())
         found.append(line(foot, foot.real + 1j * (top + STEM * size / 2 + lift)))
         if cam.follower.contact == "flat":
-            found.append(line(foot - 0.55 * size, foot + 0.55 * size))
+            touched = np.array([foot.real, curves.contact.real.min(), curves.contact.real.max()])
+            ends = touched.min() - 0.1 * size, touched.max() + 0.1 * size
+            found.append(line(*(complex(end, foot.imag) for end in ends)))
     else:
         pivot = complex(cam.follower.pivot_distance)
         end = centre if cam.follower.contact != "flat" else pivot + 1.35 * (contact - pivot)

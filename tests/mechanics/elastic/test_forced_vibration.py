@@ -167,7 +167,8 @@ def on_circle(waves, amplitudes):
 def extremes_together(orders, amplitudes):
     """Minimum and maximum of orders with a common period."""
     *found, missed = np.array(extremes_of_orders(orders, amplitudes[:, None]))[:, 0]
-    assert missed == 0.0
+    # Rounding alone.
+    assert missed <= 1e-12 * np.abs(amplitudes).sum()
     return np.array(found)
 
 
@@ -226,7 +227,7 @@ def test_orders_of_a_long_common_period__have_its_peak_within_the_error(orders, 
         slack, size = (math.pi / 200) ** 2 / 2, np.abs(amplitudes).sum()
         for end, sampled in zip(found, (values.min(), values.max()), strict=True):
             assert -1e-12 * size < abs(end) - abs(sampled) <= missed + slack * size
-        assert missed <= most * size
+        assert missed <= (most + 1e-12) * size
 
 
 ENGINE = {

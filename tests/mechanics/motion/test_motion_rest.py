@@ -211,6 +211,26 @@ def test_push_that_turns_about__pulls_a_machine_back_against_its_friction():
     assert found["go.final_speed"] == pytest.approx(impulse / INERTIA, rel=1e-9)
 
 
+def test_resistance_over_a_hundredth_of_a_radian__stops_a_pendulum_there_in_the_end():
+    # Passing takes 0.2 J of 2.25 J, so the eleventh time the pendulum, moving forwards, stops within.
+    friction, begin, end = 20.0, 0.3, 0.31
+    places = [0.0, begin, begin, end, end]
+    table = {"type": "table", "over_angle": [0.0, *((DOWN + x) % (2 * math.pi) for x in places[1:]), 2 * math.pi]}
+    table |= {"interpolation": "linear"}
+    loads = {
+        "by_angle": table | {"moment": [0.0, 0.0, -friction, -friction, 0.0, 0.0], "acts": "along"},
+        "load": table | {"moment": [0.0, 0.0, friction, friction, 0.0, 0.0], "acts": "against"},
+    }
+    regime = run("gravity by_angle load", from_speed=0.0, from_angle=DOWN - 1.0, rest=True)
+    scene = pendulum({"go": regime})
+    scene["moments"] = {name: moment | loads.get(name, {}) for name, moment in scene["moments"].items()}
+    found = ask(scene, "go.angle")
+    left = WEIGHT * (math.cos(begin) - math.cos(1.0)) - 10 * friction * (end - begin)
+    exact = brentq(lambda x: WEIGHT * (math.cos(begin) - math.cos(x)) + friction * (x - begin) - left, begin, end)
+    assert found["go.angle"] == pytest.approx(1.0 + exact, rel=1e-6)
+    found.covers("go.angle", 1.0 + exact)
+
+
 @pytest.mark.parametrize("friction", [1.5, 0.05])
 def test_jump_that_turns_a_machine_back_from_both_sides__holds_it_after_endlessly_many_swings(friction):
     """4 N·m as far as the jump at 1 rad, −7 N·m beyond: the swings and their durations form geometric series."""

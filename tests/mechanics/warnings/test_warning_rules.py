@@ -200,7 +200,7 @@ CASES = [
     ),
     ("suction", pumping("8.1 bar"), pumping("7.9 bar"), "suction = 810 kPa exceeds discharge = 800 kPa"),
     ("friction", rubbing(1.6), rubbing(1.4), "1.6 exceeds limits.friction = 1.5"),
-    ("loose_belt", belt(10.01), belt(9.99), "is 100.2 N, all of its tension of 100 N"),
+    ("loose_belt", belt(10.01), belt(9.99), "of 100.2 N uses up its tension of 100 N"),
     ("unused_load", stroke_rows(0.101, 0.2, "low end"), stroke_rows(0.099, 0.2, "low end"), "200 mm from the low end"),
     ("unused_load", stroke_rows(0.101, 0.2, "high end"), stroke_rows(0.099, 0.2, "high end"), "misses its rows, 101"),
     # The ram moves from 150 mm to 250 mm.
