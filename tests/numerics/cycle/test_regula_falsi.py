@@ -37,3 +37,17 @@ def test_roots__are_found_whatever_the_shape_and_alone_as_together(before, after
 def test_brackets__may_end_at_a_root_or_have_none():
     found = regula_falsi(lambda x: x - np.array([0.0, 2.0, 3.0, math.nan]), np.zeros(4), np.full(4, 2.0))
     assert found.tolist() == [0.0, 2.0, 2.0, 2.0]
+
+
+def test_roots_of_functions_that_round__take_few_evaluations():
+    roots, rounding, slope, calls = np.random.default_rng(3).uniform(0.1, 0.9, 20_000), 3e-15, 0.15, []
+
+    def rounded(x):
+        calls.append(x)
+        return slope * (x - roots) * (1.0 + 0.1 * (x - roots)) + rounding * np.sin(1e16 * x)
+
+    found = regula_falsi(rounded, np.zeros(roots.size), np.ones(roots.size))
+    # The last step is 4e-14 of the bracket.
+    assert found == pytest.approx(roots, abs=rounding / slope + 4e-14)
+    # Steps shrink to the power 1.7; a few tiny ones check them.
+    assert len(calls) < 30
