@@ -72,7 +72,7 @@ class MappedResult:
         with opened(path) as file, explained(path, "read", _DAMAGED, DamagedError):
             record, progress = layout_record(file), file["progress"]
             # Fixed-length texts come as bytes.
-            texts = {k: v.decode() if isinstance(v, bytes) else v for k, v in file.attrs.items()}
+            texts = {k: v.decode() if isinstance(v, bytes) else v for k, v in {**file.attrs}.items()}
             self.attributes = {k: _shown_text(v) if isinstance(v, str) else v for k, v in texts.items()}
             self.title = self.attributes.get("title", "")
             self.described = tuple(
@@ -118,7 +118,7 @@ class MappedResult:
         made |= {name: ([name], "float64") for name in sizes if name not in ("variant", "position")}
         blocks = -(-self.variants // max(self.block, 1))
         shapes = {name: (tuple(sizes[dim] for dim in dims), kind) for name, (dims, kind) in made.items()}
-        shapes |= {f"progress/{name}": ((blocks,), flag.dtype) for name, flag in file["progress"].items()}
+        shapes |= {f"progress/{name}": ((blocks,), file["progress"][name].dtype) for name in file["progress"]}
         for name, (shape, kind) in shapes.items():
             dataset, made_as = file[name], h5py.h5t.py_create(np.dtype(kind), logical=True)
             if dataset.shape != shape or dataset.id.get_type() != made_as:

@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
+import threading
 import tracemalloc
 from pathlib import Path
 
@@ -22,6 +23,7 @@ from sweeps.store import (
     MappedResult,
     Store,
     StoreError,
+    creating,
     open_dataset,
     read_columns,
 )
@@ -384,3 +386,27 @@ def test_dataset_of_a_running_sweep__keeps_nobody_from_writing(tmp_path):
         with sweeps.read(part) as data:
             assert same_bits({"length": data["length"].values[:4]}, {"length": results(store, 0)["length"]})
             fill(store, 1)
+
+
+def is_left_to_others(path: Path) -> bool:
+    """Whether another thread can open a file."""
+    thread = threading.Thread(target=lambda: h5py.File(path).close(), daemon=True)
+    thread.start()
+    thread.join(20.0)
+    return not thread.is_alive()
+
+
+def test_errors_while_texts_are_read__leave_the_library_to_other_threads(path: Path, monkeypatch) -> None:
+    # An error keeps what its functions were iterating over.
+    complete(path, layout())
+    monkeypatch.setattr(creating, "_TOLD", (object(),))
+    with h5py.File(path) as file, pytest.raises((TypeError, AttributeError)) as error:
+        creating.texts_of(file)
+    assert is_left_to_others(path)
+    with h5py.File(path, "r+") as file:
+        file.attrs["title"] = np.bytes_(b"\xff\xfe")
+    with pytest.raises(StoreError) as damaged:
+        MappedResult(path)
+    assert is_left_to_others(path)
+    assert error.tb is not None
+    assert damaged.tb is not None
