@@ -33,13 +33,13 @@ _EXTREME = len(ExtremeRows._fields)
 def measure_works(task: Task, answers: DriverAnswers, work: Workspace, first: int) -> None:
     """Add the running integrals to the record."""
     for k in range(task.works.shape[0]):
-        add_work(unpacked(work.record), task.works[k, 0], task.works[k, 1], task.kept.shape[0] + k, work.sums)
+        add_work(unpacked(work.record), task.works[k, 0], task.works[k, 1], task.kept + k, work.sums)
 
 
 @separate
 def measure_angles(task: Task, answers: DriverAnswers, work: Workspace, first: int) -> None:
     """Add the angles of vectors to the record."""
-    begin = task.kept.shape[0] + task.works.shape[0]
+    begin = task.kept + task.works.shape[0]
     for k in range(task.angles.shape[0]):
         add_angle(unpacked(work.record), task.angles[k, 0], task.angles[k, 1], begin + k, work.turning)
 
@@ -48,7 +48,7 @@ def measure_angles(task: Task, answers: DriverAnswers, work: Workspace, first: i
 def measure_fluctuations(task: Task, answers: DriverAnswers, work: Workspace, first: int) -> None:
     """Find the speed fluctuations, and add speeds to the record."""
     record, block, search = unpacked(work.record), in_lanes(work.block), work.search
-    begin = task.kept.shape[0] + task.works.shape[0] + task.angles.shape[0]
+    begin = task.kept + task.works.shape[0] + task.angles.shape[0]
     for k in range(task.fluctuations.shape[0]):
         asked = task.fluctuations[k]
         steady = SteadyWheel(asked[0], asked[1], block[asked[2]], block[asked[3]])
@@ -63,9 +63,8 @@ def measure_fluctuations(task: Task, answers: DriverAnswers, work: Workspace, fi
 def measure_roots(task: Task, answers: DriverAnswers, work: Workspace, first: int) -> None:
     """Integrate square roots of curves."""
     for k in range(task.roots.shape[0]):
-        integrate_roots(
-            unpacked(work.record), task.roots[k], task.tolerance[task.kept[task.roots[k]]], work.parts, work.root
-        )
+        c = task.roots[k]
+        integrate_roots(unpacked(work.record), c, task.tolerance[c], work.parts, work.root)
         scatter_rows(work.root, first, answers.roots[k])
 
 

@@ -112,8 +112,8 @@ class CycleOutcome:
         Positions of the crossings of each level, NaN for missing ones; empty unless the plan requests them.
     spaced : ndarray (results, variants, positions)
         Values at equally spaced positions.
-    firsts : dict of int to ndarray (variants,)
-        Initial values of the curves that aren't only integrated.
+    firsts : ndarray (curves, variants)
+        Initial values of the curves kept over the cycle, the first of the machine's.
     panels : ndarray (variants,) of int
         Number of panels.
     broken_at : ndarray (variants,)
@@ -134,7 +134,7 @@ class CycleOutcome:
     arc_middles: Measured
     crossings: np.ndarray
     spaced: np.ndarray
-    firsts: dict[int, np.ndarray]
+    firsts: np.ndarray
     panels: np.ndarray
     broken_at: np.ndarray
 
@@ -263,7 +263,7 @@ class CycleMachine:
             "averages": (len(task.averages), 4),
             "arcs": (len(task.arcs), len(Arc._fields)),
             "landmarks": (len(task.landmarks), len(LandmarkRows._fields)),
-            "firsts": (task.kept.size,),
+            "firsts": (task.kept,),
             "panels": (),
             "broken_at": (),
         }
@@ -301,7 +301,7 @@ class CycleMachine:
             *_measured(Arc, answers.arcs, "arc", "middle"),
             answers.crossings,
             answers.spaced,
-            dict(zip(self.task.kept.tolist(), answers.firsts, strict=True)),
+            answers.firsts,
             answers.panels.astype(np.int64),
             answers.broken_at,
         )

@@ -75,8 +75,8 @@ class Task(NamedTuple):
     functions : MachineFunctions
     most_roots : int
         Room for turning points of each switching function, and for its crossings of one level.
-    kept : ndarray of int
-        Curves to keep over the cycle: the first curves of the record.
+    kept : int
+        Number of curves to keep over the cycle, the first ones: the first curves of the record.
     works : ndarray (works, 2) of int
         Curves whose running integrals are the next curves of the record, and 1 if about the mean, else 0.
     angles : ndarray (angles, 2) of int
@@ -104,7 +104,7 @@ class Task(NamedTuple):
     integrals: np.ndarray
     roots: np.ndarray
     rooted: np.ndarray
-    kept: np.ndarray
+    kept: int
     works: np.ndarray
     angles: np.ndarray
     speeds: np.ndarray
@@ -192,7 +192,10 @@ class Workspace(NamedTuple):
         Numbers of the block's variants.
     place : ndarray (3, POSITIONS, LANES)
         Positions of each lane's panel, with cosine and sine.
-    tile, level_tile : ndarray (curves, POSITIONS, LANES), (levels, 1, LANES)
+    tile : ndarray (curves of all steps, POSITIONS, LANES)
+        The record's values. A panel's curves are filled in where those of its step are kept; curves that aren't kept
+        lie behind them, until the next step.
+    level_tile : ndarray (levels, 1, LANES)
     figures, scales : many
         One for each curve.
     scan, scan_beside : Samples
@@ -250,7 +253,7 @@ class Workspace(NamedTuple):
 
 def recorded_curves(task: Task) -> int:
     """Number of curves in the record."""
-    return task.kept.size + len(task.works) + len(task.angles) + task.speeds.size
+    return task.kept + len(task.works) + len(task.angles) + task.speeds.size
 
 
 def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
@@ -260,11 +263,12 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
     crossings, positions = len(task.crossings) * task.most_roots, (1 + ADDED) * task.scan
     search = new_record(Search, candidates=steps, series=POSITIONS, other_series=POSITIONS)
     search.up[:], search.down[:] = 1.0, -1.0
+    record = room_for(recorded_curves(task), steps, task.degree, count)
     return new_record(
         Workspace,
         block=rows(numbers),
         place=rows(3, POSITIONS),
-        tile=rows(count, POSITIONS),
+        tile=record.values,
         level_tile=rows(task.levels.size, 1),
         figures=count,
         scales=count,
@@ -283,7 +287,7 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
         ends=new_record(SpeedEnds),
         stretches=new_stretches(MOST_STRETCHES if len(task.arcs) else 0),
         parts=new_record(Parts, edges=1),
-        record=room_for(recorded_curves(task), steps, task.degree),
+        record=record,
     )
 
 
@@ -376,12 +380,17 @@ def find_cuts(task: Task, variants: EvaluatedVariants, work: Workspace) -> None:
 def follow(task: Task, given: GivenNumbers, work: Workspace) -> bool:
     """Walk over each lane's range, integrate and keep curves; returns False if the record has no room for a step."""
     events, curves = task.functions.events, task.functions.curves
-    count, kept, degree = task.tolerance.shape[0], task.kept.shape[0], task.degree
+    count, kept, degree = task.tolerance.shape[0], task.kept, task.degree
     walk, record, place, middle = work.walk, unpacked(work.record), work.place, task.degree // 2
-    block, tile, figures, scales = in_lanes(given.block), in_panels(work.tile), work.figures, work.scales
+    block, figures, scales = in_lanes(given.block), work.figures, work.scales
     q, cos_q, sin_q = in_lanes(place[0]), in_lanes(place[1]), in_lanes(place[2])
     any_lost = any_positive(work.too_many)
     while next_panels(work.edges, work.laid[0], walk):
+        step = record.steps[0]
+        if step == record.most_steps:
+            return False
+        slots = work.tile[step * record.curves : step * record.curves + count]
+        tile = in_panels(slots)
         panel_positions(walk.middle, walk.half, degree, q, cos_q, sin_q)
         if task.states.shape[0] > 0:
             held = work.middle.tile
@@ -390,7 +399,7 @@ def follow(task: Task, given: GivenNumbers, work: Workspace) -> bool:
             events(given.block, given.tables, middle_q, middle_cos, middle_sin, held)
             copy_rows(in_lanes(held[2 * task.landmarks.shape[0] :]), task.states, block)
         rows_q, rows_cos, rows_sin = place[0, : degree + 1], place[1, : degree + 1], place[2, : degree + 1]
-        curves(given.block, given.tables, rows_q, rows_cos, rows_sin, work.tile)
+        curves(given.block, given.tables, rows_q, rows_cos, rows_sin, slots)
         if any_lost:
             spoil(count, work.too_many, tile)
         broken = False
@@ -415,16 +424,12 @@ def follow(task: Task, given: GivenNumbers, work: Workspace) -> bool:
             c = task.integrals[k]
             add_panels(tile[c], degree, figures[c], walk, work.integrals[k])
         if kept > 0:
-            step = record.steps[0]
-            if step == record.most_steps:
-                return False
             keep_panels(walk, record.panels[step])
-            for k in range(kept):
-                c = task.kept[k]
-                keep_curve(tile[c], figures[c], walk, record, step, k)
+            for c in range(kept):
+                keep_curve(figures[c], walk, record, step, c)
             record.steps[0] = step + 1
-    for k in range(kept):
-        keep_rounding(scales[task.kept[k]], record.whole[k])
+    for c in range(kept):
+        keep_rounding(scales[c], record.whole[c])
     return True
 
 
@@ -500,7 +505,7 @@ def evaluate_blocks(
             scatter_rows(work.integrals[k], first, answers.integrals[k])
         for c in range(task.tolerance.shape[0]):
             scatter_row(work.scales[c].greatest, first, answers.sizes[c])
-        for k in range(task.kept.shape[0]):
-            scatter_row(record.whole[k].first, first, answers.firsts[k])
+        for c in range(task.kept):
+            scatter_row(record.whole[c].first, first, answers.firsts[c])
         scatter_row(walk.taken, first, answers.panels)
         scatter_row(work.broken_at, first, answers.broken_at)

@@ -83,7 +83,7 @@ class Plan:
     ends : tuple of int
         Rows with the first and last position of the input; it may run backwards.
     curves : int
-        Number of curves.
+        Number of curves. Those up to the last one that a result needs over the whole cycle are kept.
     landmarks : sequence of tuples
         For each switching function the rows that receive its minimum, its maximum and their positions, in this order;
         −1 for none.
@@ -175,12 +175,12 @@ class Plan:
         running, angles, speeds = (_of_kind(kind, recorded) for kind in (Running, VectorAngle, CycleSpeed))
         needed = [*self.wanted("roots"), *(of.base for of in differences), *(c for arc in arcs for c in arc)]
         needed += [c for of in (*running, *recorded, *cycles) for c in of.curves]
-        curve = {number: k for k, number in enumerate(dict.fromkeys(needed))}
-        row = {of: k for k, of in enumerate([*(Kept((c,)) for c in curve), *running, *angles, *speeds])}
+        kept = 1 + max(needed, default=-1)
+        row = {of: k for k, of in enumerate([*(Kept((c,)) for c in range(kept)), *running, *angles, *speeds])}
 
         def of_extreme(of: Recorded | Difference) -> tuple[int, int, int]:
             alone = isinstance(of, Recorded)
-            return (row[of], row[of], -1) if alone else (row[of.curve], curve[of.base], of.factor)
+            return (row[of], row[of], -1) if alone else (row[of.curve], of.base, of.factor)
 
         return Task(
             MachineFunctions(*(function or PrintedFunction(None) for function in functions)),
@@ -191,18 +191,18 @@ class Plan:
             scan=SCANNED + SCANNED_PER_TURN * max(0, self.turns - 2),
             most_roots=MOST_ROOTS * self.turns,
             integrals=_integers(integrals),
-            roots=_integers([curve[c] for c in self.wanted("roots")]),
-            kept=_integers(list(curve)),
-            works=_integers([(curve[of.curves[0]], of.about_mean) for of in running], 2),
-            angles=_integers([[curve[c] for c in of.curves] for of in angles], 2),
+            roots=_integers(self.wanted("roots")),
+            kept=kept,
+            works=_integers([(of.curves[0], of.about_mean) for of in running], 2),
+            angles=_integers([of.curves for of in angles], 2),
             speeds=_integers([cycles.index(of) for of in speeds]),
             extremes=_integers([(*of_extreme(of), k) for (of, _), k in zip(sought, self._sides, strict=True)], 4),
-            fluctuations=_integers([(row[of.work], curve[of.curves[1]], of.speed, of.wheel) for of in cycles], 4),
+            fluctuations=_integers([(row[of.work], of.curves[1], of.speed, of.wheel) for of in cycles], 4),
             averages=_integers([row[of] for of in self.wanted("averages")]),
-            arcs=_integers([[curve[c] for c in arc] for arc in arcs], 3),
+            arcs=_integers(arcs, 3),
             spaced=_integers([row[of] for of in self.wanted("spaced")]),
             tolerance=np.broadcast_to(np.asarray(self.tolerance, dtype=float), (self.curves,)).copy(),
-            only_integrals=np.array([float(c in integrals and c not in curve) for c in range(self.curves)]),
+            only_integrals=np.array([float(c in integrals and c not in needed) for c in range(self.curves)]),
         )
 
 

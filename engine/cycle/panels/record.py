@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import LANES, Row, Rows
+from engine.compiling.blocks import LANES, Row
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.memory import Memory
 from engine.cycle.panels.chebyshev import MATRICES, POSITIONS
@@ -120,8 +120,8 @@ class Record(NamedTuple):
     to_integrals: np.ndarray
 
 
-def room_for(curves: int, steps: int, degree: int) -> Record:
-    """Allocate a record of `curves` curves and `steps` steps of panels of a degree."""
+def room_for(curves: int, steps: int, degree: int, beyond: int) -> Record:
+    """Allocate a record of `curves` curves and `steps` steps of panels of a degree, and values of `beyond` more."""
     slots = curves * steps
     return new_record(
         Record,
@@ -129,7 +129,7 @@ def room_for(curves: int, steps: int, degree: int) -> Record:
         curves=curves,
         most_steps=steps,
         steps=np.zeros(1, np.int64),
-        values=slots,
+        values=slots + beyond,
         coefficients=slots,
         left=slots,
         panels=steps,
@@ -171,12 +171,11 @@ def keep_panels(walk: Walk, panels: KeptPanel) -> None:
 
 
 @routine
-def keep_curve(curve: Rows, figures: Figures, walk: Walk, record: Record, step: int, kept: int) -> None:
-    """Store a curve of a tile as a curve of a step.
+def keep_curve(figures: Figures, walk: Walk, record: Record, step: int, kept: int) -> None:
+    """Store the figures of a curve whose values are in the record.
 
     Parameters
     ----------
-    curve : rows (degree + 1, LANES)
     figures : Figures
     walk : Walk
     record : Record
@@ -184,10 +183,7 @@ def keep_curve(curve: Rows, figures: Figures, walk: Walk, record: Record, step: 
         Step and curve of the record.
     """
     slot, whole, degree = step * record.curves + kept, record.whole[kept], record.degree
-    values, left = record.values[slot], record.left[slot]
-    for j in range(degree + 1):
-        for lane in range(LANES):
-            values[j, lane] = curve[j, lane]
+    curve, left = record.values[slot], record.left[slot]
     for lane in range(LANES):
         left.tail[lane], left.missing[lane] = figures.tail[lane], figures.missing[lane]
         accepted, first = walk.accepted[lane] > 0.0, walk.taken[lane] == 1.0
