@@ -47,7 +47,7 @@ def measure_angles(task: Task, answers: DriverAnswers, work: Workspace, first: i
 @separate
 def measure_fluctuations(task: Task, answers: DriverAnswers, work: Workspace, first: int) -> None:
     """Find the speed fluctuations, and add speeds to the record."""
-    record, block, search = unpacked(work.record), in_lanes(work.block), work.search
+    record, block, search = work.record, in_lanes(work.block), work.search
     begin = task.kept + task.works.shape[0] + task.angles.shape[0]
     for k in range(task.fluctuations.shape[0]):
         asked = task.fluctuations[k]
@@ -56,7 +56,7 @@ def measure_fluctuations(task: Task, answers: DriverAnswers, work: Workspace, fi
         scatter_rows(work.fluctuation, first, answers.fluctuations[k])
         for j in range(task.speeds.shape[0]):
             if task.speeds[j] == k:
-                add_speed(record, steady, work.ends, work.fluctuation, begin + j)
+                add_speed(unpacked(record), steady, work.ends, work.fluctuation, begin + j)
 
 
 @separate
@@ -71,7 +71,7 @@ def measure_roots(task: Task, answers: DriverAnswers, work: Workspace, first: in
 @separate
 def measure_extremes(task: Task, answers: DriverAnswers, work: Workspace, first: int) -> None:
     """Find the extremes."""
-    record, block, search, found, sign = unpacked(work.record), in_lanes(work.block), work.search, work.found, work.sign
+    record, block, search, found, sign = work.record, in_lanes(work.block), work.search, work.found, work.sign
     for k in range(task.extremes.shape[0]):
         a, b, row, sides = task.extremes[k, 0], task.extremes[k, 1], task.extremes[k, 2], task.extremes[k, 3]
         factor = block[row] if row >= 0 else search.zero
@@ -98,11 +98,11 @@ def measure_averages(task: Task, answers: DriverAnswers, work: Workspace, first:
 @separate
 def measure_arcs(task: Task, answers: DriverAnswers, work: Workspace, first: int) -> None:
     """Find unloaded arcs."""
-    record, search, found, arcs = unpacked(work.record), work.search, work.found, work.stretches
+    record, search, found, arcs = work.record, work.search, work.found, work.stretches
     for k in range(task.arcs.shape[0]):
         square = task.arcs[k, 2]
         find_extreme(record, SoughtExtreme(square, square, search.zero, search.up), search, found)
-        find_unloaded_arcs(record, task.arcs[k, 0], task.arcs[k, 1], found, arcs)
+        find_unloaded_arcs(unpacked(record), task.arcs[k, 0], task.arcs[k, 1], found, arcs)
         scatter_rows(arcs.arc, first, answers.arcs[k])
 
 
@@ -115,6 +115,8 @@ def measure_spaced(task: Task, answers: DriverAnswers, work: Workspace, first: i
         fill_spaced(unpacked(work.record), task.spaced[k], starts, ends, task.intervals, first, answers.spaced[k])
 
 
+# Those that search for extremes.
+SEARCHES = ("fluctuations", "extremes", "arcs")
 # In the order in which they run, by the field of the task with what they measure.
 MEASURES = {
     "works": measure_works,

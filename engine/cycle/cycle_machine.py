@@ -25,11 +25,12 @@ from numba import types
 
 from engine.compiling.ahead import compile_ahead, wait_until_compiled
 from engine.compiling.blocks import LANES
+from engine.compiling.memory import Memory
 from engine.compiling.packed import Packed
 from engine.compiling.printed_functions import PrintedFunction
 from engine.compiling.running import address_of, run_piece, spread
 from engine.compiling.threads import kept_by_thread
-from engine.cycle.block_measures import MEASURES
+from engine.cycle.block_measures import MEASURES, SEARCHES
 from engine.cycle.driver import (
     DriverAnswers,
     EvaluatedVariants,
@@ -42,9 +43,10 @@ from engine.cycle.driver import (
 from engine.cycle.events import LandmarkRows
 from engine.cycle.measured import Measured, maximum
 from engine.cycle.measures.averages import Averages
-from engine.cycle.measures.extremes import ExtremeRows
+from engine.cycle.measures.extremes import ExtremeRows, SoughtExtreme, find_in_record
 from engine.cycle.measures.fluctuation import Fluctuation
 from engine.cycle.measures.unloaded_arcs import Arc
+from engine.cycle.panels.lanes import one
 from engine.cycle.plan import Plan, is_cut, without_cuts
 
 # Initial room for steps of the walk, and for those of all curves together; blocks that need more are evaluated again.
@@ -157,7 +159,13 @@ def _extremes(answers: np.ndarray) -> Extremes:
 @kept_by_thread
 def workspace_of(asked: Packed, numbers: int, steps: int) -> Packed:
     """Workspace of the calling thread for a `Task`, with a given number of rows of P and of steps of the walk."""
-    return Packed(new_workspace(asked.record, numbers, steps))
+    room = new_workspace(asked.record, numbers, steps)
+    if any(len(getattr(asked.record, name)) for name in SEARCHES):
+        kind, row = Packed(room).kind, Memory(())
+        sought = types.NamedTuple((types.intp, types.intp, row, row), SoughtExtreme)
+        address = address_of(find_in_record, kind.kind_of("record"), sought, kind.kind_of("search"), one(ExtremeRows))
+        room = room._replace(search=room.search._replace(finder=address))
+    return Packed(room)
 
 
 def compile_driver(plan: Plan) -> None:

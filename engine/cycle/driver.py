@@ -261,7 +261,7 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
     functions, count = len(task.landmarks), task.tolerance.size
     outputs = 2 * functions + task.states.size
     crossings, positions = len(task.crossings) * task.most_roots, (1 + ADDED) * task.scan
-    search = new_record(Search, candidates=steps, series=POSITIONS, other_series=POSITIONS)
+    search = new_record(Search, candidates=steps, series=POSITIONS, other_series=POSITIONS, finder=0)
     search.up[:], search.down[:] = 1.0, -1.0
     record = room_for(recorded_curves(task), steps, task.degree, count)
     return new_record(

@@ -15,8 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.blocks import LANES, Row, Rows
-from engine.compiling.decorators import inlined, routine
+from engine.compiling.decorators import inlined, routine, separate
 from engine.compiling.instructions import fused
+from engine.compiling.packed import call_at, unpacked
 from engine.cycle.panels.chebyshev import COARSE, DEGREE, PLACES
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import any_positive, many, one
@@ -159,6 +160,8 @@ class Search(NamedTuple):
         Length after which positions recur; infinite if the range isn't a cycle.
     zero, up, down : row
         0, 1 and −1 in all lanes.
+    finder : int
+        Address of `find_in_record`, which several measures call.
     """
 
     candidates: many(Candidate)
@@ -169,6 +172,7 @@ class Search(NamedTuple):
     zero: Row
     up: Row
     down: Row
+    finder: int
 
 
 def _beyond(degree: int) -> tuple[np.ndarray, np.ndarray]:
@@ -432,19 +436,27 @@ def compare(record: Record, sought: SoughtExtreme, work: Search, found: ExtremeR
         found.other[lane] = search.here[lane] - b.first[lane] if higher else found.other[lane]
 
 
-@routine
+@inlined
 def find_extreme(record: Record, sought: SoughtExtreme, work: Search, found: ExtremeRows) -> None:
     """Find the maximum (sign 1) or minimum (−1) of a − c (b − b₀) over each lane's cycle.
 
     Parameters
     ----------
     record : Record
+        Packed.
     sought : SoughtExtreme
     work : Search
         Scratch.
     found : ExtremeRows
         Output; NaN if any value is NaN or infinite.
     """
+    call_at(work.finder, (record, sought, work, found))
+
+
+@separate
+def find_in_record(packed: Record, sought: SoughtExtreme, work: Search, found: ExtremeRows) -> None:
+    """Do what `find_extreme` states."""
+    record = unpacked(packed)
     search, candidates, steps = work.climb, work.candidates, record.steps[0]
     scale_a, scale_b = record.whole[sought.a].scale, record.whole[sought.b].scale
     for lane in range(LANES):

@@ -128,6 +128,7 @@ def find_fluctuation(record: Record, steady: SteadyWheel, search: Search, ends: 
     Parameters
     ----------
     record : Record
+        Packed.
     steady : SteadyWheel
     search : Search
         Scratch.
