@@ -29,15 +29,18 @@ STUDIES = {
     "linkages": ("geared_five_bar", "triad_dwell"),
 }
 ACCURACIES, TRUTH = (None, 1e-4, 1e-2), 1e-12
-VARIANTS, SLOW_VARIANTS, SLOW, ROUNDS = 2048, 512, ("engine_bearings", "geared_five_bar", "triad_dwell"), 7
+# As many variants as a machine evaluates at once in a sweep; a study with fewer repeats them.
+VARIANTS, SLOW_VARIANTS, ROUNDS = 8192, 1024, 7
+SLOW = "engine_bearings", "geared_five_bar", "valve_gear", "triad_dwell"
 NOTHING = 1e-300
 
 
 def row_of(folder: str, name: str) -> tuple[str, list[float]]:
     """Row of a study, and the cost of each accuracy relative to the default."""
     study = read_study(FOLDER / folder / f"{name}.toml")
-    values, dropped = study.values(0, min(SLOW_VARIANTS if name in SLOW else VARIANTS, study.design.size))
-    varied = {path: np.asarray(values[path])[~dropped] for path in study.paths}
+    variants = SLOW_VARIANTS if name in SLOW else VARIANTS
+    values, dropped = study.values(0, min(variants, study.design.size))
+    varied = {path: np.resize(np.asarray(values[path])[~dropped], variants) for path in study.paths}
     made = [Machine(study.scene, study.summaries, (), study.paths, accuracy=a) for a in (*ACCURACIES, TRUTH)]
     *found, truth = (machine.evaluate(varied) for machine in made)
     runs = [partial(machine.evaluate, varied) for machine in made[:-1]]
