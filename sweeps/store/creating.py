@@ -179,6 +179,16 @@ def remove_unlocked(path: Path) -> None:
         path.unlink(missing_ok=True)
 
 
+def keep_as(path: Path, kept: Path) -> None:
+    """Give a finished file, which another is about to replace, a second name."""
+    kept.unlink(missing_ok=True)
+    try:
+        # There is a file of the first name at any time.
+        os.link(path, kept)
+    except OSError:
+        path.replace(kept)
+
+
 def check_unlocked(path: Path) -> None:
     """Raise a `StoreError` if another process is using a file."""
     try:

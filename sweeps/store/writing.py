@@ -186,13 +186,13 @@ class Store:
             creating.write_final_text(self._file, "finished", datetime.now(UTC).isoformat(timespec="seconds"))
             creating.write_final_text(self._file, "outcome", outcome)
             self._file.flush()
-            self._close_file()
             with self.part.open("rb+") as plain:
                 os.fsync(plain.fileno())
             if keep_former and self.path.exists():
                 kept = self.path.with_name(f"{self.path.stem}.previous{self.path.suffix}")
-                self.path.replace(kept)
+                creating.keep_as(self.path, kept)
                 self.notes.append(f"The previous {self.path} is kept as {kept}.")
+            # Still locked: otherwise another sweep could remove the part file now.
             self.part.replace(self.path)
         self.finished = True
         self.close()

@@ -1,8 +1,10 @@
 """Opening and writing a store: what is refused, what is continued, and in which words."""
 
+import os
 import shutil
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -363,6 +365,33 @@ def test_kill_before_rename__next_run_only_finishes(path: Path, monkeypatch: pyt
         store.finish("well")
     assert MappedResult(path).attributes["outcome"] == "well"
     assert files(path.parent) == ["out.h5"]
+
+
+def test_finishing__no_other_process_takes_the_part_file_and_the_final_one_is_there_at_any_time(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Takes seconds: a process starts at each of three calls."""
+    complete(path, layout())
+    refusals = []
+
+    def disturbed(act: Callable) -> Callable:
+        def disturbing(*given: object) -> object:
+            assert path.exists()
+            refusals.append(run_child(f"child_restarts(Path({str(path)!r}))"))
+            return act(*given)
+
+        return disturbing
+
+    with Store.open(path, layout(), restart=True) as store:
+        fill(store)
+        monkeypatch.setattr(os, "fsync", disturbed(os.fsync))
+        monkeypatch.setattr(os, "link", disturbed(os.link))
+        monkeypatch.setattr(Path, "replace", disturbed(Path.replace))
+        store.finish(keep_former=True)
+    assert len(refusals) == 3
+    assert all("another sweep is writing" in refusal for refusal in refusals)
+    assert files(path.parent) == ["out.h5", "out.previous.h5"]
+    assert MappedResult(path).done.all()
 
 
 def test_finishing__changes_attributes_in_place_only(path: Path, part: Path) -> None:

@@ -112,6 +112,13 @@ def limit_file_size(size: int) -> None:
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.getrlimit(resource.RLIMIT_FSIZE)[1]))
 
 
+def child_restarts(path: Path) -> None:
+    try:
+        Store.open(path, layout(), restart=True).close()
+    except StoreError as error:
+        print(error)
+
+
 def child_creates_on_full_disk(path: Path) -> None:
     limit_file_size(100_000)
     try:
