@@ -6,6 +6,7 @@ reads stored candidates instead of evaluating them, so its path is identical bit
 
 import json
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -100,7 +101,9 @@ def optimise_study(
     with crew_of(client, task.study, layout_of(task.study), tell) as crew:
         trials = Trials(task, crew)
         if path.exists() and not restart and _is_finished(path, trials, tell):
-            remove_unlocked(part_path(work))
+            # Left by a search that was ended when it had the result, unless another is using it.
+            with suppress(StoreError):
+                remove_unlocked(part_path(work))
             return path
         make_folder_of(path)
         if task.method == LOCAL:
@@ -110,8 +113,8 @@ def optimise_study(
         with Store.open(work, _layout(trials, task.population * task.generations, task.population), restart) as store:
             tell_all(store, tell)
             search(_History(trials, store, progress).evaluate)
-        _finish(trials, path, *_refined(trials, read_columns(part_path(work))), keep, tell)
-        remove_unlocked(part_path(work))
+            _finish(trials, path, *_refined(trials, read_columns(store.part)), keep, tell)
+            store.discard()
     return path
 
 
@@ -250,7 +253,8 @@ def _finish(
     found = found | {"front": places} | spreads(trials.task, found, np.flatnonzero(places))
     count = places.size
     with Store.open(path, _final_layout(trials, count), restart=not keep) as store:
-        for i in range(store.layout.blocks):
+        # None, if another process has finished the same search.
+        for i in store.pending:
             store.write(i, {name: values[store.layout.slice(i)] for name, values in found.items()})
         by = "" if trials.crew is None else f"; computed by {trials.crew.words}"
         store.finish(f"{counted(count, 'candidate')}, {way}{by}", keep_former=keep)

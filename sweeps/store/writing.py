@@ -197,6 +197,12 @@ class Store:
         self.finished = True
         self.close()
 
+    def discard(self) -> None:
+        """Delete the part file, while no other sweep can use it."""
+        with explained(self.part, "delete"):
+            self.part.unlink()
+        self.close()
+
     def close(self) -> None:
         """Close the file; blocks that are not done stay pending for the next run.
 

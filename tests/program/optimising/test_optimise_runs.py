@@ -11,7 +11,7 @@ from searches import CRANK, NEAREST, ONE, ROD, TWO, best_of, searched, study_of
 
 from engine import Machine
 from sweeps import StoreError, Study, SweepResult, read_study, run_study
-from sweeps.optimising import searching
+from sweeps.optimising import search_runner, searching
 from sweeps.optimising.search_runner import optimise_study
 from sweeps.store import MappedResult
 from sweeps.study.search_task import task_of
@@ -117,6 +117,24 @@ def test_finished_search__is_left_alone_and_kept_when_another_is_made(tmp_path):
     optimise_study(study, path, replace_former=True)
     assert sorted(p.name for p in tmp_path.glob("r.*")) == ["r.h5", "r.previous.h5"]
     assert contents(path) == contents(tmp_path / "r.previous.h5")
+
+
+def test_same_search_in_another_process__may_finish_first_and_has_the_candidates_alone(tmp_path, monkeypatch):
+    study, path = study_of(tmp_path, ONE), tmp_path / "r.h5"
+    whole = optimise_study(study, tmp_path / "whole.h5").read_bytes()
+    refined = search_runner._refined
+
+    def meanwhile(*given: object) -> object:
+        monkeypatch.undo()
+        path.write_bytes(whole)
+        with pytest.raises(StoreError, match="another sweep is writing"):
+            optimise_study(study, path, restart=True)
+        return refined(*given)
+
+    monkeypatch.setattr(search_runner, "_refined", meanwhile)
+    optimise_study(study, path)
+    assert path.read_bytes() == whole
+    assert sorted(p.name for p in tmp_path.glob("r.*")) == ["r.h5"]
 
 
 def test_every_word_of_a_search__makes_another_one(tmp_path):
