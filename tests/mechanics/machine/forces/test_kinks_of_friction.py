@@ -165,3 +165,18 @@ def test_friction_in_a_joint_beside_the_guide__has_the_kinks_of_the_guide():
     allowed = sum(outcome.errors[name] for name, outcome in zip(asked, found, strict=True))
     assert (np.abs(pin + guide - loss) <= allowed).all()
     assert (allowed < 1e-5 * loss).all()
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.03, -0.02])
+def test_force_that_changes_sign_for_a_few_degrees__its_two_kinks_are_seen(offset):
+    """The load takes all but a share of 1e-5 to 0.1 of the greatest thrust along the guide."""
+    place = math.pi + minimize_scalar(lambda q: -Rubbing(0.0, offset, 0.0).thrust(math.pi + q), bounds=(-2, 2)).x
+    depth = 10.0 ** np.random.default_rng(3).uniform(-5.0, -1.0, 32)
+    forces = Rubbing(0.0, offset, 0.0).thrust(place) * (1.0 - depth)
+    machine = Machine(rubbing_scene(1.0, offset, 0.0), ["friction_loss"], (), ["forces.load.force"])
+    outcome = machine.evaluate({"forces.load.force": forces})
+    found, figure = outcome.summaries["friction_loss"], outcome.errors["friction_loss"]
+    for force, value, error in zip(forces, found, figure, strict=True):
+        exact = Rubbing(force, offset, 0.0)
+        loss = exact.integral(exact.lost)
+        assert abs(value - loss) <= error + 1e-12 * loss
