@@ -46,6 +46,7 @@ from engine.cycle.panels.walk import (
     compare_root,
     compare_with_tolerance,
     find_kink,
+    find_touch,
     judge,
     next_panels,
     note_rounding,
@@ -411,7 +412,9 @@ def follow(task: Task, given: GivenNumbers, work: Workspace) -> bool:
             c = task.rooted[k]
             compare_root(tile[c], degree, figures[c], task.tolerance[c], scales[c], walk)
         for k in range(task.kinks.shape[0]):
-            find_kink(tile[task.kinks[k]], degree, walk)
+            c = task.kinks[k]
+            find_kink(tile[c], degree, walk)
+            find_touch(tile[c], degree, scales[c], walk)
         if not judge(task.longest, degree, walk):
             continue
         if broken:

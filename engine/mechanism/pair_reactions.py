@@ -49,6 +49,9 @@ class PairReactions:
         The same of the mesh of each wheel or rack with an efficiency.
     settlings : dict of str to Settled
         Per group with friction: pressing forces and margin against jamming.
+    bending : dict of str to tuple of Node
+        Per pair with friction: what has a kink where the pair's load has one, its pressing force and, in a group, the
+        others that depend on it.
     """
 
     def __init__(self, kinematics: Kinematics, applied: AppliedLoads, motion: InputMotion) -> None:
@@ -57,7 +60,7 @@ class PairReactions:
         self.variables, self.forces = applied.fields, applied.forces
         self.in_axes: dict[tuple[str, str], Vector] = {}
         self.settlings: dict[str, mechanism.friction.Settled] = {}
-        self.pressing: dict[str, Node] = {}
+        self.bending: dict[str, tuple[Node, ...]] = {}
         self.pairs = {pair.name: pair for pair in pairs(self.scene)}
         self.contacts = {pair.name: pair for pair in contact_pairs(self.scene)}
         self.rubs = mechanism.friction.rubbing_pairs(kinematics, motion) if self.scene.friction else {}
@@ -122,6 +125,7 @@ class PairReactions:
         named(settled.residual, f"{name} residual")
         for (_, pair), pressing in zip(frictional, settled.pressing, strict=True):
             self.apply_friction(pair, named(pressing, f"{pair.name} pressing"), links)
+            self.bending[pair.name] = settled.pressing
         return [
             tuple(
                 sum((back[i][axis] * n for back, n in zip(backs, settled.pressing, strict=True)), free[i][axis])
@@ -154,7 +158,7 @@ class PairReactions:
         if pair.name not in self.rubs:
             return self.graph.zero
         rub = self.rubs[pair.name]
-        self.pressing[pair.name] = pressing
+        self.bending[pair.name] = (pressing,)
         friction = rub.drag * pressing
         self.variables[f"{pair.name}.{FRICTION_FIELDS[pair.kind]}"] = friction
         self.lost[pair.name] = rub.lost * pressing
@@ -167,8 +171,7 @@ class PairReactions:
         The reaction passes through zero where a link loaded only by its pairs changes from compression to tension.
         Friction tilts the reaction, but its component along a bar, or across a slide, still changes sign there.
         """
-        rub, found = self.rubs.get(pair.name), []
-        loads = [self.pressing[pair.name]] if rub is not None else []
+        rub, found, loads = self.rubs.get(pair.name), [], [*self.bending.get(pair.name, ())]
         if pair.kind == "revolute":
             loads.append(self.variables[f"{pair.name}.reaction"])
             ends = [name for name in (pair.link, pair.other) if name in unloaded]

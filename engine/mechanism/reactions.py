@@ -136,8 +136,8 @@ class Reactions(PairReactions):
         (contact, _), held = self.with_friction(name, links, (touching, holding), solved, {links[0]: load})
         closing = cam_forces(self.kinematics, name, load).closing
         self.variables |= {f"{name}.contact_force": contact, f"{name}.closing_force": closing}
-        if touching.name in self.pressing:
-            self.graph.bends(self.pressing[touching.name], contact)
+        for node in self.bending.get(touching.name, ()):
+            self.graph.bends(node, contact)
         at = self.kinematics.at_rest(motion.contact)
         self.exert(LinkForce("reaction", touching.name, *links, cam.on, at.r, contact * motion.normal), at, links)
         self.react(holding, held, links)

@@ -3,12 +3,13 @@
 The initial value is subtracted before summation, so a constant moment does exactly zero work about its mean.
 """
 
+import math
 from typing import NamedTuple
 
 from engine.compiling.blocks import LANES, Row, Rows
 from engine.compiling.decorators import routine
 from engine.cycle.panels.chebyshev import DEGREE, PLACES
-from engine.cycle.panels.integrals import ROUNDING
+from engine.cycle.panels.integrals import ROUNDING, jump_error
 from engine.cycle.panels.record import Record
 from engine.cycle.panels.series import larger
 from engine.cycle.panels.transforms import to_integrals
@@ -28,7 +29,7 @@ class WorkSums(NamedTuple):
     mean : row
         Mean minus initial value.
     ended : row
-        Value of the curve at the end of the last panel.
+        Value of the curve at the end of the last panel, NaN before the first.
     within : row
         Maximum error of running integrals within a panel.
     """
@@ -69,10 +70,7 @@ def _from_first(integrals: Rows, degree: int, half: Row, sums: WorkSums) -> None
 
 @routine
 def _errors(record: Record, step: int, moment: int, work: int, sums: WorkSums) -> None:
-    """Estimate the remainder of the work's series in a panel, and the error of its values.
-
-    A jump of the moment at a cut contributes the error of the cut's position.
-    """
+    """Estimate the remainder of the work's series in a panel, and the error of its values."""
     slot, panels = step * record.curves, record.panels[step]
     values, left, of_work = record.values[slot + moment], record.left[slot + moment], record.left[slot + work]
     scale, offset = record.whole[moment].scale, record.whole[work].offset
@@ -82,7 +80,7 @@ def _errors(record: Record, step: int, moment: int, work: int, sums: WorkSums) -
         of_work.tail[lane] = tail
         sums.within[lane] = larger(tail, sums.within[lane]) if half > 0.0 else sums.within[lane]
         off = half * (left.missing[lane] + 2.0 * ROUNDING * scale[lane])
-        off += abs(values[0, lane] - ended) * panels.opened[lane]
+        off += jump_error(values[0, lane] - ended, panels.opened[lane], half) if ended == ended else 0.0
         offset[lane] += off if half > 0.0 else 0.0
         sums.ended[lane] = values[record.degree, lane] if half > 0.0 else ended
 
@@ -106,7 +104,7 @@ def add_work(record: Record, moment: int, about_mean: int, work: int, sums: Work
     first, offset, tiles = record.whole[moment].first, record.whole[work].offset, record.work
     for lane in range(LANES):
         sums.total[lane] = sums.length[lane] = sums.reached[lane] = 0.0
-        sums.ended[lane] = sums.within[lane] = 0.0
+        sums.ended[lane], sums.within[lane] = math.nan, 0.0
     for step in range(record.steps[0]):
         slot = step * record.curves
         _less_first(record.values[slot + moment], record.degree, first, tiles.shifted)

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from engine.compiling.blocks import LANES, Row, Rows
-from engine.compiling.decorators import routine
+from engine.compiling.decorators import inlined, routine
 from engine.compiling.instructions import chosen
 from engine.cycle.panels.series import Figures
 from engine.cycle.panels.walk import Walk
@@ -29,11 +29,18 @@ class IntegralRows(NamedTuple):
 ROUNDING = 12.0 * EPS
 
 
+@inlined
+def jump_error(jump: float, opened: float, half: float) -> float:
+    """Error of an integral from a jump between two panels: of the edge's position, `opened`, if an edge is there.
+
+    Without an edge a jump is rounding, or that of a switch that was missed in one of the panels, of half length `half`.
+    """
+    return abs(jump) * (opened if opened > 0.0 else abs(half))
+
+
 @routine
 def add_panels(curve: Rows, degree: int, figures: Figures, walk: Walk, integral: IntegralRows) -> None:
     """Add the accepted panels to the integral of a curve.
-
-    A jump of the curve at an edge contributes the error of the edge's position.
 
     Parameters
     ----------
@@ -49,7 +56,8 @@ def add_panels(curve: Rows, degree: int, figures: Figures, walk: Walk, integral:
         # Rounding of the values and of the positions of the panel's ends.
         noise = figures.magnitude[lane] * (2.0 * ROUNDING * abs(half) + 0.5 * walk.close[lane])
         off = abs(half) * figures.missing[lane] + noise
-        off += abs(curve[0, lane] - integral.end[lane]) * walk.opened[lane]
+        meets = accepted & (walk.taken[lane] > 1.0)
+        off += jump_error(curve[0, lane] - integral.end[lane], walk.opened[lane], half) if meets else 0.0
         # Selected before the addition, so that the sum is rounded in the same way in any surrounding code.
         integral.value[lane] += chosen(accepted, share, 0.0)
         integral.error[lane] += chosen(accepted, off, 0.0)

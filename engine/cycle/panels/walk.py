@@ -147,6 +147,12 @@ STRETCH = 1e-9
 # Number of panels in a row that end at a kink, located ten to a hundred times more closely each time, before panels are
 # shortened instead.
 TRIES = 8.0
+# A kink curve may change sign and back if it turns nearer to zero than this fraction of its rise to the positions
+# beside, unless it turns next to an end of the panel on [−1, 1], or the rise is too small relative to its maximum
+# magnitude: what is missed is then negligible, or rounding.
+TOUCHES, NEAR_END, FLAT = 0.1, 0.999, 1e-8
+# Excess of a panel that is rejected whatever its remainders are.
+REJECTED = 2.0
 # Rounding left by a smooth curve, relative to its maximum magnitude.
 NOTHING = 2e-15
 # Edges closer than this, relative to the largest position, coincide.
@@ -233,12 +239,53 @@ def find_kink(curve: Rows, degree: int, walk: Walk) -> None:
     stride = DEGREE // degree
     for i in range(degree):
         j = degree - 1 - i
-        before, after = PLACES[stride * j], PLACES[stride * (j + 1)]
+        k = j + 2 if j + 2 <= degree else j - 1
+        before, after, beside = PLACES[stride * j], PLACES[stride * (j + 1)], PLACES[stride * k]
         for lane in range(LANES):
             here, there, known = curve[j, lane], curve[j + 1, lane], walk.sign[lane]
-            place = before + (after - before) * (here / (here - there))
+            slope = (there - here) / (after - before)
+            bend = ((curve[k, lane] - there) / (beside - after) - slope) / (beside - before)
+            straight = before - here / slope
+            # One step of Newton's method on the parabola.
+            steep = slope + bend * ((straight - before) + (straight - after))
+            place = straight - bend * (straight - before) * (straight - after) / steep
+            place = place if (place > before) & (place < after) else straight
             walk.sign[lane] = place if (here * there < 0.0) & (place < known) else known
             walk.bent[lane] = 1.0 if here * there < 0.0 else walk.bent[lane]
+
+
+@routine
+def find_touch(curve: Rows, degree: int, scales: Scales, walk: Walk) -> None:
+    """Reject each lane's panel if a kink curve may change sign and back between its positions.
+
+    A position at the turning point then shows whether it does. It is that of the parabola through three positions.
+
+    Parameters
+    ----------
+    curve : rows (degree + 1, LANES)
+        Curve at whose zeros other curves have kinks.
+    degree : int
+    scales : Scales
+        Of the curve.
+    walk : Walk
+    """
+    stride = DEGREE // degree
+    for i in range(degree - 1):
+        j = degree - 2 - i
+        before, middle, after = PLACES[stride * j], PLACES[stride * (j + 1)], PLACES[stride * (j + 2)]
+        for lane in range(LANES):
+            a, b, c, known = curve[j, lane], curve[j + 1, lane], curve[j + 2, lane], walk.sign[lane]
+            slope = (b - a) / (middle - before)
+            bend = ((c - b) / (after - middle) - slope) / (after - before)
+            place = 0.5 * (before + middle - slope / bend)
+            height = a + (place - before) * (slope + bend * (place - middle))
+            rise = bend * math.copysign(0.25 * (after - before) * (after - before), b)
+            between = (a * b > 0.0) & (b * c > 0.0) & (place > before) & (place < after) & (abs(place) < NEAR_END)
+            low = height * math.copysign(1.0, b) < TOUCHES * rise
+            touches = between & low & (rise > FLAT * scales.greatest[lane])
+            touches &= walk.tried[lane] < TRIES
+            walk.sign[lane] = place if touches & (place < known) else known
+            walk.excess[lane] = larger(REJECTED if touches else 0.0, walk.excess[lane])
 
 
 @routine

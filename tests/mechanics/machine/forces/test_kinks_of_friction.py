@@ -151,3 +151,32 @@ def test_friction__is_right_between_its_kinks_and_takes_few_panels(name):
     # No panel is longer than a fifth of the turn, and beside kinks there are one or two more to each piece.
     panels = machine._measuring(machine._measuring.numbers(Numbers(scene_numbers(scene), {}), 1)).outcome.panels[0]
     assert panels <= 5 + 2 * len(exact.pieces())
+
+
+def test_friction_in_a_joint_beside_the_guide__has_the_kinks_of_the_guide():
+    """A slider that changes its edge bends the forces in its whole group; works add up to the loss at the input."""
+    scene = rubbing_scene(*CASES["tilted"]).model_dump(exclude_unset=True)
+    scene["friction"]["pin"] = {"pair": "g.first", "coefficient": 0.1, "diameter": 0.03}
+    asked = ["g.first.friction_work", "g.second.friction_work", "friction_loss"]
+    varied = {"forces.load.force": -(10.0 ** np.random.default_rng(1).uniform(1.5, 3.5, 64))}
+    # Each alone, on panels that suit it.
+    found = [Machine(Scene.model_validate(scene), [name], (), list(varied)).evaluate(varied) for name in asked]
+    pin, guide, loss = (outcome.summaries[name] for name, outcome in zip(asked, found, strict=True))
+    allowed = sum(outcome.errors[name] for name, outcome in zip(asked, found, strict=True))
+    assert (np.abs(pin + guide - loss) <= allowed).all()
+    assert (allowed < 1e-5 * loss).all()
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.03, -0.02])
+def test_force_that_changes_sign_for_a_few_degrees__its_two_kinks_are_seen(offset):
+    """The load takes all but a share of 1e-5 to 0.1 of the greatest thrust along the guide."""
+    place = math.pi + minimize_scalar(lambda q: -Rubbing(0.0, offset, 0.0).thrust(math.pi + q), bounds=(-2, 2)).x
+    depth = 10.0 ** np.random.default_rng(3).uniform(-5.0, -1.0, 32)
+    forces = Rubbing(0.0, offset, 0.0).thrust(place) * (1.0 - depth)
+    machine = Machine(rubbing_scene(1.0, offset, 0.0), ["friction_loss"], (), ["forces.load.force"])
+    outcome = machine.evaluate({"forces.load.force": forces})
+    found, figure = outcome.summaries["friction_loss"], outcome.errors["friction_loss"]
+    for force, value, error in zip(forces, found, figure, strict=True):
+        exact = Rubbing(force, offset, 0.0)
+        loss = exact.integral(exact.lost)
+        assert abs(value - loss) <= error + 1e-12 * loss
