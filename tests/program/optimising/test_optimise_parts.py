@@ -129,6 +129,13 @@ def test_text__is_refused_with_key_and_mend(name, tmp_path):
     assert str(refusal.value).startswith("study.toml, line ") or name == "nothing varies"
 
 
+def test_all_problems__are_told_at_once(tmp_path):
+    asked = 'minimise = ["a_b", "ram.stroke"]\nwhere = "c_d < 1"\nmethod = "local"'
+    with pytest.raises(InputError) as refusal:
+        study_of(tmp_path, asked)
+    assert len(refusal.value.problems) == 3
+
+
 def test_missing_library__is_named_and_nothing_is_left_behind(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pymoo.algorithms.moo.nsga2", None)
     monkeypatch.delitem(sys.modules, "sweeps.optimising.genetic", raising=False)
