@@ -341,7 +341,7 @@ def test_lost_scheduler__is_told_and_the_run_goes_on_without_it(tmp_path, monkey
 def test_worker_with_other_sources__is_left_out(tmp_path):
     other = tmp_path / "other"
     for package in ("engine", "sweeps"):
-        shutil.copytree(ROOT / package, other / package, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(ROOT / package, other / package)
     with (other / "sweeps" / "run" / "blocks.py").open("a") as file:
         file.write("# Another version.\n")
     strangers = {**os.environ, "PYTHONPATH": str(other)}
