@@ -142,7 +142,7 @@ def test_new_kind__is_told_of_where_a_text_is_wrong(hoist):
             scene_from(parse_toml(text, "lift.toml"), text, "lift.toml", None)
 
 
-def test_elements_named_after_the_file__have_pictures_of_their_own(tmp_path):
+def test_elements_named_after_the_file__have_pictures_of_their_own(tmp_path, blank_pictures):
     elements = dict.fromkeys(("engine", "engine_b", "b"), TIE)
     made = save_beside(tmp_path / "engine.svg", element_sheets(Scene(elements=elements)))
     assert made[0].name.count("engine") == 1
