@@ -143,40 +143,6 @@ def test_torque_of_gas_and_inertia__is_that_of_the_curves(offset):
         assert abs(mean - work / math.pi) <= error + 1e-13 * mean
 
 
-@pytest.mark.parametrize(("clearance", "ratio", "order"), [(0.05, 0.5, 2), (0.12, 0.3, 0.5), (0.4, 0.7, 5)])
-def test_torque_of_one_cylinder__keeps_its_error_figure(clearance, ratio, order):
-    keys = FOUR | {"cylinders": 1, "gas": GAS | {"clearance": clearance}, "rod": 0.04 / ratio}
-    outcome = results(**keys)
-    with mpmath.workdps(20):
-        r, rod, c = mpf(0.04), mpf(0.04 / ratio), mpf(clearance)
-        mass, stroke = mpf(0.4) + mpf(0.5) * mpf(0.04) / rod, 2 * mpf(0.04)
-
-        def torque(t):
-            lean = mpmath.asin(-r * mpmath.sin(t) / rod)
-            travel = (r + rod - r * mpmath.cos(t) - rod * mpmath.cos(lean)) / stroke
-            rate = r * mpmath.sin(t - lean) / mpmath.cos(lean)
-            number = int(mpmath.floor(t / mpmath.pi))
-            pressure = (
-                mpf(50e5) * (c / (travel + c)) ** mpf(1.28),
-                mpf(1.05e5),
-                mpf(0.9e5),
-                mpf(0.9e5) * ((1 + c) / (travel + c)) ** mpf(1.32),
-            )[number]
-            return (pressure - 101325) * mpmath.pi / 4 * mpf(0.08) ** 2 * rate, mass * rate**2 / 2 * 300**2
-
-        def integrand(t):
-            gas, energy = torque(t)
-            part = -1j * order * energy if order % 1 == 0 else 0
-            return (gas + part) * mpmath.expj(-order * t)
-
-        ends = [mpmath.pi * mpf(k) / 2 for k in range(9)]
-        exact = abs(mpmath.quad(integrand, ends, method="gauss-legendre", maxdegree=4)) / (2 * mpmath.pi)
-    found, error = value(outcome, torque_name(order))
-    # Twice the nodes on half the width, in twenty digits.
-    assert abs(found - float(exact)) <= error + 1e-13 * 50e5 * 0.005 * 0.04
-    assert error < 1e-9 * 50e5 * 0.005 * 0.04
-
-
 @pytest.mark.parametrize("nodes", [8, 12, 20])
 def test_torque_by_too_few_nodes__has_an_error_figure_that_says_so(nodes, monkeypatch):
     keys = [

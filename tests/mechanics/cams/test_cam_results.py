@@ -72,7 +72,7 @@ def cams(draw):
     }
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(cams())
 def test_extremes__are_those_of_dense_samples(cam):
     """Samples lie below the extremes, by no more than a few parts in 1e4."""

@@ -489,7 +489,7 @@ def test_run_out_of_steady_motion_with_backlash__begins_without_pulling_at_teeth
 
 
 def test_run_on_a_stiff_shaft__takes_about_as_long_as_forecast(tmp_path):
-    scene = yoke({"stiffness": 4e5, "run": RUN | {"begin": "steady", "time": 0.3}})
+    scene = yoke({"stiffness": 4e5, "run": RUN | {"begin": "steady", "time": 0.1}})
     machine = Machine(scene, ["d.run_greatest_moment"], varied=["elements.d.stiffness"])
     stiffness = {"elements.d.stiffness": np.array([4e5])}
     # What is compiled first takes its time, too.

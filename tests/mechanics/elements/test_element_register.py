@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 import numpy as np
 import pytest
 from cam_samples import ROLLER
-from element_samples import CAR, EVERY, TIE
+from element_samples import EVERY, TIE
 from governor_samples import EVERY_GOVERNOR
 from pydantic import Field
 
@@ -16,7 +16,6 @@ from engine import Element, ElementsAlone, PlainNumber, Scene, Verdict, element_
 from engine.elements import element as register
 from engine.words.quantity import main_result
 from sweeps.pictures.elements.element_pictures import LAYOUTS, SHEETS, element_sheets
-from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import save_beside
 from sweeps.report.help import key_help
 from sweeps.text.input_files import InputError
@@ -143,12 +142,7 @@ def test_new_kind__is_told_of_where_a_text_is_wrong(hoist):
             scene_from(parse_toml(text, "lift.toml"), text, "lift.toml", None)
 
 
-def test_element_without_results__is_not_drawn(tmp_path):
-    with pytest.raises(PictureError, match="no results to draw"):
-        save_beside(tmp_path / "it.svg", element_sheets(Scene(elements={"it": CAR | {"friction": 0.1, "slope": -0.5}})))
-
-
-def test_elements_named_after_the_file__have_pictures_of_their_own(tmp_path):
+def test_elements_named_after_the_file__have_pictures_of_their_own(tmp_path, blank_pictures):
     elements = dict.fromkeys(("engine", "engine_b", "b"), TIE)
     made = save_beside(tmp_path / "engine.svg", element_sheets(Scene(elements=elements)))
     assert made[0].name.count("engine") == 1

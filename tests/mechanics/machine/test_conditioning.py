@@ -187,17 +187,6 @@ def test_wrong_position__is_what_the_loop_misses(function, places, groups):
         assert all(1e-8 < found[group] < 1e-4 for group in groups), (place, found)
 
 
-def test_slot_at_a_wrong_angle__is_what_the_loop_misses():
-    def turn(found: tuple) -> tuple:
-        slot = (found[2] + 1j * found[3]) * np.exp(1e-6j)
-        return (*found[:2], slot.real, slot.imag, *found[4:])
-
-    found = closures("rpp_position", turn)
-    assert found["g4"] == pytest.approx(1e-6, rel=1e-6)
-    assert found["y3"] == pytest.approx(1e-6, rel=1e-6)
-    assert max(found["g0"], found["g1"], found["g2"]) < 100 * EPS
-
-
 numbers = st.floats(-10, 10)
 directions = st.floats(-math.pi, math.pi)
 

@@ -341,7 +341,7 @@ def test_lost_scheduler__is_told_and_the_run_goes_on_without_it(tmp_path, monkey
 def test_worker_with_other_sources__is_left_out(tmp_path):
     other = tmp_path / "other"
     for package in ("engine", "sweeps"):
-        shutil.copytree(ROOT / package, other / package, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(ROOT / package, other / package)
     with (other / "sweeps" / "run" / "blocks.py").open("a") as file:
         file.write("# Another version.\n")
     strangers = {**os.environ, "PYTHONPATH": str(other)}
@@ -378,8 +378,8 @@ def test_worker_without_the_program__is_told_what_to_install(tmp_path):
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -9), (signal.SIGINT, 130)])
 def test_client_that_ends__leaves_what_goes_on(number, code, tmp_path):
-    on_two = ("--cluster", "local:2")
-    with start(tmp_path, *on_two) as process:
+    on_one = ("--cluster", "local:1")
+    with start(tmp_path, *on_one) as process:
         wait_for_blocks(process, tmp_path, 2)
         workers = psutil.Process(process.pid).children(recursive=True)
         if number == signal.SIGINT:
@@ -388,10 +388,10 @@ def test_client_that_ends__leaves_what_goes_on(number, code, tmp_path):
         else:
             process.send_signal(number)
         _, errors = process.communicate()
-    assert len(workers) >= 2
+    assert workers
     assert psutil.wait_procs(workers, timeout=60)[1] == []
     assert process.returncode == code
     if code > 0:
-        assert errors.endswith(f"are done and kept; resume with: sweeps {' '.join(AGAIN + on_two)}\n")
+        assert errors.endswith(f"are done and kept; resume with: sweeps {' '.join(AGAIN + on_one)}\n")
         assert errors.count("\n") == 1
     assert blocks_done(tmp_path) >= 2

@@ -145,7 +145,7 @@ def test_commands__run_in_the_order_written(folder, blank_pictures, monkeypatch)
         if command.startswith(ELSEWHERE) or "--cluster" in words or (kind_of(words) in seen and words[0] != "new"):
             continue
         seen.add(kind_of(words))
-        result = CliRunner().invoke(main, words)
+        result = CliRunner().invoke(main, words + ["--frames", "8"] * (words[0] == "animate"))
         assert result.exit_code == 0, f"{command}\n{result.output}"
         # Keys of scenes, and reasons of the guide, have units of every system.
         assert words[0] in ("guide", "help") or foreign(result.output, "mm") == [], command

@@ -2,7 +2,6 @@
 
 import json
 import random
-import re
 import shutil
 from collections.abc import Iterable
 from pathlib import Path
@@ -10,8 +9,6 @@ from pathlib import Path
 import pytest
 from commands import ROOT, ran
 from each_case import each
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scene_samples import FROM_CSV, GOOD, PUNCH, line_with, refused
 from slips import cases, changed
 
@@ -37,59 +34,6 @@ def test_kinds_of_references__all_have_words():
     fields = [field for part in parts for field in part.model_fields.values()]
     asked = {mark.kind for field in fields for mark in field_marks(field) if isinstance(mark, Refers)}
     assert asked == {*DEFINED, *FITTING}
-
-
-LINES = GOOD.splitlines()
-WORDS = re.findall(r'"[^"]*"', GOOD)
-KEYS = [i for i, line in enumerate(LINES) if "=" in line]
-VALUES = [
-    *("0", "-1", "1e400", "true", "nan", '""', '"1 mm"', '"-3 deg"', '"A"', '"frame"', '"ram"', "[]", "{}", '["D"]'),
-    *('["1 mm", "2 mm"]', "[[1]]", "{x = 1}", "1979-05-27", '"""\n[input]\n"""'),
-]
-
-
-@st.composite
-def mutations(draw: st.DrawFn) -> str:
-    """GOOD with one to three lines deleted, doubled, moved, given another value or another key."""
-    lines = list(LINES)
-    for _ in range(draw(st.integers(1, 3))):
-        i = draw(st.sampled_from([k for k in KEYS if k < len(lines)]))
-        match draw(st.sampled_from(["delete", "double", "value", "key", "swap", "text", "word"])):
-            case "delete":
-                del lines[i]
-            case "double":
-                lines.insert(draw(st.integers(0, len(lines))), lines[i])
-            case "value":
-                lines[i] = lines[i].split("=")[0] + "= " + draw(st.sampled_from(VALUES))
-            case "key":
-                key = draw(st.sampled_from(["x", "type", "link", '"a.b"', "input.length"]))
-                lines[i] = f"{key} ={lines[i].split('=', 1)[-1]}"
-            case "swap":
-                j = draw(st.integers(0, len(lines) - 1))
-                lines[i], lines[j] = lines[j], lines[i]
-            case "text":
-                lines[i] = draw(st.text(max_size=20))
-            case "word":
-                lines[i] = re.sub(r'"[^"]*"', draw(st.sampled_from(WORDS)), lines[i])
-    return "\n".join(lines)
-
-
-@settings(deadline=None, max_examples=200)
-@given(mutations())
-def test_any_mutation__is_read_or_refused_with_reasons(tmp_path_factory, text):
-    path = tmp_path_factory.getbasetemp() / "mutated.toml"
-    path.write_bytes(text.encode())
-    try:
-        read_scene(path)
-    except InputError as error:
-        problems = error.problems
-    else:
-        return
-    assert problems
-    for line, _, message in problems:
-        assert message
-        # TOML places an unfinished text just behind its end.
-        assert line is None or 1 <= line <= len(text.splitlines()) + 1
 
 
 TIMES = 100

@@ -140,8 +140,8 @@ motor on a rocker | GOOD | type = "against_motion"\non = "rocker"\nmoment = "2 N
     | a motor drives the crank | allowed: crank
 stroke of a rocker | GOOD | slider = "ram" | slider = "rocker" | 47: forces.punch.slider | sliders are: ram
 stroke of nothing | GOOD | slider = "ram"\n |  | 43: forces.punch | over_stroke and slider | name
-table not sorted | GOOD | "1 mm", "8 mm" | "8 mm", "1 mm" | 43: forces.punch | row 3 | sort
-table not equal | GOOD | "1 mm", "8 mm" | "1 mm" | 43: forces.punch | 2 rows | has 3
+table not sorted | GOOD | "1 mm", "8 mm" | "8 mm", "1 mm" | 43: forces.punch | row 3: over_stroke is below | sort
+table not equal | GOOD | "1 mm", "8 mm" | "1 mm" | 43: forces.punch | over_stroke has 2 rows | has 3
 mass and density | GOOD | density = | mass = "1 kg"\ndensity = | 38: bodies.bar | either mass or density
 inertia and shape | GOOD | density = | inertia = "1 kg m2"\ndensity = | 38: bodies.bar | give one of
 start alone | GOOD | "60 rpm" | "60 rpm"\nstart = "0 deg" | 15: input | start and stop | give both, or neither

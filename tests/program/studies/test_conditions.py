@@ -55,7 +55,7 @@ def box(a: float, b: float, a_error: float, b_error: float) -> dict[str, np.ndar
     return {"a": rows.ravel(), "b": columns.ravel()}
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=60)
 @given(linear_conditions(), NUMBERS, NUMBERS, SIZES, SIZES)
 @example(("1 * a <= b + -1", ("<=", 1, -1)), 0.0, 1.0, 0.0, 0.0)
 def test_sides_that_agree_within_their_estimates__count_as_equal(condition, a, b, a_error, b_error):
@@ -69,7 +69,7 @@ def test_sides_that_agree_within_their_estimates__count_as_equal(condition, a, b
         assert not judged.undecided[0]
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=50)
 @given(
     linear_conditions(),
     st.floats(-1e3, 1e3),

@@ -61,7 +61,7 @@ def same(one, other):
     return one == other or (math.isnan(one) and math.isnan(other))
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=60)
 @given(numbers)
 def test_random_arithmetic__agrees_with_python(texts):
     expression = parse(texts[0])
@@ -69,7 +69,7 @@ def test_random_arithmetic__agrees_with_python(texts):
     assert same(expression.evaluate(VALUES), read_by_python(texts[1]))
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=60)
 @given(conditions)
 def test_random_condition__agrees_with_python(texts):
     expression = parse(texts[0])

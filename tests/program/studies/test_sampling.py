@@ -177,7 +177,7 @@ def test_block__is_bit_identical_to_the_whole(design, data):
         assert block[name].tobytes() == whole[name][start:stop].tobytes()
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=25)
 @given(st.sampled_from(METHODS), st.lists(st.integers(0, 99_999), max_size=20))
 def test_scattered_indices__are_bit_identical_to_the_whole(method, indices):
     axis = pair(100_000, method, logarithmic=(True, True))

@@ -242,26 +242,6 @@ def test_condition_of_several_lines__is_refused_with_its_own_line(study_folder):
     assert "compares a length with a mass:\n    input.length < bodies.ram.mass" in str(error)
 
 
-def test_row_of_a_table__is_refused_by_the_names_of_its_columns(study_folder):
-    table = """[forces.punch]
-type = "table"
-on = "B"
-angle = "90 deg"
-over_stroke = ["0 mm", "8 mm", "1 mm"]
-slider = "ram"
-interpolation = "linear"
-force = ["0 kN", "1 kN", "2 kN"]
-"""
-    scene = SCENE[: SCENE.index("[forces.punch]")] + table + SCENE[SCENE.index("[flywheel]") :]
-    (study_folder / "press.toml").write_text(scene)
-    words = r"row 3: over_stroke is below that of row 2; sort .* by over_stroke"
-    with pytest.raises(InputError, match=words):
-        study_of(study_folder, STUDY)
-    (study_folder / "press.toml").write_text(scene.replace(', "2 kN"]', "]"))
-    with pytest.raises(InputError, match="over_stroke has 3 rows, force has 2; give one force for every over_stroke"):
-        study_of(study_folder, STUDY)
-
-
 def test_several_problems__are_told_at_once(study_folder):
     text = changed(changed(STUDY, '"60 mm"', '"60 kg"'), "[3, 4, 5]", '["x"]')
     text = changed(text, "reach * input.length", "reech * input.length")

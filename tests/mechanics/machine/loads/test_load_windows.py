@@ -9,7 +9,6 @@ import math
 from itertools import pairwise
 
 import numpy as np
-import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from machines import frame, on, slider_crank
@@ -138,47 +137,6 @@ def test_windows_of_the_crank_angle__are_never_missed(windows):
         return
     outcome = machine_with(windows).evaluate({})
     assert_within_figures(outcome, exactly(windows))
-
-
-@settings(max_examples=8, deadline=None)
-@given(
-    st.floats(0.151, 0.249),
-    st.sampled_from([1e-6, 1e-5, 1e-3, 0.02]),
-    st.sampled_from(["against", "along", "always"]),
-    st.sampled_from([1.0, -1.0]),
-)
-def test_windows_of_the_stroke__do_the_work_of_their_width(low, width, acts, sign):
-    high = min(low + width, 0.25)
-    load = {
-        "type": "table",
-        "on": "B",
-        "angle": 0.0,
-        "slider": "ram",
-        "measured_from": "guide",
-        "over_stroke": [low, low, high, high],
-        "force": [0.0, 1000.0, 1000.0, 0.0],
-        "interpolation": "linear",
-        "outside": "zero",
-        "acts": acts,
-        "scale": sign,
-    }
-    scene = Scene.model_validate({**CRANK, "forces": {"push": load}})
-    outcome = Machine(scene, ["required_drive_moment"]).evaluate({})
-    work = sign * 1000.0 * (high - low) * {"against": -1, "along": 1, "always": 0}[acts]
-    found, figure = outcome.summaries["required_drive_moment"][0], outcome.errors["required_drive_moment"][0]
-    assert abs(found + work / TURN) <= figure + 1e-12 * 1000 * 0.25
-    assert figure <= 1e-8
-
-
-@pytest.mark.parametrize("speed", [10.0, -10.0])
-def test_no_load_at_all__gives_exact_zeros(speed):
-    scene = {**CRANK, "input": {**CRANK["input"], "speed": speed}}
-    outcome = Machine(Scene.model_validate(scene), SUMMARIES).evaluate({})
-    for name in ("required_drive_moment", "required_power", "excess_work", "reduced_moment.rms"):
-        assert outcome.summaries[name][0] == 0.0
-        # Of squares below the least number that is kept in full nothing is known but that.
-        assert outcome.errors[name][0] <= 1.5e-154
-    assert np.isfinite(outcome.summaries["flywheel_wittenbauer"][0])
 
 
 FORCE, FROM, TO = 1000.0, 0.01, 0.03

@@ -9,7 +9,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from engine import Machine, Scene, Verdict
-from engine.scene.scene import SceneError, scene_numbers
+from engine.scene.scene import SceneError
 from engine.scene.structure.ordering import order
 
 CRANK, ROD = 0.05, 0.2
@@ -202,8 +202,3 @@ def test_machine_that_cannot_be_assembled__isn_t_helped_by_a_piece_that_holds_wi
 def test_what_may_switch_oftener_than_is_looked_for__is_refused(formula):
     with pytest.raises(SceneError, match="may switch too often in a cycle to be found"):
         order(slider_crank({"f": force(formula, numbers={"n": 2})}))
-
-
-def test_numbers_of_formulas__are_numbers_of_the_scene():
-    scene = slider_crank({"f": force("k * 1 m", numbers={"k": "3 N/mm"})})
-    assert scene_numbers(scene)["forces.f.numbers.k"][:2] == (3000.0, "stiffness")

@@ -243,7 +243,7 @@ def test_run_that_begins_where_friction_jumps__is_looked_at_behind_the_jump():
 
 def test_clutch_that_holds__moves_a_rubbing_slider_crank_as_a_gear_does():
     """As a machine whose motor shaft is geared to the crank without a clutch, which goes by the system of one speed."""
-    go = run("dc gravity cut", from_speed=5.0, time=1.5)
+    go = run("dc gravity cut", from_speed=5.0, time=0.5)
     names = "angle final_speed motor_work harmful_work useful_work other_work"
     regimes = {"go": go, "on": steady("dc gravity cut")}
     held = behind(rubbing(regimes, flywheel=0.0), joint=SMALL | {"capacity": 1e5})

@@ -81,10 +81,6 @@ def test_plot_of_an_engine__draws_its_sheet_and_tells_its_orders(folder):
     assert all(words in lines[2] for words in ("38.53 × 30.7 kN ↺", "3.915 kN ↻"))
 
 
-def test_plot_of_a_rotor__draws_its_plan(folder):
-    assert wrote(done("plot", "fan_rotor", "--out", "fan.svg")) == ["fan_plan.svg"]
-
-
 def test_plot_of_a_variant__draws_the_elements_with_its_numbers(folder):
     axis = '"elements.engine.gas.peak" = { values = ["30 bar", "60 bar"] }'
     result = swept("peaks", "engine", axis, 'summaries = ["engine.mean_torque"]')

@@ -81,14 +81,6 @@ def test_overflow__is_a_status_not_an_exception(old, new, press_folder):
         assert "the shaking force is infinite" in refused("balance", "press.toml")
 
 
-def test_body_without_mass__is_exported(press_folder):
-    Path("press.toml").write_text(changed(PRESS, "100 kg", "0 kg"))
-    done("export", "press.toml", "--to", "p.csv", "--positions", "8")
-    header, *rows = Path("p.csv").read_text().splitlines()
-    places = [i for i, name in enumerate(header.split(",")) if name.startswith("ram.inertia_force")]
-    assert all(float(row.split(",")[i]) == 0 for row in rows for i in places)
-
-
 # Files that are none
 
 
