@@ -72,13 +72,13 @@ class Element(Part):
     variants_at_once : int
         Number of variants evaluated in one call.
     infinite : Verdict
-        Verdict on a variant with an infinite result: JAMS if no force or torque moves the element.
+        Verdict on a variant with an infinite result, such as JAMS if no force or torque moves the element.
     picture : str
         Word for the contents of its diagrams, with which the names of their files end.
     """
 
     variants_at_once: ClassVar[int] = 2048
-    infinite: ClassVar[Verdict] = Verdict.JAMS
+    infinite: ClassVar[Verdict] = Verdict.NOT_FINITE
     picture: ClassVar[str] = "results"
 
     @classmethod

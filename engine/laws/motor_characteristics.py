@@ -31,15 +31,20 @@ def straight_motor_slope(level: float, slope: float, omega: float) -> float:
 
 
 @scalar
-def bent_motor(change: float, at: float, omega: float) -> float:
-    """Torque by which a line whose slope changes at a speed departs from the straight one [N·m]."""
-    return change * chosen(omega - at > 0.0, omega - at, 0.0)
+def ramp_motor(level: float, slope: float, at: float, low: float, high: float, omega: float) -> float:
+    """Part of a torque by a table, level + slope (ω − at) with ω − at between low and high, and constant beyond [N·m].
+
+    The sum of a table's parts is accurate beside the steepest of them, unlike a sum of changes of the slope.
+    """
+    off = omega - at
+    return level + slope * chosen(off < low, low, chosen(off > high, high, off))
 
 
 @scalar
-def bent_motor_slope(change: float, at: float, omega: float) -> float:
-    """Derivative of `bent_motor` by the speed; 0 at the bend itself [N·m·s]."""
-    return change * chosen(omega - at > 0.0, 1.0, 0.0)
+def ramp_motor_slope(level: float, slope: float, at: float, low: float, high: float, omega: float) -> float:
+    """Derivative of `ramp_motor` by the speed; at a bend, that below it [N·m·s]."""
+    off = omega - at
+    return chosen(off > low, chosen(off > high, 0.0, slope), 0.0)
 
 
 @scalar
@@ -122,8 +127,8 @@ def induction_motor_curvature(
 BY_SPEED = {
     straight_motor: straight_motor_slope,
     straight_motor_slope: None,
-    bent_motor: bent_motor_slope,
-    bent_motor_slope: None,
+    ramp_motor: ramp_motor_slope,
+    ramp_motor_slope: None,
     induction_motor: induction_motor_slope,
     induction_motor_slope: induction_motor_curvature,
 }

@@ -186,10 +186,10 @@ def scale_of(scene: Scene, varied: Mapping[str, np.ndarray], by: str) -> np.ndar
 
 
 def _reach(scene: Scene, varied: Mapping[str, np.ndarray]) -> float | np.ndarray:
-    """Length of the crank, or travel of a sliding input."""
+    """Length of the crank, 1 m if it has no pin, or travel of a sliding input."""
     drive = scene.input
     if isinstance(drive, CrankInput):
-        return varied.get("input.length", drive.length)
+        return varied.get("input.length", drive.length or 1.0)
     return np.abs(varied.get("input.stop", drive.stop) - varied.get("input.start", drive.start))
 
 

@@ -120,7 +120,8 @@ class Kinematics(Assembly):
             crank = Turning(self.points[drive.pivot], Vector(g.cos_q, g.sin_q), first, second)
             self.links[name] = crank
             self.angles[name] = g.q
-            self.points[drive.pin] = crank.at(crank.u * self.number("input.length")).called(drive.pin)
+            if drive.pin is not None:
+                self.points[drive.pin] = crank.at(crank.u * self.number("input.length")).called(drive.pin)
             return
         guide = self.guides[drive.guide]
         point = MovingPoint(guide.r + guide.u * g.q, guide.u * first, guide.u * second)

@@ -172,11 +172,15 @@ class TableCharacteristic(Part):
     def curve(self, at: str, n: Numbers) -> MotorCurve:
         """Torque over the motor's own speed."""
         scale, speed, moment = n[f"{at}.scale"], np.array(self.speed), np.array(self.moment)
-        slopes = np.diff(moment) / np.diff(speed)
-        level, bends = moment[0] - slopes[0] * speed[0], tuple(speed[1:-1])
-        bent = zip((scale * change for change in np.diff(slopes)), bends, strict=True)
-        kinds = laws.motor_characteristics.straight_motor, *(laws.motor_characteristics.bent_motor,) * len(bends)
-        return MotorCurve(kinds, ((scale * level, scale * slopes[0]), *bent), np.inf, bends)
+        widths = np.diff(speed)
+        slopes, bends = np.diff(moment) / widths, tuple(speed[1:-1])
+        # The first segment counts from its upper end, the others from their lower ones.
+        levels, lows = (scale * moment[1], *(0.0 for _ in bends)), (-np.inf, *(0.0 for _ in bends))
+        highs = *(0.0, *widths[1:])[: len(bends)], np.inf
+        constants = tuple(
+            zip(levels, (scale * slope for slope in slopes), (speed[1], *bends), lows, highs, strict=True)
+        )
+        return MotorCurve((laws.motor_characteristics.ramp_motor,) * len(slopes), constants, np.inf, bends)
 
 
 class TableMotor(Motor, TableCharacteristic):

@@ -335,17 +335,18 @@ MOST_REVOLUTIONS = 24
 class CrankInput(Part):
     """Rotating input link: a crank from a `pivot` on the frame to a `pin`; the generalised coordinate is its angle.
 
+    A wheel or drum to which no link is hinged needs no `pin` and `length`.
     `start` and `stop` limit a crank that doesn't turn fully; without them a cycle is `revolutions` turns.
     """
 
-    together: ClassVar = (("start", "stop"),)
+    together: ClassVar = (("pin", "length"), ("start", "stop"))
     ascending: ClassVar = {("start", "stop"): "the crank turns from one to the other"}
 
     type: Literal["crank"]
     link: Name = "crank"
     pivot: FramePoint
-    pin: Name
-    length: Annotated[Length, Field(gt=0)]
+    pin: Name | None = None
+    length: Annotated[Length, Field(gt=0)] | None = None
     speed: Annotated[AngularSpeed, _RUNS]
     revolutions: Annotated[int, Field(ge=1, le=MOST_REVOLUTIONS)] = 1
     start: Angle | None = None

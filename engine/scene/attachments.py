@@ -52,7 +52,8 @@ def attached(scene: Scene) -> dict[str, Attachment]:
 def _attachments(scene: Scene) -> Iterator[Attachment]:
     drive = scene.input
     if isinstance(drive, CrankInput):
-        yield _turning(drive.link, "input.link", "input", drive.pivot)._replace(far=(drive.pin, "input.length"))
+        far = None if drive.pin is None else (drive.pin, "input.length")
+        yield _turning(drive.link, "input.link", "input", drive.pivot)._replace(far=far)
     else:
         yield Attachment(drive.link, "input.link", "input", guide=drive.guide, origin=drive.point)
     for name, shaft in scene.shafts.items():
@@ -104,9 +105,11 @@ def _of_group(name: str, group: Group) -> Iterator[Attachment]:
             yield found
 
 
-def input_point(scene: Scene) -> str:
-    """Name of the point moved by the input link: the crank's pin, or the sliding input's point."""
-    return scene.input.pin if isinstance(scene.input, CrankInput) else scene.input.point
+def input_points(scene: Scene) -> dict[str, str]:
+    """Point moved by the input link, with its path: the crank's pin, if it has one, or the sliding input's point."""
+    key = "pin" if isinstance(scene.input, CrankInput) else "point"
+    name = getattr(scene.input, key)
+    return {} if name is None else {name: f"input.{key}"}
 
 
 def inner_link(group: Group) -> str:
@@ -120,7 +123,7 @@ def carriers(scene: Scene) -> dict[str, str]:
 
     A joint that only free links name belongs to the first of these.
     """
-    found = {input_point(scene): scene.input.link}
+    found = dict.fromkeys(input_points(scene), scene.input.link)
     found |= {group.inner: inner_link(group) for group in scene.groups.values() if hasattr(group, "inner")}
     found |= {name: point.link for name, point in scene.points.items()}
     for name, link in scene.links.items():

@@ -3,13 +3,13 @@
 from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import NamedTuple
 
-from engine.parts.skeleton import FRAME, CrankInput
+from engine.parts.skeleton import FRAME
 from engine.scene.attachments import (
     attachments,
     crank_of,
     driven_by_gears,
     geared_to_input,
-    input_point,
+    input_points,
     sliders,
     still_links,
 )
@@ -36,7 +36,7 @@ def definitions(scene: Scene) -> tuple[dict[str, str], dict[str, str], dict[str,
     links: dict[str, str] = {FRAME: FRAME}
     everything: dict[str, str] = {FRAME: "the frame"}
     named = [(links, one.link, one.path) for one in attachments(scene)]
-    named.append((points, input_point(scene), "input.pin" if isinstance(scene.input, CrankInput) else "input.point"))
+    named += [(points, name, path) for name, path in input_points(scene).items()]
     named += [(points, g.inner, f"groups.{name}.inner") for name, g in scene.groups.items() if hasattr(g, "inner")]
     named += [(points, name, f"points.{name}") for name in scene.points]
     defined = {name for kind, name, _ in named if kind is points}
@@ -97,7 +97,8 @@ FITTING = {
     "point of the frame": Referable("is not on the frame", _on_frame),
     "moving point": Referable("is at rest on the frame", lambda scene: definitions(scene)[0].keys() - _on_frame(scene)),
     "point of one link": Referable(
-        "is a joint of two links, but a drive must be mounted on one", lambda scene: {input_point(scene), *scene.points}
+        "is a joint of two links, but a drive must be mounted on one",
+        lambda scene: {*input_points(scene), *scene.points},
     ),
     "guide of the frame": Referable(
         "is on a moving link, and must be on the frame",

@@ -70,7 +70,7 @@ def explained(
     """
     try:
         yield
-    except (OSError, RuntimeError, ValueError, KeyError, TypeError, AttributeError) as error:
+    except (OSError, RuntimeError, ValueError, LookupError, ArithmeticError, TypeError, AttributeError) as error:
         number = _number(error)
         if number in _REMEDIES:
             # HDF5's errors lack the system's message; the refusal of a foreign link has a message of its own.

@@ -88,7 +88,9 @@ class MappedResult:
             self.done = flags == DONE
             self._misflagged = ~self.done & ((flags != 0) | finished)
             self._sums = {"flat": progress["block_checksum"][:]}
-            if "fields_checksum" in progress:
+            self.flat = [c.name for c in self.described if c.dims == ("variant",)]
+            self.fields = [c.name for c in self.described if len(c.dims) > 1]
+            if self.fields:
                 self._sums["fields"] = progress["fields_checksum"][:]
             noted, found = json.loads(progress.attrs.get("text_checksums", "{}")), texts_checksums(texts_of(file))
             self.edited = [_shown_text(name) for name, crc in noted.items() if found.get(name) != crc]
@@ -98,8 +100,6 @@ class MappedResult:
                 # Mapped as a whole, so that all pages can be released together.
                 self._pages = mmap.mmap(raw.fileno(), 0, access=mmap.ACCESS_READ)
             self.columns = {name: _mapped(self._pages, file[name]) for name in names}
-            self.flat = [c.name for c in self.described if c.dims == ("variant",)]
-            self.fields = [c.name for c in self.described if len(c.dims) > 1]
             self._refuse_other_shapes(file, record)
             if not self._is_numbered():
                 self.edited.append("variant")

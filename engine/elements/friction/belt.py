@@ -18,6 +18,7 @@ from engine.elements.friction.friction_element import FORCE, RATIO, FrictionElem
 from engine.laws.friction.inclines import in_groove
 from engine.parts.skeleton import Angle, Moment, Number, Positive, Speed, quantity
 from engine.words.quantity import main_result
+from engine.words.verdicts import Verdict
 
 
 class BeltElement(FrictionElement):
@@ -27,6 +28,7 @@ class BeltElement(FrictionElement):
     has a `speed` and, with its `linear_density`, a centrifugal tension.
     """
 
+    infinite: ClassVar = Verdict.NOT_FINITE
     one_of: ClassVar = (("tension", "moment"),)
     needs: ClassVar = {"linear_density": ("speed",)}
     shown: ClassVar = ((FORCE, ("tight_tension", "slack_tension", "shaft_force")), (RATIO, ("tension_ratio",)))

@@ -9,6 +9,7 @@ from engine.elements.element import PLACES, Element, Numbers
 from engine.elements.panels import Panel, PanelAxis
 from engine.parts.actions import Force
 from engine.parts.skeleton import Number
+from engine.words.verdicts import Verdict
 
 # Range of the diagrams relative to the given coefficient, but at least up to dry steel on steel.
 BEYOND, DRY = 2.0, 0.3
@@ -29,6 +30,7 @@ class FrictionElement(Element):
         The y axis of each diagram, and names of the results in it.
     """
 
+    infinite: ClassVar = Verdict.JAMS
     picture: ClassVar = "friction"
     shown: ClassVar[tuple[tuple[PanelAxis, tuple[str, ...]], ...]]
 

@@ -200,8 +200,9 @@ def _check_full(found: Optimum, rows: np.ndarray, effects: np.ndarray, names: Se
 
 
 def _radius(scene: Scene, radius: float | None) -> float:
+    radius = scene.input.length if radius is None else radius
     if radius is None:
-        return scene.input.length
+        raise BalanceError("the crank has no pin, whose radius counterweights have by default: give their radius")
     if not radius > 0:
         raise BalanceError(f"radius = {radius!r}: give a positive distance of the counterweights from the axis")
     return radius

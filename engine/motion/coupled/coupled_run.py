@@ -15,7 +15,7 @@ from engine.motion.coupled.two_sides import APART, BACKWARDS, FORWARDS, TOGETHER
 from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, SHAFT_TURNED, TURNED, Ending
 from engine.motion.fields.recorded_motion import Observer
 from engine.motion.moments.breaks import JUMP
-from engine.motion.runs.run_progress import Ends, MachineRuns, Standing, Stepping
+from engine.motion.runs.run_progress import CoupledStanding, Ends, MachineRuns, Standing, Stepping
 from engine.stepping.methods import EIGHT, NINE
 from engine.stepping.recorded import EXCEEDS, RECORDED, made_steps, tops_in_steps, weighted, weights_at
 from engine.stepping.records import some
@@ -31,6 +31,11 @@ AT_LOOKS = weights_at(LOOKS)
 SETTLED, FADED = 1e-8, 1e-9
 # A peak counts as later only if it is higher by more than this fraction.
 SAME_PEAK = 1e-12
+# Speeds between those of the crank and of the shaft, as fractions of their difference: a crank and a shaft that start
+# there and part from each other over a cycle separate these for ever.
+BETWEEN = (0.3, 0.7), (0.1, 0.2), (0.8, 0.9), (0.45, 0.55)
+# Speeds of a slower motion, as fractions of that of a machine that slows down.
+SLOWER = 0.5, 0.1
 # Angles this close to the end of a cycle, as a fraction of it, count as its end.
 NEARLY = 1e-9
 # Steps of a standing machine to the next change.
@@ -194,10 +199,11 @@ class CoupledRuns(MachineRuns):
         ends, turned, joined = some(self.ends, who), self.turned[who], some(self.joined, who)
         end = np.where(faced > 0.0, np.minimum(ends.turned, ends.most_turned), ends.most_turned)
         ahead = end - faced * turned
-        # A run without an end is compared with itself from cycle to cycle.
+        # A run without an end is compared with itself after 1, 2, 4, … cycles.
         compared = (np.isinf(ends.turned) | (faced < 0.0)) & np.isinf(ends.time)
-        cycles = (np.floor(faced * turned / self.cycle + NEARLY) + 1.0) * self.cycle
-        ahead = np.where(compared, np.minimum(ahead, cycles - faced * turned), ahead)
+        cycles = np.floor(faced * turned / self.cycle + NEARLY)
+        cycles = np.where(cycles < 1.0, cycles + 1.0, 2.0 ** (np.floor(np.log2(np.fmax(cycles, 1.0))) + 1.0))
+        ahead = np.where(compared, np.minimum(ahead, cycles * self.cycle - faced * turned), ahead)
         # Where torques jump, a clutch may break loose and a standing side start.
         looks = (joined.mode == TOGETHER) | (joined.shaft_direction == 0.0)
         direction = self.variants.direction[who]
@@ -426,3 +432,48 @@ class CoupledRuns(MachineRuns):
             parts &= crank * now[0] > 0.0
             self.marks[:, mine] = np.where(whole | ~moves[mine], now, before)
             self.give_up(mine[alike & (same.all(axis=0) | parts)])
+            slips, faster = np.abs(mode) == FORWARDS, (crank >= 0.0) | self.ends.lock_up
+            tested = whole & (now[0] > 0.0) & ~self.done[mine] & (slips | ((mode == TOGETHER) & ~faster))
+            tested &= self.ends.lock_up | self.ends.standing
+            if tested.any():
+                who, slips, faster = mine[tested], slips[tested], faster[tested]
+                self.give_up(who[(~slips | self._parted(who)) & (faster | self._turns_on(who))])
+
+    # While a clutch slips at a constant torque, each side moves on its own; while it holds, both move as one. Speeds of
+    # two motions of a machine over the crank angle never cross.
+
+    def _parted(self, who: np.ndarray) -> np.ndarray:
+        """Whether clutches slip for ever: if two other motions, with speeds between, slip for a cycle and part."""
+        way, (crank, shaft), parted = np.sign(self.joined.mode[who]), self._speeds(who), np.zeros(who.size, bool)
+        for near, far in BETWEEN:
+            begin = crank + near * (shaft - crank), crank + far * (shaft - crank)
+            other = self._cycle_from(who, *begin)
+            leave = (way * (other.omega - begin[0]) <= 0.0) & (way * (other.shaft_omega - begin[1]) >= 0.0)
+            apart = np.where(way > 0.0, other.highs[0] < other.lows[1], other.lows[0] > other.highs[1])
+            parted |= (other.slip_time >= other.time * (1.0 - NEARLY)) & leave & apart & (other.verdict == Verdict.OK)
+        return parted
+
+    def _turns_on(self, who: np.ndarray) -> np.ndarray:
+        """Whether machines that slow down never stop: if a slower motion isn't slower after a cycle."""
+        (crank, shaft), holds = self._speeds(who), self.joined.mode[who] == TOGETHER
+        turns_on = np.zeros(who.size, bool)
+        for share in SLOWER:
+            other = self._cycle_from(who, share * crank, np.where(holds, share, 1.0) * shaft)
+            same = np.where(holds, other.slip_time == 0.0, other.slip_time >= other.time * (1.0 - NEARLY))
+            turns_on |= (other.verdict == Verdict.OK) & same & (other.omega >= share * crank)
+        return turns_on
+
+    def _speeds(self, who: np.ndarray) -> np.ndarray:
+        """Speeds of the crank and the shaft."""
+        return self.state[[CRANK_SPEED, SHAFT_SPEED]][:, who]
+
+    def _cycle_from(self, who: np.ndarray, crank: np.ndarray, shaft: np.ndarray) -> "CoupledRuns":
+        """A run over a cycle from other speeds than now, at the beginning of one."""
+        coupled = CoupledStanding(shaft, self.joined.engaged[who] + self.time[who])
+        clock, unspoilt = self.clock[who] + self.time[who], np.zeros(who.size, np.uint8)
+        ends = Ends.never(who.size, turned=np.full(who.size, self.cycle))
+        stepping = self.stepping._replace(extremes=False, peaks=False)
+        begin = Standing(self.start[who], crank, clock, unspoilt, coupled)
+        other = CoupledRuns(self.sides.some(who), begin, ends, stepping, ())
+        other.go_to_end()
+        return other

@@ -7,10 +7,10 @@ from engine import mechanism
 from engine.graph.nodes import Node
 from engine.mechanism.mechanics import Mechanics
 from engine.mechanism.vectors import Vector
-from engine.parts.skeleton import FRAME, CrankInput
+from engine.parts.skeleton import FRAME
 from engine.quantities.expressions import Angle
 from engine.quantities.register import Declared, Field, InputUnits, detail, known
-from engine.scene.attachments import joint_owners
+from engine.scene.attachments import input_points, joint_owners
 from engine.scene.pairs import held_by_frame
 
 _WORDS = (
@@ -91,7 +91,7 @@ def _moving_points(mechanics: Mechanics) -> list[str]:
     names = [name for name, point in scene.points.items() if point.link != FRAME]
     names += [group.inner for group in scene.groups.values() if hasattr(group, "inner")]
     names += [joint for joint, link in joint_owners(scene).items() if link in scene.links and joint not in names]
-    return [*names, scene.input.pin if isinstance(scene.input, CrankInput) else scene.input.point]
+    return [*names, *input_points(scene)]
 
 
 def _coordinate(

@@ -16,7 +16,7 @@ from engine.scene.attachments import (
     attachments,
     carriers,
     guide_of,
-    input_point,
+    input_points,
     joint_owners,
     sliders,
 )
@@ -136,7 +136,7 @@ class _Ordering(NamedTuple):
 
 @once
 def _ordered(scene: Scene) -> _Ordering:
-    known = {("link", FRAME), ("link", scene.input.link), ("point", input_point(scene))}
+    known = {("link", FRAME), ("link", scene.input.link), *(("point", name) for name in input_points(scene))}
     found = _Ordering([OrderedPart("input", scene.input.link)], known, {}, list(_steps(scene)))
     while True:
         before = len(found.elements)

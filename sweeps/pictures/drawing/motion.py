@@ -10,6 +10,8 @@ import engine
 from sweeps.pictures.picture_error import PictureError, need_mechanism
 
 POSITIONS = 720
+# Hinge radius of a drawing without extent: a wheel on its bearing [m].
+ALONE = 0.01
 
 
 class Slider(NamedTuple):
@@ -149,6 +151,8 @@ class DrawnMotion:
         cloud = cloud[np.isfinite(cloud)]
         whole = abs(np.ptp(cloud.real) + 1j * np.ptp(cloud.imag))
         lengths = [v for path, v in self.numbers.items() if path.endswith(".length") and path[:6] != "bodies"]
+        if whole == 0.0:
+            return ALONE
         return min(whole / 85, max(0.14 * min(lengths, default=math.inf), whole / 170))
 
     def _stems(self) -> Iterable[np.ndarray]:

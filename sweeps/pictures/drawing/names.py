@@ -23,7 +23,8 @@ def input_arrows(m: DrawnMotion, k: int) -> list[Primitive]:
     r, drive = m.radius, m.scene.input
     sense = math.copysign(1, m.numbers["input.speed"])
     if isinstance(drive, CrankInput):
-        shown = _turning_arrow(m.points[drive.pivot][k], m.numbers["input.length"] * np.exp(1j * m.q[k]), sense, r)
+        arm = m.numbers.get("input.length", r) * np.exp(1j * m.q[k])
+        shown = _turning_arrow(m.points[drive.pivot][k], arm, sense, r)
     else:
         shown = _sliding_arrow(m.points[drive.point][k], sense * m.guides[drive.guide][1][k], r)
     before, after = k - 1, (k + 1) % m.q.size

@@ -65,7 +65,7 @@ def plan_lines(pose: Pose, plan: VectorPlan) -> list[str]:
     whole = [step for leg in plan.legs if len(leg.steps) == 1 and leg.start in plan.images for step in leg.steps]
     parts = [step for leg in plan.legs if len(leg.steps) > 1 for step in leg.steps if step.text]
     every = [*plan.images.values(), *(step.vector for leg in plan.legs for step in leg.steps)]
-    least = ROUNDED * max(map(abs, every))
+    least = ROUNDED * max(map(abs, every), default=0.0)
     shown = [*images, *((step.text, step.vector) for step in whole)]
     shown = [(text, abs(vector) if abs(vector) > least else 0.0) for text, vector in shown]
     shown += [(step.text, abs(step.vector)) for step in parts if abs(step.vector) > least]

@@ -124,7 +124,9 @@ class VectorPlan:
 
     def _compose(self) -> None:
         scene, drive = self.pose.scene, self.pose.scene.input
-        if isinstance(drive, CrankInput):
+        if isinstance(drive, CrankInput) and drive.pin is None:
+            self._carried_by(drive.link)
+        elif isinstance(drive, CrankInput):
             self._bar(drive.link, drive.pivot, drive.pin)
         else:
             self._along_guide(drive.link, drive.guide, drive.point)

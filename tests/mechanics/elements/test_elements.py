@@ -147,6 +147,11 @@ def test_jamming__is_a_verdict_and_no_number():
     assert_allclose(jam, 1.0, rtol=4 * EPS)
 
 
+def test_belt_of_many_turns__overflows_and_does_not_jam():
+    _, _, status = results(BELT, "tension_ratio", wrap=[3.0, 3000.0])
+    assert_array_equal(status, [Verdict.OK, Verdict.NOT_FINITE])
+
+
 def test_guide_without_friction__never_jams_and_is_well():
     jam, drive = one(GUIDE | {"friction": 0.0}, "jamming_overhang", "drive_force")
     assert math.isnan(jam)

@@ -107,7 +107,8 @@ def test_dc_motor__does_the_power_of_its_line():
 
 @pytest.mark.parametrize("law", BY_SPEED, ids=lambda law: law.__name__)
 def test_slope_of_a_motor__is_the_difference_quotient_by_the_speed(law):
-    constants = {4: (300.0, 0.1, 0.5, SYNCHRONOUS), 2: (8.0, -0.5)}[law.py_func.__code__.co_argcount - 1]
+    every = {4: (300.0, 0.1, 0.5, SYNCHRONOUS), 2: (8.0, -0.5), 5: (8.0, -0.5, 10.0, 0.0, 50.0)}
+    constants = every[law.py_func.__code__.co_argcount - 1]
     speed, h = np.array([-40.0, 30.0, 90.0, 200.0]), 1e-3
     rise = (law(*constants, speed + h) - law(*constants, speed - h)) / (2 * h)
     slope = np.zeros(4) if BY_SPEED[law] is None else BY_SPEED[law](*constants, speed)
@@ -120,6 +121,13 @@ def test_motor_by_a_table__goes_through_its_rows_and_on():
     # Straight lines, the outermost going on; halves and quarters are exact.
     expected = [28.0, 20.0, 16.0, 12.0, 18.0, 24.0, 12.0, 0.0, -24.0]
     assert [torque_of(motor, speed) for speed in speeds] == expected
+
+
+@pytest.mark.parametrize("width", [1.0, 1e-6, 2e-9])
+def test_motor_by_a_table__is_exact_beside_a_steep_fall(width):
+    motor = {"type": "table_motor", "speed": [0, 8, 8 + width, 24], "moment": [10, 10, 6, 0]}
+    expected = 6.0 * (24.0 - 16.0) / (16.0 - width)
+    assert_allclose([torque_of(motor, speed) for speed in (4.0, 16.0)], [10.0, expected], rtol=8 * EPS)
 
 
 @pytest.mark.parametrize(

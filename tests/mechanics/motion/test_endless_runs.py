@@ -4,7 +4,20 @@ import math
 
 import numpy as np
 import pytest
-from motion_scenes import INERTIA, SWUNG_INERTIA, WEIGHT, ask, crank_alone, pendulum, rotor, run, slider_crank
+from motion_scenes import (
+    CLUTCH,
+    INERTIA,
+    RATIO,
+    SWUNG_INERTIA,
+    WEIGHT,
+    ask,
+    behind,
+    crank_alone,
+    pendulum,
+    rotor,
+    run,
+    slider_crank,
+)
 from scipy.integrate import quad
 
 from engine import Scene, Verdict
@@ -146,3 +159,35 @@ def test_motor_of_any_steepness__is_followed_over_time():
     """A stall moment of 10⁹ N·m pulls to the no-load speed in 4·10⁻⁸ s, and moments over time leave no other form."""
     scene = rotor({"go": run("dc nothing", from_speed=0.0, time=100.0)}, dc={"stall_moment": 1e9})
     assert ask(scene, "go.final_speed")["go.final_speed"] == pytest.approx(100.0, rel=1e-9)
+
+
+WEAK = {"oil": {"coefficient": 0.03}, "flywheel": 50.0}
+
+
+@pytest.mark.parametrize(
+    ("begin", "shaft", "capacity", "verdict"),
+    [
+        # The clutch carries the oil at 0.85 rad/s, the motor runs at 100/7.5 rad/s; the flywheel needs 1700 s for it.
+        ({"from_speed": 0.0, "from_shaft_speed": 50.0, "lock_up": True}, 0.018, 0.0034, Verdict.SLIPS),
+        ({"from_speed": 5.0, "from_shaft_speed": 50.0, "rest": True}, 0.018, 0.0034, Verdict.SLIPS),
+        # The shaft faster than the motor, its clutch held: both slow down to where the motor drives the oil.
+        ({"from_speed": 20.0, "from_shaft_speed": 150.0, "rest": True}, 54.0, 90.0, Verdict.NO_END),
+    ],
+    ids=["speeds up", "slows down", "held"],
+)
+def test_slow_approach_to_a_speed_at_which_a_clutch_goes_on__is_known_within_cycles(begin, shaft, capacity, verdict):
+    scene = behind(slider_crank({"go": run("dc oil", **begin)}, **WEAK), shaft, clutch=CLUTCH | {"capacity": capacity})
+    assert ask(scene, "go.time").status == [verdict]
+    assert history(Scene.model_validate(scene)).angle[-1] < 5.0 * TURN
+
+
+@pytest.mark.parametrize("begin", [5.0, 50.0])
+def test_crank_that_comes_to_rest_while_its_clutch_slips__stops_when_it_should(begin):
+    scene = rotor({"go": run("dc rub", from_speed=begin, from_shaft_speed=99.0, rest=True)}, rub={"moment": 0.1})
+    scene = behind(scene, 0.008, clutch=CLUTCH | {"capacity": 0.002})
+    found = ask(scene, "go.time")
+    # The shaft, at up to 100/7.5 rad/s, drives the crank below this speed and brakes it above.
+    pull, fast = 0.002 * RATIO, max(begin - 100.0 / RATIO, 0.0)
+    assert found.status == [Verdict.OK]
+    slow = INERTIA * (begin - fast) / (0.1 - pull)
+    assert found["go.time"] == pytest.approx(slow + INERTIA * fast / (0.1 + pull), rel=1e-2 if fast else 1e-9)

@@ -1,11 +1,19 @@
 """What readers see in a result file: plain h5py, xarray, and the functions of the store."""
 
+import copy
+import functools
+import itertools
+import json
+import math
+import operator
 import os
+import random
 import shutil
 import subprocess
 import sys
 import threading
 import tracemalloc
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import h5py
@@ -240,6 +248,97 @@ def test_flipped_byte__is_noticed_or_harmless(tmp_path):
     # So that the test tests something: without the comparison much of it would go unnoticed.
     assert noticed > FLIPS / 4
     assert unseen > 3
+
+
+OTHERS = {
+    "nothing": lambda group, name: None,
+    "a group": lambda group, name: group.create_group(name),
+    "a type": lambda group, name: group.update({name: np.dtype("f8")}),
+    "a number": lambda group, name: group.create_dataset(name, data=1.0),
+    "a text": lambda group, name: group.create_dataset(name, data="two"),
+    "no numbers": lambda group, name: group.create_dataset(name, data=h5py.Empty("f8")),
+    "lists": lambda group, name: group.create_dataset(name, (6,), h5py.vlen_dtype(np.float64)),
+    "records": lambda group, name: group.create_dataset(name, data=np.zeros(6, [("a", "f8"), ("b", "i4")])),
+    "a link to nothing": lambda group, name: group.update({name: h5py.SoftLink("/nowhere")}),
+    "a link to all": lambda group, name: group.update({name: h5py.SoftLink("/")}),
+    "a link to no file": lambda group, name: group.update({name: h5py.ExternalLink("no.h5", "/x")}),
+}
+OTHER_TEXTS = [
+    3,
+    1.5,
+    np.arange(3.0),
+    np.bytes_(b"\xff"),
+    h5py.Empty("S3"),
+    np.zeros(0),
+    "{",
+    "[1]",
+    "null",
+    "[" * 9999,
+]
+OTHER_ENTRIES = [None, True, -1, 1.5, math.nan, 10**30, "x", [], {}, [[1]], ["variant", "variant"]]
+
+
+def replace(name: str, make: object, file: h5py.File) -> None:
+    if name in file:
+        del file[name]
+    make(file, name)
+
+
+def rewrite(name: str, key: str, value: object, file: h5py.File) -> None:
+    file[name].attrs[key] = value
+
+
+def is_refused(path: Path, change: object, *wrong: object) -> bool:
+    """Whether a changed copy of a file is refused; otherwise its numbers are those of the file."""
+    spoilt = path.with_name("spoilt.h5")
+    shutil.copyfile(path, spoilt)
+    with h5py.File(spoilt, "r+") as file:
+        change(*wrong, file)
+    try:
+        found = read_columns(spoilt, NAMES)
+    except StoreError:
+        return True
+    assert same_bits(found, read_columns(path, NAMES)), wrong
+    return False
+
+
+def chosen(cases: Iterable[tuple]) -> list[tuple]:
+    """Some of many cases, the same every time."""
+    return random.Random(3).sample(list(cases), FLIPS)
+
+
+def entries(record: object, at: tuple = ()) -> Iterator[tuple]:
+    """Paths of everything within a record."""
+    inner = record.items() if isinstance(record, dict) else enumerate(record) if isinstance(record, list) else ()
+    for key, value in inner:
+        yield (*at, key)
+        yield from entries(value, (*at, key))
+
+
+def test_object_of_another_kind__is_refused(path):
+    """It takes ten seconds: a file is changed in 200 ways and read."""
+    sweep(path, layout(variants=6, block=3, positions=3))
+    objects = []
+    with h5py.File(path) as file:
+        file.visit(objects.append)
+        texts = [(name, key) for name in ("/", *objects) for key in file[name].attrs]
+    for name, kind in itertools.product(objects, OTHERS):
+        assert is_refused(path, replace, name, OTHERS[kind]), (name, kind)
+    # What doesn't belong there.
+    for name, kind in itertools.product(("more", "progress/more"), OTHERS):
+        is_refused(path, replace, name, OTHERS[kind])
+    for (name, key), value in chosen(itertools.product(texts, OTHER_TEXTS)):
+        is_refused(path, rewrite, name, key, value)
+
+
+def test_other_entry_of_the_layout__is_refused(path):
+    made = layout(variants=6, block=3, positions=3)
+    sweep(path, made)
+    infinite = [(at, math.inf) for at in (("variants",), ("block",), ("position", "count"))]
+    for at, value in [*infinite, *chosen(itertools.product(entries(made.record()), OTHER_ENTRIES))]:
+        record = copy.deepcopy(made.record())
+        functools.reduce(operator.getitem, at[:-1], record)[at[-1]] = value
+        assert is_refused(path, rewrite, "progress", "layout", json.dumps(record)), (at, value)
 
 
 CONTENTS = {

@@ -102,6 +102,18 @@ def crowded():
     return four_bar(points={"O": {"x": 0, "y": 0}, "D": {"x": 0.22, "y": 0.01}, **near})
 
 
+def drum():
+    """A wheel on its bearing, to which nothing is hinged."""
+    return Scene.model_validate(
+        {
+            "points": {"O": frame(0, 0)},
+            "input": {"type": "crank", "pivot": "O", "speed": 6.0},
+            "bodies": {"disc": {"link": "crank", "mass": 3.0, "x": 0.001, "inertia": 0.2}},
+            "gravity": 9.81,
+        }
+    )
+
+
 GALLERY = {
     "slider crank": slider_crank(),
     "four-bar": four_bar(),
@@ -111,4 +123,5 @@ GALLERY = {
     "Scotch yoke": scotch_yoke(),
     "geared five-bar": geared_five_bar(),
     "sliding input": sliding_input(),
+    "drum": drum(),
 }

@@ -153,7 +153,7 @@ def moment_about(place, loads):
 
 
 def largest(plan):
-    return max(map(abs, plan.images.values()))
+    return max(map(abs, plan.images.values()), default=0.0)
 
 
 def assert_legs_meet(plan, bound=EXACT):

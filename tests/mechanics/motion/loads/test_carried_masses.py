@@ -182,3 +182,20 @@ test_what_has_no_meaning__is_refused_in_words = refusals(
     ({"on": "rod"}, [], "moments.rope.on … allowed: crank, drum, wheel"),
     ({}, ["rope"], "regimes.go.off … always moves with the machine"),
 )
+
+
+def test_drum_without_a_crankpin__lifts_as_with_one():
+    drum = {"type": "crank", "link": "drum", "pivot": "O", "speed": 6.0}
+    scene = {
+        "points": {"O": {"x": 0.0, "y": 0.0}},
+        "input": drum,
+        "bodies": {"disc": {"link": "drum", "mass": 0.0, "inertia": INERTIA}},
+        "moments": {"rope": SCENE["moments"]["rope"] | {"on": "drum", "forwards": "counter-clockwise", "mass": 5.0}},
+        "regimes": {"fall": {"type": "run", "from_speed": 2.0, "time": 0.7}},
+    }
+    with_pin = scene | {"input": drum | {"pin": "A", "length": 0.1}}
+    names = ["fall.final_speed", "fall.angle"]
+    found = [Machine(Scene.model_validate(one), names).evaluate({}).summaries for one in (scene, with_pin)]
+    slows = 5.0 * GRAVITY * 0.3 / (INERTIA + 5.0 * 0.3**2)
+    assert found[0]["fall.final_speed"][0] == pytest.approx(2.0 - 0.7 * slows, rel=TOLERANCE)
+    assert {name: values.tolist() for name, values in found[0].items()} == {n: v.tolist() for n, v in found[1].items()}

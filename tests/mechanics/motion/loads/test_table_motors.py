@@ -105,3 +105,13 @@ def test_start_on_an_elastic_shaft__is_that_of_two_masses():
     speed = 140.0 / 15.0 * 20.0 / (1.0 + 140.0 / 15.0)
     assert found["d.mean_speed"] == pytest.approx(speed, rel=1e-9)
     assert math.isfinite(found.figure("d.mean_speed"))
+
+
+@pytest.mark.parametrize("width", [1e-3, 2e-9, 1e-12])
+def test_motor_whose_torque_falls_steeply__reaches_a_speed_beyond(width):
+    scene = rotor({"start": run("dc", from_speed=0.0, speed=60.0)})
+    rows = {"speed": [0.0, 50.0, 50.0 + width, 100.0], "moment": [20.0, 20.0, 10.0, 0.0]}
+    scene["moments"]["dc"] = TABLE | rows | {"on": "crank"}
+    # 20 N·m to 50 rad/s, then 0.2 N·m·s (100 rad/s − ω), but for the time that the fall takes.
+    expected = INERTIA * (50.0 / 20.0 + 5.0 * math.log(50.0 / 40.0))
+    assert ask(scene, "start.time")["start.time"] == pytest.approx(expected, rel=1e-9, abs=0.1 * INERTIA * width)
