@@ -69,7 +69,7 @@ def left(z: np.ndarray, a: np.ndarray, b: np.ndarray, peak: bool) -> np.ndarray:
 
 
 @pytest.mark.parametrize("peak", [False, True])
-@settings(deadline=None, max_examples=12)
+@settings(max_examples=12)
 @given(seed=st.integers(0, 10**6))
 def test_optimum__surpasses_brute_force_and_brute_force_its_bound(peak, seed):
     a, b, unknowns = problem(seed)
@@ -87,7 +87,7 @@ def test_optimum__surpasses_brute_force_and_brute_force_its_bound(peak, seed):
         assert tried.min() >= found.value - (GAP if peak else 1e-14) * before
 
 
-@settings(deadline=None, max_examples=12)
+@settings(max_examples=12)
 @given(seed=st.integers(0, 10**6), steps=st.integers(0, 8))
 def test_bound_of_a_search_that_is_cut_short__holds_nevertheless(seed, steps):
     a, b, unknowns = problem(seed)
@@ -138,7 +138,7 @@ def four_bars(draw):
     }
 
 
-@settings(deadline=None, max_examples=8)
+@settings(max_examples=8)
 @given(four_bars())
 def test_full_balance_of_a_four_bar__is_that_of_berkof_and_lowen(data):
     scene = Scene.model_validate(data)

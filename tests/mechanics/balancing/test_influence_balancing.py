@@ -17,7 +17,7 @@ from engine.elements.rotors.influence import (
 
 EPS = np.finfo(float).eps
 
-few = settings(deadline=None, max_examples=25)
+few = settings(max_examples=25)
 seeds = st.integers(0, 2**32 - 1)
 
 

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 EPS = np.finfo(float).eps
-few = settings(deadline=None, max_examples=25)
+few = settings(max_examples=25)
 # Khurmi & Gupta, Theory of Machines, chapter 22: the inside cylinder locomotive with cylinders 0.7 m and wheels 1.5 m
 # apart, cranks at a right angle, two thirds of the reciprocating masses balanced, 300 rpm.
 INSIDE = {

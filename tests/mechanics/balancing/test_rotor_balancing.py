@@ -15,7 +15,7 @@ from engine.elements.rotors.unbalance import Kind, kind, resultant_unbalance, un
 
 EPS = np.finfo(float).eps
 
-few = settings(deadline=None, max_examples=30)
+few = settings(max_examples=30)
 angles = st.floats(-10, 10)
 places = st.floats(-3, 3)
 sizes = st.floats(-6, 3).map(lambda e: 10.0**e)

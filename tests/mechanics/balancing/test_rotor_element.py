@@ -69,7 +69,7 @@ def added_masses(found, planes):
 sizes, places = st.floats(-6, 3).map(lambda e: 10.0**e), st.floats(-3, 3)
 
 
-@settings(deadline=None, max_examples=25)
+@settings(max_examples=25)
 @given(
     st.lists(st.tuples(sizes, sizes, st.floats(-10, 10), places), min_size=1, max_size=8),
     st.lists(places, min_size=1, max_size=4),

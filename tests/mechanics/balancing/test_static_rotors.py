@@ -12,7 +12,7 @@ from engine import SceneError
 sizes, angles = st.floats(1e-3, 1.0), st.floats(-3.1, 3.1)
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(st.lists(st.tuples(sizes, sizes, angles), min_size=1, max_size=5), sizes)
 def test_rotor_with_its_correction__is_balanced_within_its_figure(masses, radius):
     unbalances = {f"m{i}": dict(zip(("mass", "radius", "angle"), m, strict=True)) for i, m in enumerate(masses)}

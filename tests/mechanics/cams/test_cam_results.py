@@ -72,7 +72,7 @@ def cams(draw):
     }
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 @given(cams())
 def test_extremes__are_those_of_dense_samples(cam):
     """Samples lie below the extremes, by no more than a few parts in 1e4."""
@@ -119,7 +119,7 @@ def test_needed_preload_and_lift_off_speed__are_where_the_force_vanishes(cam):
     within(exactly["lift_off_speed"], off["lift_off_speed"], 3000 * math.pi / 30, 1e-9)
 
 
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=6)
 @given(cams(), st.floats(0.2, 1.0), st.floats(0.0, 0.5))
 def test_least_base_circle__just_keeps_its_limits(cam, angle, share):
     radius = share * cam["base_radius"]
@@ -168,7 +168,7 @@ def swinging_cams(draw):
     }
 
 
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=6)
 @given(swinging_cams())
 def test_least_base_circle_under_an_arm__is_the_least_that_keeps_its_limits(cam):
     """There the cam's own results keep the limits; from nothing up to it, samples of six cams don't."""

@@ -88,7 +88,7 @@ def loaded(part, moment):
     return twist / ratio, sum(energies), sum(losses)
 
 
-@settings(deadline=None, max_examples=25)
+@settings(max_examples=25)
 @given(drives(), st.floats(10, 1000))
 def test_parts_together__twist_store_and_dissipate_as_each_of_them_does(part, frequency):
     data = drive({"all": part}, moment=100.0, frequency=frequency)

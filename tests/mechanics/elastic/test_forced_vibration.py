@@ -13,7 +13,7 @@ from train_samples import BRANCHED, chain, matrices
 from engine import Verdict, engine_torque
 from engine.elements.torsional_trains.order_sums import extremes_of_orders
 
-some = settings(deadline=None, max_examples=15)
+some = settings(max_examples=15)
 
 
 def harmonic(on, order, amplitude, phase=0.0):

@@ -15,7 +15,7 @@ from train_samples import BRANCHED, chain, free, frequencies_of, matrices
 from engine import Scene, Verdict
 from engine.elements.torsional_trains import torsional_train
 
-some = settings(deadline=None, max_examples=15)
+some = settings(max_examples=15)
 
 
 def exact_chain(inertias, stiffnesses):

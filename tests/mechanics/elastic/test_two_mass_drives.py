@@ -30,7 +30,7 @@ def peak_of_start(first, second, k, gap, motor, load):
 sizes = st.floats(-1, 1).map(lambda x: 10**x)
 
 
-@settings(deadline=None, max_examples=25)
+@settings(max_examples=25)
 @given(sizes, sizes, st.floats(2, 6), st.floats(0, 0.1), st.floats(1, 300), st.floats(0, 1))
 @example(10.0, 1.0, 2.0, 5e-324, 1.0, 0.0)
 @example(10.0, 1.0, 2.0, 1e-300, 1.0, 0.0)

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from engine import Verdict
 
-some = settings(deadline=None, max_examples=20)
+some = settings(max_examples=20)
 angles = st.floats(-3.0, 3.0)
 FIXED = [f"fixed_inertia_{axis}" for axis in "xyz"] + [f"fixed_product_{pair}" for pair in ("xy", "yz", "zx")]
 PRINCIPAL = ["greatest_inertia", "middle_inertia", "least_inertia"]

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from engine import ElementsAlone, Scene
 
 NUDGE = 2.0**-26
-some = settings(deadline=None, max_examples=8)
+some = settings(max_examples=8)
 places, angles = st.floats(-2.0, 2.0), st.floats(-7.0, 7.0)
 
 

@@ -30,7 +30,7 @@ def test_named_thread__is_that_of_its_angle(thread, angle):
     assert_allclose(one(bare, "friction_angle", thread=thread), [float(reduced)], rtol=6 * EPS)
 
 
-@settings(deadline=None, max_examples=25)
+@settings(max_examples=25)
 @given(st.floats(0.001, 0.1), st.floats(0.0, 0.3), st.floats(0.0, 1.2), st.floats(0.0, 0.02))
 def test_screw__takes_in_what_it_gives_and_loses(pitch, friction, angle, collar):
     changes = {"pitch": pitch, "friction": friction, "thread": None, "thread_angle": angle, "collar_friction": collar}

@@ -13,7 +13,7 @@ from engine.parts.bodies import WheelForm
 # Sums, products and quotients of a dozen numbers: tens of roundings of 1.1e-16.
 ROUNDED = 1e-13
 
-few = settings(deadline=None, max_examples=30)
+few = settings(max_examples=30)
 sizes = st.floats(-3, 3).map(lambda e: 10.0**e)
 ratios = st.floats(0.2, 20)
 

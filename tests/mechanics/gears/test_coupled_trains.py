@@ -41,7 +41,7 @@ def exact_speeds(rows, given_speeds):
     order=st.permutations(range(6)),
     eta=st.sampled_from([1.0, 0.99, 0.95]),
 )
-@settings(max_examples=10, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
+@settings(max_examples=10, suppress_health_check=[HealthCheck.filter_too_much])
 def test_coupled_sets__have_exact_speeds_and_lose_what_their_meshes_lose(teeth, joined, order, eta):
     shaft_of = {f"a_{m}": f"a_{m}" for m in MEMBERS}
     shaft_of |= {f"b_{m}": j or f"b_{m}" for m, j in zip(MEMBERS, joined, strict=True)}

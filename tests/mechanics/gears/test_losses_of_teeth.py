@@ -34,7 +34,7 @@ def rows_of(data: dict, fields: list[str], summaries: list[str], **values: float
     return {n: outcome.fields[n][0] for n in fields} | {n: outcome.summaries[n][0] for n in summaries}
 
 
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=5)
 @given(st.floats(0.5, 1.0), st.sampled_from([-1, 1]), st.sampled_from([-0.5, 2.5]), st.booleans())
 def test_two_wheels__lose_what_their_efficiency_says(efficiency, load, ratio, teeth):
     data = changed(PAIR_OF_WHEELS, shafts__second__ratio=ratio, moments__load__moment=12.0 * load)

@@ -106,7 +106,7 @@ VARIED = (
 )
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 @given(st.floats(-0.4, 0.4), st.floats(-0.3, 0.3), st.floats(0.0, 0.6), st.floats(-6.0, 6.0), st.floats(1.0, 500.0))
 def test_any_wheels__balance_and_roll_as_euler_and_savary_say(one, two, eccentricity, begin, speed):
     """Of curves that roll on each other about fixed axes κ₁ + κ₂ = (1/r₁ + 1/r₂) sin μ, tan μ = r₁/r₁′."""

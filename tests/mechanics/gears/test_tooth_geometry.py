@@ -37,7 +37,7 @@ def half_angle(z, x, side, angle, r):
     angle=st.floats(14.5, 28.0),
     shifts=st.tuples(st.floats(-0.8, 0.8), st.floats(-0.8, 0.8)),
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_distance_of_axes__leaves_no_backlash(z1, more, sense, angle, shifts):
     """At operating pitch circles a tooth of one wheel fills the space of the other: solved for the distance itself."""
     z2 = z1 + more if sense > 0 else z1 + more + 10
@@ -132,7 +132,7 @@ def penetration(mesh, corner_of):
     angle=st.floats(16.0, 25.0),
     shifts=st.tuples(st.floats(-0.4, 0.4), st.floats(-0.4, 0.4)),
 )
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_interference__is_where_flanks_cut_into_each_other(z1, more, sense, angle, shifts):
     z2 = z1 + more if sense > 0 else z1 + more + 6
     mesh = teeth(z1, z2, sense, angle, 0.0, shifts)
@@ -180,7 +180,7 @@ def lost_share(mesh, tips, angle, friction):
     helix=st.sampled_from([0.0, 20.0, 35.0]),
     shifts=st.tuples(st.floats(-0.3, 0.9), st.floats(-0.3, 0.9)),
 )
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_mesh_loss_and_contact_ratio__are_lengths_and_work_along_the_line_of_action(
     z1, more, sense, angle, helix, shifts
 ):

@@ -89,7 +89,7 @@ def all_directions(teeth_, eta, omega, moments, unknown):
     held=st.sampled_from(["first", "arm", "fourth"]),
     drive_given=st.booleans(),
 )
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 def test_directions__are_those_in_which_power_comes_out_or_the_train_stands(z, eta, drive, held, drive_given):
     assume(drive != held)
     z1, z2, z3, z4 = z

@@ -49,7 +49,7 @@ def test_wheel_in_a_ring__is_smaller_than_the_ring():
 
 
 @given(z=st.integers(5, 60), ratio=st.floats(1, 5), speed=st.floats(1, 500))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_chain_speed__is_that_of_a_polygon_that_turns(z, ratio, speed):
     """The tight strand leaves along a tangent: its speed is that of the joint that carries it."""
     found = solved(CHAIN | {"driving_teeth": z, "driven_teeth": round(ratio * z), "speed": speed})

@@ -51,7 +51,7 @@ def watt(phase: float, ratio: float, around: float) -> dict:
     return changed(WATT, shafts__sun__phase=phase, **counter)
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(st.floats(-3.0, 3.0), st.floats(-4.0, -0.3), st.floats(1.0, 2.8))
 def test_wheels_on_links_of_a_group__go_by_willis(phase, ratio, around):
     q, rows = asked(watt(phase, ratio, around), FIELDS, 48)

@@ -16,7 +16,7 @@ from numpy.testing import assert_allclose
 from engine import Scene, Verdict
 
 EPS = np.finfo(float).eps
-some = settings(deadline=None, max_examples=8)
+some = settings(max_examples=8)
 
 
 def least_sleeve_force(exact, inner, outer):

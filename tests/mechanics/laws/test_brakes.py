@@ -40,7 +40,7 @@ def test_long_block_on_a_lever__khurmi():
 # Independent computations
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(st.floats(1e-9, math.pi / 2))
 def test_long_block_factor__is_friction_over_resultant_normal_force(half_angle):
     def pressed(weight):
@@ -51,7 +51,7 @@ def test_long_block_factor__is_friction_over_resultant_normal_force(half_angle):
     assert_allclose(long_block_factor(half_angle), expected, rtol=1e-12)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(lengths, lengths, st.sampled_from(["new", "worn"]))
 def test_mean_radius_of_a_disc__is_the_quadrature_over_the_ring(inner, width, state):
     outer = inner + width
@@ -68,7 +68,7 @@ def test_mean_radius_of_a_disc__is_the_quadrature_over_the_ring(inner, width, st
     )
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(st.floats(1.0, 1e4), lengths, lengths, st.floats(-3.0, 3.0), frictions, st.floats(0.01, 20.0), lengths)
 def test_band_brake__is_euler_on_a_lever_in_equilibrium(force, lever_arm, arm, other, friction, wrap, radius):
     slack_arm, tight_arm = arm, other * arm
@@ -114,7 +114,7 @@ def test_unknown_number__gives_nan():
 # Band and blocks
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(frictions, st.floats(0.01, 1.2), st.integers(1, 20))
 def test_band_and_blocks__has_every_block_in_equilibrium(friction, block_angle, blocks):
     half = block_angle / 2

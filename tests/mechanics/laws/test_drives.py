@@ -35,7 +35,7 @@ def circuit_torque(stator, rotor, reactance, slip):
     return (rotor / slip) / ((stator + rotor / slip) ** 2 + reactance**2)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(st.floats(0.01, 0.5), st.floats(0.0, 3.0), st.floats(-0.9, 1.5))
 def test_induction_motor__slope_and_curvature_are_the_derivatives_of_kloss_formula(breakdown_slip, ratio, turn):
     with mpmath.workdps(50):
@@ -61,7 +61,7 @@ def test_induction_motor__slope_and_curvature_are_the_derivatives_of_kloss_formu
             assert abs(law(300.0, breakdown_slip, ratio, SYNCHRONOUS, omega) - exact) <= room + 1e-13 * abs(exact)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(
     st.floats(0.0, 3.0), st.floats(0.01, 3.0), st.floats(0.1, 3.0), st.floats(-3.0, 3.0).filter(lambda s: abs(s) > 1e-6)
 )
@@ -174,7 +174,7 @@ test_motor_by_a_table_that_is_none__is_refused = refusals(
 )
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(st.floats(1.0, 1e6), st.floats(1.0, 1e4), st.floats(1e-3, 0.9), st.sampled_from([1.0, -1.0]))
 def test_dc_nameplate__runs_through_the_rated_point(power, rated, droop, turn):
     no_load = rated / (1.0 - droop)
@@ -192,7 +192,7 @@ slips = st.floats(0.002, 0.15)
 ratios = st.floats(1.2, 5.0)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(slips, ratios, st.sampled_from([1.0, -1.0]))
 def test_simple_nameplate__runs_through_the_rated_point(rated_slip, most, turn):
     rated = turn * SYNCHRONOUS * (1.0 - rated_slip)
@@ -204,7 +204,7 @@ def test_simple_nameplate__runs_through_the_rated_point(rated_slip, most, turn):
     assert nameplate_trouble(7500.0, rated, turn * SYNCHRONOUS, most) is None
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(slips, ratios, st.floats(0.001, 0.999))
 def test_nameplate_with_start__runs_through_rated_and_starting_point(rated_slip, most, part):
     rated = SYNCHRONOUS * (1.0 - rated_slip)
@@ -240,7 +240,7 @@ def test_impossible_nameplate__is_nan_and_says_why(nameplate, text):
     assert text in nameplate_trouble(*nameplate)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(
     st.floats(-1.0, 1e4),
     st.floats(-10.0, 200.0),

@@ -25,7 +25,7 @@ angle_of, direction_of, exponential, logarithm, power = map(
     (elementary.angle_of, elementary.direction_of, elementary.exponential, elementary.logarithm, elementary.power),
 )
 LEAST, GREATEST = 2.0**-1021, float(np.finfo(float).max)
-many = settings(deadline=None, max_examples=80)
+many = settings(max_examples=80)
 # Numbers of every size, and numbers about 1, whose logarithms are small.
 positive = st.one_of(
     st.floats(-1022.0, 1023.9).map(lambda e: 2.0**e),

@@ -18,7 +18,7 @@ from engine.laws.governors.stability import (
 )
 
 EPS = np.finfo(float).eps
-some = settings(deadline=None, max_examples=50)
+some = settings(max_examples=50)
 scale = st.floats(-3.0, 3.0).map(lambda e: 10.0**e)
 maybe = st.one_of(st.just(0.0), scale)
 

@@ -47,7 +47,7 @@ def rounding(table, largest):
     return 12 * EPS * sizes.sum(axis=1).max() + 4 * EPS * largest * slopes.sum(axis=1).max()
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(rows(), st.integers(0, 2**32 - 1), st.sampled_from(["linear", "pchip", "spline"]))
 def test_interpolants__are_those_of_scipy_inside_and_hold_outside(row, seed, interpolation):
     x, y = row
@@ -94,7 +94,7 @@ def test_step__takes_the_value_after_it_but_before_the_first_row(x, y, options, 
     assert_array_equal(values(make_table(x, y, "linear", **options), at), expected)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(rows(least=3), st.integers(-1000, 1000), st.sampled_from(["linear", "pchip", "spline"]), st.booleans())
 def test_periodic__wraps_to_the_first_period(row, turns, interpolation, closed):
     x, y = row
@@ -191,7 +191,7 @@ test_wrong_rows__are_named_with_the_mend = refusals(
 # Segments of tables in memory
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(rows(least=3), st.integers(0, 2**32 - 1), st.sampled_from(["linear", "pchip", "spline"]), st.booleans())
 def test_segment__has_the_value_of_the_table(row, seed, interpolation, periodic):
     x, y = row

@@ -20,7 +20,7 @@ from engine import Machine, Mechanics, Scene, SceneError, Verdict
 from engine.machine.results import AskError
 from engine.parts.skeleton import MOST_REVOLUTIONS
 
-some = settings(deadline=None, max_examples=30)
+some = settings(max_examples=30)
 RATIOS = st.builds(Fraction, st.sampled_from([-5, -3, -2, -1, 1, 2, 3, 4, 7]), st.integers(1, 6))
 PLACES = np.array([0.3, 1.1, 2.9, 4.4, 5.7])
 

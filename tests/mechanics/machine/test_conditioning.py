@@ -192,7 +192,7 @@ directions = st.floats(-math.pi, math.pi)
 
 
 @given(numbers, numbers, numbers, numbers, st.floats(0.01, 10), directions)
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 def test_link_gap__is_the_greater_of_what_its_length_and_its_end_miss(ax, ay, bx, by, r, angle):
     c, s = math.cos(angle), math.sin(angle)
     x, y = bx - ax, by - ay
@@ -202,7 +202,7 @@ def test_link_gap__is_the_greater_of_what_its_length_and_its_end_miss(ax, ay, bx
 
 
 @given(numbers, numbers, numbers, numbers, directions, numbers, numbers, st.floats(0.01, 10))
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 def test_guide_gap__is_the_greater_of_what_is_missed_along_and_across(x, y, gx, gy, angle, offset, slide, size):
     place = complex(x - gx, y - gy) * complex(math.cos(angle), -math.sin(angle))
     expected = max(abs(place.imag - offset), abs(place.real - slide)) / size

@@ -101,7 +101,7 @@ def sampled(function, at: float, scale: float, error: float = 0.0) -> Difference
     st.floats(-1.5, 1.5),
     st.floats(0.01, 1.0),
 )
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 def test_smooth_function__derivative_within_a_small_figure(pair, at, scale):
     function, slope = pair
     made = derivative_of(sampled(function, at, scale), 4 * EPS)
@@ -119,7 +119,7 @@ def test_kink_within_the_steps__figure_covers_the_slope_there(at):
 
 
 @given(st.floats(1e-9, 1e-3), st.integers(0, 2**32 - 1))
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 def test_noise_within_the_error_figure__is_covered(noise, seed):
     random = np.random.default_rng(seed)
     made = derivative_of(
@@ -192,7 +192,7 @@ def test_little_room_to_both_sides__shorter_steps(room):
 
 
 @given(st.floats(0.002, 0.5), st.floats(1.02, 10.0), st.floats(-0.5, 0.5), st.sampled_from([LENGTH, ROD, OFFSET]))
-@settings(deadline=None, max_examples=15)
+@settings(max_examples=15)
 def test_any_slider_crank__within_its_figure(machine, length, ratio, share, by):
     offset = share * length
     rod = ratio * (length + abs(offset))

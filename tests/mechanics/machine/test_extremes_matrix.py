@@ -211,7 +211,7 @@ def test_links_one_to_a_thousand_and_origins_far_away__swing_as_their_triangles(
 decades = {"lengths": st.floats(-6, 6), "masses": st.floats(-12, 9), "speeds": st.floats(-9, 5)}
 
 
-@settings(deadline=None, max_examples=15)
+@settings(max_examples=15)
 @given(st.floats(0.05, 0.9), st.floats(-2, 2), st.floats(-3, 0), *decades.values())
 def test_scaled_machine__has_scaled_results(machines, ratio, mass, fluctuation, lengths, masses, speeds):
     base = usual(l=0.05 / ratio, m=3.0 * 10**mass, d=10**fluctuation)

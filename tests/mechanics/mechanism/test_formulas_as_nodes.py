@@ -106,7 +106,7 @@ def force_of(scene: Scene) -> tuple[GraphValues, Node]:
     return GraphValues(scene, graph), force
 
 
-@settings(deadline=None, max_examples=20)
+@settings(max_examples=20)
 @given(sums, st.sampled_from(SPEEDS))
 def test_random_formula__is_what_python_makes_of_it(text, speed):
     values, force = force_of(scene_of(text, speed))
@@ -129,7 +129,7 @@ def test_random_formula__is_what_python_makes_of_it(text, speed):
 STEPPED = "min(rod.angular_velocity / (1 rad/s), (n if rod.angular_velocity / (1 rad/s) > phi else k))"
 
 
-@settings(deadline=None, max_examples=20)
+@settings(max_examples=20)
 @given(sums, st.sampled_from(SPEEDS))
 @example(STEPPED, 3.0)
 def test_what_switches__lies_at_a_declared_crossing(text, speed):
@@ -145,7 +145,7 @@ def test_what_switches__lies_at_a_declared_crossing(text, speed):
         np.testing.assert_allclose(held, found, rtol=1e-12, atol=1e-12 * (1 + np.nanmax(np.abs(found), initial=0)))
 
 
-@settings(deadline=None, max_examples=20)
+@settings(max_examples=20)
 @given(sums, st.sampled_from(SPEEDS))
 def test_derivative_of_a_switching_curve__is_its_slope(text, speed):
     values, _ = force_of(scene_of(f"max({text}, 0.1)", speed))

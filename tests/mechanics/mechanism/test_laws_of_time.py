@@ -93,7 +93,7 @@ def over_range() -> Machine:
     return Machine(Scene.model_validate(OVER_RANGE), BALANCE, [*FIELDS, *DRIVES], ["inputs.second.phase"], 48)
 
 
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=5)
 @given(st.floats(-0.3, 0.9), st.integers(0, 47))
 def test_law_of_time__over_a_range_that_closes_nowhere(over_range, phase, k):
     rows, phi = rows_of(over_range, **{"inputs.second.phase": phase}), float(over_range.nodes[k])
@@ -131,7 +131,7 @@ def test_crank_that_turns_back__goes_through_the_law_as_time_does():
         )
 
 
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=5)
 @given(st.floats(-0.3, 0.9), st.integers(0, 47))
 def test_first_input_that_slides__beside_a_second_by_its_travel(phase, k):
     q, rows = asked(changed(SLIDING, inputs__second__phase=phase), [*FIELDS, *DRIVES], 48)

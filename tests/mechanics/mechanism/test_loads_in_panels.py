@@ -118,7 +118,7 @@ def asked(scene: Scene) -> tuple[GraphValues, dict[str, Node]]:
     return GraphValues(scene, graph), nodes
 
 
-@settings(deadline=None, max_examples=15)
+@settings(max_examples=15)
 @given(scenes())
 def test_what_is_held_in_a_panel__holds_at_all_of_its_positions(scene):
     values, nodes = asked(scene)

@@ -66,7 +66,7 @@ def ends(phi: mpmath.mpf, begin: float, reach: float) -> tuple[mpmath.mpc, ...]:
     return mpmath.mpf(CRANK["length"]) * mpmath.expj(phi), ram + mpmath.mpc(0.01, 0.02) * along, mpmath.mpc(1)
 
 
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=6)
 @given(st.floats(0.0, 6.2), st.floats(0.01, 0.08), st.floats(1.0, 100.0), st.integers(0, NODES - 1))
 def test_slider_with_dwells__moves_as_its_loop_in_50_digits_and_powers_change_the_energy(begin, reach, omega, k):
     numbers = {"inputs__ram__begin": begin, "inputs__ram__sections__out__lift": reach, "input__speed": omega}

@@ -85,7 +85,7 @@ def ram(reading):
     return run
 
 
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=6)
 @given(st.floats(1e-3, 50.0), st.floats(1e-2, 1e4), st.floats(1.01, 100.0))
 def test_constant_force__lifts_a_mass_as_in_the_textbook(ram, stop, mass, times_weight):
     outcome, found = ram(stop, mass, times_weight * mass * 9.81)

@@ -63,7 +63,7 @@ def test_slider_crank__has_stroke_and_ratio(stroke, ratio, share):
     assert measured_ratio(highest, lowest) == pytest.approx(ratio, abs=PLACES)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(rocker=LENGTHS, swing=st.floats(0.3, 2.0), ratio=st.floats(1.0, 1.5))
 def test_crank_rocker__has_swing_and_ratio(rocker, swing, ratio):
     try:
@@ -83,7 +83,7 @@ def test_crank_rocker__has_swing_and_ratio(rocker, swing, ratio):
     assert measured_ratio(highest, lowest) == pytest.approx(ratio, abs=PLACES)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(ratio=st.floats(1.05, 1.4), swing=st.floats(0.5, 1.5))
 def test_coupler_of_its_own__is_the_best(ratio, swing):
     try:

@@ -47,7 +47,7 @@ def assert_told(found, expected):
 COORDINATE = st.floats(-0.2, 0.2)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(st.lists(st.tuples(COORDINATE, COORDINATE), min_size=3, max_size=3))
 def test_places_off_a_circle__are_as_far_as_their_radii_say(places):
     x, y = zip(*places, strict=True)

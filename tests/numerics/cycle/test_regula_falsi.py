@@ -20,7 +20,7 @@ SHAPES = {
 }
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(st.floats(1e-3, 3.0), st.floats(1e-3, 3.0), st.sampled_from([1.0, -1.0]), st.floats(-5.0, 5.0))
 def test_roots__are_found_whatever_the_shape_and_alone_as_together(before, after, sign, root):
     ends = np.array([root - before, root + after])[:: int(sign)]

@@ -18,7 +18,7 @@ from engine.laws.tables import make_table
 EPS = 2.3e-16
 TURN = 2 * math.pi
 
-few = settings(deadline=None, max_examples=40)
+few = settings(max_examples=40)
 moments = st.integers(3, 12).flatmap(lambda n: arrays(np.float64, n, elements=st.floats(-100, 100).map(round)))
 
 

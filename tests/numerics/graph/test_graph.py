@@ -222,7 +222,7 @@ def test_crossing__is_one_however_often_it_was_named():
     assert [(crossing.level, crossing.offset) for crossing in g.crossings] == [(g.zero, 0.5)]
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(st.lists(st.sampled_from("+-*/"), min_size=1, max_size=12), st.randoms(use_true_random=False))
 def test_any_expression__is_printed_as_it_is_meant(symbols, random):
     g = Graph()

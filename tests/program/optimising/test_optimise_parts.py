@@ -40,7 +40,7 @@ def conditions(draw: st.DrawFn, depth: int = 3) -> str:
     return f"({draw(conditions(depth - 1))}) {kind} ({draw(conditions(depth - 1))})"
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(conditions(), st.lists(st.tuples(NUMBERS, NUMBERS, SIZES, SIZES), min_size=1, max_size=6))
 def test_margin__with_error_estimates_is_below_zero_only_where_the_condition_is_met(text, rows):
     a, b, a_error, b_error = np.array(rows).T
@@ -78,7 +78,7 @@ DESIGN = Design(
 )
 
 
-@settings(deadline=None, max_examples=100)
+@settings(max_examples=100)
 @given(st.lists(st.floats(0, 1), min_size=6, max_size=6))
 def test_coordinates__and_values_lead_to_each_other(place):
     variables = Variables.of(DESIGN)
@@ -254,7 +254,7 @@ def brute_force_front(costs):
     return ~better.any(axis=0) & ~np.isnan(costs).any(axis=1)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(st.data())
 def test_pareto_front__as_by_comparing_all_pairs(data):
     objectives = data.draw(st.integers(1, 4))

@@ -68,7 +68,7 @@ def test_bearing_load_of_a_guide__refused():
 
 
 @given(st.floats(1e-12, 1e12))
-@settings(deadline=None, max_examples=200)
+@settings(max_examples=200)
 def test_round_scale__at_most_half_as_large_again_and_one_of_the_series(least):
     scale = round_scale(least)
     # The series' widest step is from 1 to 1.5.

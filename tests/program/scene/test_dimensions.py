@@ -69,7 +69,7 @@ def verdict(text):
     return {f"[{base}]": float(power) for base, power in found.plain._asdict().items() if power}
 
 
-@settings(deadline=None, max_examples=80)
+@settings(max_examples=80)
 @given(trees)
 def test_random_expression__has_the_dimension_that_pint_computes(text):
     # Halves of halves are exact in binary, so the powers agree exactly.

@@ -173,7 +173,7 @@ products = st.recursive(
 )
 
 
-@settings(deadline=None, max_examples=80)
+@settings(max_examples=80)
 @given(products, st.floats(0.1, 9.0), st.sampled_from([1.0, -1.0]), st.floats(-2, 2), st.floats(-2, 2))
 def test_sum_of_powers__is_the_formula_at_any_speed(text, speed, sense, v, w):
     if abs(v) < 1e-3 or abs(w) < 1e-3 or abs(v - w) < 1e-3:

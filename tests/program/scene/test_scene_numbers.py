@@ -129,7 +129,7 @@ def test_scene_written_and_read__is_the_same_and_has_units(name, tmp_path):
 NUMBERS = ("input.length", "groups.press.second.offset", "bodies.ram.mass", "moments.friction.moment", "gravity")
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(st.lists(st.floats(1e-300, 1e300), min_size=len(NUMBERS), max_size=len(NUMBERS)))
 def test_any_numbers__survive_writing_and_reading_bit_by_bit(tmp_path_factory, values):
     folder = tmp_path_factory.getbasetemp()

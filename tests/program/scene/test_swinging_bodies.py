@@ -15,7 +15,7 @@ from engine.laws.masses.link_inertia import bifilar_inertia, compound_inertia, t
 from engine.parts.bodies import STANDARD_GRAVITY
 
 EPS = np.finfo(float).eps
-few = settings(deadline=None, max_examples=60)
+few = settings(max_examples=60)
 sizes = st.floats(-2, 2).map(lambda e: 10.0**e)
 WIRES = {"type": "bifilar", "period": "1.2 s", "spacing": "0.3 m", "length": "1.5 m"}
 KNIFE = {"type": "compound", "period": "1 s", "distance": "0.15 m"}

@@ -261,7 +261,7 @@ def exact(text, factor):
     return float(Fraction(text) * factor)
 
 
-@settings(deadline=None, max_examples=150)
+@settings(max_examples=150)
 @given(st.sampled_from(sorted(FACTORS)), st.data(), magnitudes)
 def test_any_value_in_simple_unit__is_correctly_rounded(dimension, data, value):
     unit = data.draw(st.sampled_from(sorted(FACTORS[dimension])))
@@ -280,7 +280,7 @@ def spelled(data, parts, join):
     return join.join(texts), factor
 
 
-@settings(deadline=None, max_examples=150)
+@settings(max_examples=150)
 @given(st.sampled_from(sorted(COMPOUNDS)), st.data(), magnitudes)
 def test_any_value_in_compound_unit__is_correctly_rounded(dimension, data, value):
     join = data.draw(st.sampled_from([" ", "*", "·", " * "]))
@@ -292,7 +292,7 @@ def test_any_value_in_compound_unit__is_correctly_rounded(dimension, data, value
     assert to_si(f"{value!r} {unit}", dimension) == exact(repr(value), numerator / denominator)
 
 
-@settings(deadline=None, max_examples=100)
+@settings(max_examples=100)
 @given(st.floats(allow_nan=False, allow_infinity=False), st.sampled_from(sorted(DIMENSIONS)))
 def test_si_number_written_with_its_unit__reads_back_bit_for_bit(value, dimension):
     unit = "" if dimension == "number" else DIMENSIONS[dimension].unit
@@ -316,7 +316,7 @@ anything = st.one_of(
 )
 
 
-@settings(deadline=None, max_examples=100)
+@settings(max_examples=100)
 @given(anything, st.sampled_from(sorted(DIMENSIONS)))
 @example("1e999999 m", "length")
 @example("1/" + "0" * 50, "number")

@@ -259,7 +259,7 @@ def test_arrays_not_of_the_layout__value_error_and_block_pending(path, name, val
         assert 0 in store.pending
 
 
-@settings(deadline=None, max_examples=100)
+@settings(max_examples=100)
 @given(variants=st.integers(1, 3000), block=st.integers(1, 4000))
 def test_blocks__each_variant_in_exactly_one(variants: int, block: int) -> None:
     shape = layout(variants, block)
@@ -268,7 +268,7 @@ def test_blocks__each_variant_in_exactly_one(variants: int, block: int) -> None:
     assert [v for r in rows for v in range(r.start, r.stop)] == list(range(variants))
 
 
-@settings(deadline=None, max_examples=10, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=10, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     variants=st.integers(1, 500),
     block=st.integers(1, 50),

@@ -55,7 +55,7 @@ def box(a: float, b: float, a_error: float, b_error: float) -> dict[str, np.ndar
     return {"a": rows.ravel(), "b": columns.ravel()}
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(linear_conditions(), NUMBERS, NUMBERS, SIZES, SIZES)
 @example(("1 * a <= b + -1", ("<=", 1, -1)), 0.0, 1.0, 0.0, 0.0)
 def test_sides_that_agree_within_their_estimates__count_as_equal(condition, a, b, a_error, b_error):
@@ -69,7 +69,7 @@ def test_sides_that_agree_within_their_estimates__count_as_equal(condition, a, b
         assert not judged.undecided[0]
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(
     linear_conditions(),
     st.floats(-1e3, 1e3),
@@ -85,7 +85,7 @@ def test_condition_and_contrary__are_never_both_met_or_missed(condition, a, b, e
                 assert condition_of(text).judged({"a": a, "b": there}, {"a": error}, 1).met[0] == expected
 
 
-@settings(deadline=None, max_examples=200)
+@settings(max_examples=200)
 @given(
     st.sampled_from(["<=", ">=", "==", "<", ">", "!="]), st.floats(1e-6, 1e6), st.integers(1, 12), st.integers(1, 12)
 )

@@ -61,7 +61,7 @@ def same(one, other):
     return one == other or (math.isnan(one) and math.isnan(other))
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(numbers)
 def test_random_arithmetic__agrees_with_python(texts):
     expression = parse(texts[0])
@@ -69,7 +69,7 @@ def test_random_arithmetic__agrees_with_python(texts):
     assert same(expression.evaluate(VALUES), read_by_python(texts[1]))
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(conditions)
 def test_random_condition__agrees_with_python(texts):
     expression = parse(texts[0])
@@ -77,7 +77,7 @@ def test_random_condition__agrees_with_python(texts):
     assert expression.evaluate(VALUES) is bool(read_by_python(texts[1]))
 
 
-@settings(deadline=None, max_examples=250)
+@settings(max_examples=250)
 @given(st.one_of(st.text(max_size=60), st.lists(st.sampled_from([*SIGNS, *WORDS]), max_size=25).map("".join)))
 def test_garbage__raises_expression_error_only(text):
     try:

@@ -29,7 +29,6 @@ def pair(count, method, seed=3, **more):
 finite = st.floats(-1e150, 1e150)
 
 
-@settings(deadline=None)
 @given(finite, finite, st.integers(2, 300))
 def test_linear__is_linspace_with_exact_ends(start, stop, count):
     found = every(Steps("a.b", start, stop, count))["a.b"]
@@ -48,7 +47,6 @@ def test_linear__has_the_numbers_that_a_person_would_write(first, last, places, 
     assert found.tolist() == [float(start + (stop - start) * i / (count - 1)) for i in range(count)]
 
 
-@settings(deadline=None)
 @given(st.floats(1e-100, 1e100), st.floats(1e-100, 1e100), st.integers(2, 300), st.sampled_from([1, -1]))
 def test_logarithmic__is_geomspace_with_exact_ends(start, stop, count, sign):
     found = every(Steps("a", sign * start, sign * stop, count, True))["a"]
@@ -85,7 +83,7 @@ def test_latin__has_one_point_per_stratum_in_each_dimension(count, seed):
     np.testing.assert_array_equal(np.sort(strata, axis=0), np.arange(count)[:, None].repeat(6, axis=1))
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(st.integers(1, 5000), st.lists(st.integers(0, 2**64 - 1), min_size=10, max_size=10))
 def test_permuted__is_a_permutation(count, keys):
     found = permuted(np.arange(count), count, np.array(keys, dtype=np.uint64))
@@ -127,7 +125,6 @@ def test_larger_count__keeps_the_earlier_samples(method):
 # --- sampled axes ------------------------------------------------------------------------------------------
 
 
-@settings(deadline=None)
 @given(st.floats(1e-6, 1e6), st.integers(0, 20), st.booleans(), st.sampled_from([1, -1]))
 def test_sampled__stays_within_its_limits(near, width, is_logarithmic, sign):
     # A range of a few units in the last place is where rounding would lead out.
@@ -165,7 +162,7 @@ def designs(draw):
     return Design(tuple(draw(axes[key]) for key in chosen))
 
 
-@settings(deadline=None, max_examples=100)
+@settings(max_examples=100)
 @given(designs(), st.data())
 def test_block__is_bit_identical_to_the_whole(design, data):
     start = data.draw(st.integers(0, design.size))
@@ -177,7 +174,7 @@ def test_block__is_bit_identical_to_the_whole(design, data):
         assert block[name].tobytes() == whole[name][start:stop].tobytes()
 
 
-@settings(deadline=None, max_examples=25)
+@settings(max_examples=25)
 @given(st.sampled_from(METHODS), st.lists(st.integers(0, 99_999), max_size=20))
 def test_scattered_indices__are_bit_identical_to_the_whole(method, indices):
     axis = pair(100_000, method, logarithmic=(True, True))

@@ -39,7 +39,6 @@ def test_preferred_numbers__are_those_of_the_table_and_as_written():
     assert STANDARD_SIZES["R20"].between(0.01, 0.1) == wanted
 
 
-@settings(deadline=None)
 @given(st.sampled_from(PREFERRED), st.floats(1e-5, 1e3), st.floats(1, 50))
 def test_series__holds_all_sizes_of_a_range_and_none_outside(series, low, factor):
     sizes, high = STANDARD_SIZES[f"R{series}"], low * factor
@@ -79,7 +78,7 @@ def test_chosen_sizes__are_a_grid_or_sampled(axis, expected, sampling, study_fol
 
 
 @given(st.sampled_from(["random", "sobol", "latin"]), st.integers(1, 9), st.integers(0, 99))
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 def test_samples__stay_on_sizes_and_take_each_as_often(method, count, seed):
     sizes = STANDARD_SIZES["R40"].between(0.05, 1)[:count]
     axis = Sampled(("a", "b"), (1, sizes[0]), (2, sizes[-1]), 1024, method, seed, (), {"b": sizes})

@@ -12,7 +12,7 @@ EPS = np.finfo(float).eps
 RIGHT = math.pi / 2
 ALL = tuple(range(1, 25))
 
-few = settings(deadline=None, max_examples=25)
+few = settings(max_examples=25)
 angles = st.floats(-6.0, 6.0)
 
 

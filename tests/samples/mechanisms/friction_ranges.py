@@ -8,4 +8,4 @@ frictions = st.floats(1e-6, 1.2)
 slopes = st.floats(1e-6, 3.0)
 # Subnormal numbers have no digits to compare.
 loads = st.floats(-1e3, 1e3).filter(lambda load: load == 0.0 or abs(load) > 1e-250)
-quick = settings(deadline=None, max_examples=60)
+quick = settings(max_examples=60)

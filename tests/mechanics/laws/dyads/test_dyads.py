@@ -12,7 +12,7 @@ from engine.laws.kinematics.vectors import oblique_components
 mode = st.sampled_from([1.0, -1.0])
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.floats(-3.2, 3.2), st.floats(-6.0, 6.0), st.floats(1e-9, 1e6), mode, mode)
 def test_rpr_pin_inside_the_offset__nan(at, size, miss, side, sign):
     distance = 10**size

@@ -25,7 +25,7 @@ from engine.mechanism.friction import Rub, pressing_in_group
 EPS = np.finfo(float).eps
 ROUNDINGS = 100
 
-quick = settings(deadline=None, max_examples=60)
+quick = settings(max_examples=60)
 
 
 @cache

@@ -126,7 +126,7 @@ def some_windows(draw: st.DrawFn) -> list[tuple[float, float, float]]:
     return found
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(some_windows())
 @example([(1.0, 1.0001, -30.0)])
 @example([(0.0, 1e-4, -30.0)])

@@ -90,7 +90,7 @@ WINDOWED = slider_crank(
 )
 
 
-@settings(deadline=None, max_examples=25)
+@settings(max_examples=25)
 @given(st.tuples(st.floats(0.0, 6.28), st.floats(0.0, 6.28)).map(sorted))
 @example([0.2, 6.2831])
 @example([6.11, 6.15])

@@ -80,7 +80,7 @@ def evaluate():
 GO = ("go.final_speed", "go.angle", "go.driving_work", "go.useful_work", "go.harmful_work", "go.energy_change")
 
 
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=5)
 @given(st.booleans(), st.floats(1.0, 300.0), st.floats(0.3, 1.0), st.floats(1.01, 5.0))
 def test_hoist__is_lifted_at_constant_acceleration(evaluate, stepwise, mass, efficiency, times):
     # Against its weight of m g r on the drum, through the drum's gearing, by a share more than that.
@@ -124,7 +124,7 @@ def test_weight__is_by_its_own_gravity_or_the_scenes_or_the_standard(own, of_sce
     )
 
 
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=5)
 @given(st.booleans(), st.floats(10.0, 2000.0), st.floats(0.0, 0.05), st.floats(-0.02, 0.1), st.floats(0.1, 20.0))
 def test_vehicle__runs_up_by_tanh_and_coasts_down_by_tan(evaluate, stepwise, mass, rolling, slope, area):
     force = mass * GRAVITY * (rolling * math.cos(slope) + math.sin(slope))

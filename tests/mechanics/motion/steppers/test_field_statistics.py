@@ -78,7 +78,7 @@ tolerances = st.sampled_from([1e-4, 1e-6, 1e-8, 1e-10])
 @example(np.linspace(0.0, TURN, 7), 1e-8, 0.0, 1e-8)
 # The first cusp is a little beyond the edge of a step, in coefficients of a smooth curve.
 @example(np.linspace(0.0, TURN, 13), 1e-4, 0.0, 6e-8)
-@settings(deadline=None, max_examples=20)
+@settings(max_examples=20)
 def test_magnitude_that_vanishes__two_cusps(edges, tolerance, phase, level):
     found = measured(lambda x: np.abs(np.cos(x - phase) - level), tolerance, edges)
     top = phase + (math.pi if level >= 0.0 else 0.0)
@@ -95,7 +95,7 @@ def test_magnitude_that_vanishes__two_cusps(edges, tolerance, phase, level):
 
 
 @given(edges, tolerances, st.floats(0.0, TURN), st.floats(1e-3, 3.0))
-@settings(deadline=None, max_examples=20)
+@settings(max_examples=20)
 def test_magnitude_that_nearly_vanishes__two_dips(edges, tolerance, phase, least):
     # The length of (sin, b): its mean is an elliptic integral.
     found = measured(lambda x: np.hypot(np.sin(x - phase), least), tolerance, edges)
@@ -108,7 +108,7 @@ def test_magnitude_that_nearly_vanishes__two_dips(edges, tolerance, phase, least
 
 
 @given(edges, tolerances, st.floats(0.0, TURN), st.floats(0.01, 40.0), st.sampled_from([-1.0, 1.0]))
-@settings(deadline=None, max_examples=20)
+@settings(max_examples=20)
 def test_sharp_peak__of_an_exponential(edges, tolerance, phase, steepness, sign):
     k = sign * steepness
     found = measured(lambda x: np.exp(k * np.cos(x - phase) - abs(k)), tolerance, edges)

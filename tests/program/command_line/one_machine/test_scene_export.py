@@ -49,7 +49,7 @@ def test_texts_that_are_there__are_not_written_over(press_folder):
 
 
 @pytest.mark.parametrize("name", templates())
-@settings(max_examples=1, deadline=None)
+@settings(max_examples=1)
 @given(share=st.floats(0.9, 1.1))
 def test_every_number_of_every_template__is_replaced_exactly(name, share):
     path = bundled_templates()[name]

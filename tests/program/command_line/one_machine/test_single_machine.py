@@ -37,7 +37,7 @@ def press(press_folder):
     return read_scene("press.toml")
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(st.lists(st.integers(-720_00, 720_00), min_size=20, max_size=100))
 def test_reading__at_hundredths_of_a_degree_is_exact(hundredths):
     angles = [math.radians(each / 100) for each in hundredths]
@@ -49,7 +49,7 @@ def test_reading__at_hundredths_of_a_degree_is_exact(hundredths):
 BY_LINES = (2 * math.pi / 36_000) ** 2 / 8 * 0.07
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(st.lists(st.floats(-20, 20), min_size=20, max_size=100))
 def test_reading__elsewhere_is_as_near_as_straight_lines_are(angles):
     found = readings_at(PRESS, angles, ["B.y"]).values["B.y"]

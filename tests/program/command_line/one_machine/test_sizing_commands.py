@@ -146,7 +146,7 @@ def test_holes__take_the_weights_of_trial_runs(folder):
     assert "at least 3 equally spaced holes" in refused("balance", "--trial-runs", "runs.csv", "--holes", "2")
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(st.integers(0, 2**32 - 1), st.permutations(range(4)))
 def test_amplitudes_of_four_runs__give_one_plane(tmp_path_factory, seed, order):
     rng = np.random.default_rng(seed)
