@@ -228,7 +228,9 @@ def extend(record: Record, force: Force, stretches: Stretches, i: int, side: int
     series = VectorSeries(record.coefficients[slot_x], record.coefficients[slot_y], lane)
     of_x, of_y = record.values[slot_x], record.values[slot_y]
     whole_x, whole_y = record.whole[force.x], record.whole[force.y]
-    off = record.left[slot_x].tail[lane] + record.left[slot_y].tail[lane] + force.least_error
+    # Next to a kink inside, the direction may go further by about as much as the series misses there.
+    bent = 1.0 + record.panels[step].bent[lane]
+    off = bent * (record.left[slot_x].tail[lane] + record.left[slot_y].tail[lane]) + force.least_error
     off += ROUNDING * (whole_x.scale[lane] + whole_y.scale[lane]) + whole_x.offset[lane] + whole_y.offset[lane]
     j, stride = stretches.places[i, side], DEGREE // record.degree
     farthest, sensitivity = 0.0, 1.0 / math.sqrt(of_x[j, lane] ** 2 + of_y[j, lane] ** 2)
@@ -305,6 +307,17 @@ def widest_gap(stretches: Stretches, count: int) -> tuple[float, float, int, int
 
 
 @routine
+def edge_error(stretches: Stretches, count: int, edge: float, side: int) -> float:
+    """How far stretches may reach beyond an edge of the widest gap by their errors."""
+    error, sense = 0.0, 2.0 * side - 1.0
+    for i in range(count):
+        short = (edge - stretches.ends[i, side]) * sense
+        short -= math.floor(short / math.tau + 0.5) * math.tau
+        error = max(error, stretches.errors[i, side] - abs(short))
+    return error
+
+
+@routine
 def find_unloaded_arcs(record: Record, x: int, y: int, greatest: ExtremeRows, stretches: Stretches) -> None:
     """Find the widest arc to which a force never points, and its middle.
 
@@ -337,6 +350,9 @@ def find_unloaded_arcs(record: Record, x: int, y: int, greatest: ExtremeRows, st
             refining = extend_near(record, force, stretches, count, ends[before, 1], 1)
             refining |= extend_near(record, force, stretches, count, ends[after, 0], 0)
             arc, error, before, after = widest_gap(stretches, count)
+        # At a kink between two panels either of their stretches ends there, with an error of its own.
+        edges = edge_error(stretches, count, ends[before, 1], 1) + edge_error(stretches, count, ends[after, 0], 0)
+        error = max(error, edges)
         middle = ends[before, 1] + 0.5 * arc
         found.arc[lane], found.arc_error[lane] = max(arc, 0.0), error
         found.middle_error[lane] = 0.5 * error if error < arc else math.pi

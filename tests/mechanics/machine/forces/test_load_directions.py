@@ -162,6 +162,20 @@ def test_error_figures__hold_at_any_accuracy():
         assert abs(gap) <= error + fine[name][1], (name, value, error, fine[name])
 
 
+def test_arc_that_ends_where_a_force_between_teeth_changes_sides__holds_at_any_accuracy():
+    """The direction has a kink there, next to an end of a panel."""
+    scene, rng = read_scene(bundled_templates()["elliptical_wheels"]), np.random.default_rng(4)
+    numbers = {path: scene_numbers(scene)[path].value for path in ("points.D.x", "groups.drive.first.length")}
+    varied = {path: value * rng.uniform(0.7, 1.4, 256) for path, value in numbers.items()}
+    for name in ("second.unloaded_arc_of_frame", "second.unloaded_middle_of_frame"):
+        exact = Machine(scene, [name], (), list(varied), accuracy=1e-12).evaluate(varied)
+        for accuracy in (1e-3, 1e-6, None):
+            found = Machine(scene, [name], (), list(varied), accuracy=accuracy).evaluate(varied)
+            off = np.abs(np.remainder(found.summaries[name] - exact.summaries[name] + math.pi, TURN) - math.pi)
+            known = np.isfinite(off)
+            assert (off[known] <= (found.errors[name] + exact.errors[name])[known]).all()
+
+
 def test_direction_of_a_reaction__continuous_angle_of_its_components():
     fields = [f"input.reaction{part}" for part in ("_direction", "_x", "_y")]
     angle, x, y = moving(wheel(4.0), fields, 72)[1].values()
