@@ -8,7 +8,7 @@ import math
 from engine.compiling.blocks import LANES, in_lanes, scatter_rows
 from engine.compiling.decorators import separate
 from engine.compiling.packed import unpacked
-from engine.cycle.driver import DriverAnswers, Task, Workspace, set_row
+from engine.cycle.driver import DriverAnswers, Task, Workspace
 from engine.cycle.measures.angles import add_angle
 from engine.cycle.measures.averages import fill_spaced, find_averages
 from engine.cycle.measures.extremes import (
@@ -51,7 +51,7 @@ def measure_fluctuations(task: Task, answers: DriverAnswers, work: Workspace, fi
     begin = task.kept + task.works.shape[0] + task.angles.shape[0]
     for k in range(task.fluctuations.shape[0]):
         asked = task.fluctuations[k]
-        steady = SteadyWheel(asked[0], asked[1], block[asked[2]], block[asked[3]])
+        steady = SteadyWheel(asked[0], asked[1], block[asked[2]], block[asked[3]], task.period)
         find_fluctuation(record, steady, search, work.ends, work.fluctuation)
         scatter_rows(work.fluctuation, first, answers.fluctuations[k])
         for j in range(task.speeds.shape[0]):
@@ -75,13 +75,13 @@ def measure_extremes(task: Task, answers: DriverAnswers, work: Workspace, first:
     for k in range(task.extremes.shape[0]):
         a, b, row, sides = task.extremes[k, 0], task.extremes[k, 1], task.extremes[k, 2], task.extremes[k, 3]
         factor = block[row] if row >= 0 else search.zero
-        set_row(search.period, task.turn if sides & EACH_TURN else task.period)
+        period = task.turn if sides & EACH_TURN else task.period
         for side in range(2):
             if sides & (GREATEST if side == 1 else LEAST + LEAST_MAGNITUDE):
                 for lane in range(LANES):
                     away = sides == LEAST_MAGNITUDE and record.whole[a].first[lane] < 0.0
                     sign[lane] = 1.0 if side == 1 or away else -1.0
-                find_extreme(record, SoughtExtreme(a, b, factor, sign), search, found)
+                find_extreme(record, SoughtExtreme(a, b, factor, sign, period), search, found)
             else:
                 fill(found, _EXTREME, math.nan)
             scatter_rows(found, first, answers.extremes[k, side])
@@ -101,7 +101,7 @@ def measure_arcs(task: Task, answers: DriverAnswers, work: Workspace, first: int
     record, search, found, arcs = work.record, work.search, work.found, work.stretches
     for k in range(task.arcs.shape[0]):
         square = task.arcs[k, 2]
-        find_extreme(record, SoughtExtreme(square, square, search.zero, search.up), search, found)
+        find_extreme(record, SoughtExtreme(square, square, search.zero, search.up, task.period), search, found)
         find_unloaded_arcs(unpacked(record), task.arcs[k, 0], task.arcs[k, 1], found, arcs)
         scatter_rows(arcs.arc, first, answers.arcs[k])
 

@@ -162,7 +162,7 @@ def workspace_of(asked: Packed, numbers: int, steps: int) -> Packed:
     room = new_workspace(asked.record, numbers, steps)
     if any(len(getattr(asked.record, name)) for name in SEARCHES):
         kind, row = Packed(room).kind, Memory(())
-        sought = types.NamedTuple((types.intp, types.intp, row, row), SoughtExtreme)
+        sought = types.NamedTuple((types.intp, types.intp, row, row, types.float64), SoughtExtreme)
         address = address_of(find_in_record, kind.kind_of("record"), sought, kind.kind_of("search"), one(ExtremeRows))
         room = room._replace(search=room.search._replace(finder=address))
     return Packed(room)

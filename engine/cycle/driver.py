@@ -440,20 +440,12 @@ def follow(task: Task, given: GivenNumbers, work: Workspace) -> bool:
 def begin_block(task: Task, work: Workspace) -> None:
     """Reset sums, scales and marks for a new block."""
     begin_record(work.record)
-    set_row(work.search.period, task.period)
     for c in range(task.tolerance.shape[0]):
         fill(work.scales[c], _SCALES, 0.0)
     for k in range(task.integrals.shape[0]):
         fill(work.integrals[k], _INTEGRAL, 0.0)
     for lane in range(LANES):
         work.broken_at[lane], work.too_many[lane] = math.nan, 0.0
-
-
-@routine
-def set_row(row: Row, value: float) -> None:
-    """Set a row to a value."""
-    for lane in range(LANES):
-        row[lane] = value
 
 
 @driver

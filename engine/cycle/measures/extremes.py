@@ -65,12 +65,15 @@ class SoughtExtreme(NamedTuple):
         c; 0 for a single curve.
     sign : row
         s, 1 or −1.
+    period : float
+        Length after which positions recur; infinite if the range isn't a cycle.
     """
 
     a: int
     b: int
     factor: Row
     sign: Row
+    period: float
 
 
 class Candidate(NamedTuple):
@@ -156,8 +159,6 @@ class Search(NamedTuple):
     series, other_series : rows (POSITIONS, LANES)
         Coefficients of the curve searched and of b, in the panel of each lane's candidate.
     climb : Climb
-    period : row
-        Length after which positions recur; infinite if the range isn't a cycle.
     zero, up, down : row
         0, 1 and −1 in all lanes.
     finder : int
@@ -168,7 +169,6 @@ class Search(NamedTuple):
     series: Rows
     other_series: Rows
     climb: one(Climb)
-    period: Row
     zero: Row
     up: Row
     down: Row
@@ -426,9 +426,9 @@ def compare(record: Record, sought: SoughtExtreme, work: Search, found: ExtremeR
         other_error = found.at_error[lane] if first else place_error
         own_error = value_error if higher else found.value_error[lane]
         rival_error = (found.value_error[lane] if higher else value_error) - distance_apart
-        distance, period = abs(place - at_before), work.period[lane]
-        periods = math.floor(distance / period + 0.5)
-        apart = other_error + (abs(distance - periods * period) if periods > 0.0 else distance)
+        distance = abs(place - at_before)
+        periods = math.floor(distance / sought.period + 0.5)
+        apart = other_error + (abs(distance - periods * sought.period) if periods > 0.0 else distance)
         found.value[lane] = value if higher else before
         found.value_error[lane] = larger(rival_error, own_error) if rivals else own_error
         found.at[lane] = place if first else at_before

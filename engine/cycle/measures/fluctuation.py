@@ -56,12 +56,15 @@ class SteadyWheel(NamedTuple):
         Curves of the record with W and I.
     omega, flywheel : row
         Mean speed, of either sign, and inertia of the flywheel.
+    period : float
+        Length of the cycle.
     """
 
     work: int
     inertia: int
     omega: Row
     flywheel: Row
+    period: float
 
 
 class SpeedEnds(NamedTuple):
@@ -142,8 +145,10 @@ def find_fluctuation(record: Record, steady: SteadyWheel, search: Search, ends: 
         result.step[lane] = 1.0
     for _ in range(MOST_STEPS):
         _slopes(steady.omega, result)
-        find_extreme(record, SoughtExtreme(steady.work, steady.inertia, result.fast, search.up), search, ends.high)
-        find_extreme(record, SoughtExtreme(steady.work, steady.inertia, result.slow, search.down), search, ends.low)
+        fast = SoughtExtreme(steady.work, steady.inertia, result.fast, search.up, steady.period)
+        slow = SoughtExtreme(steady.work, steady.inertia, result.slow, search.down, steady.period)
+        find_extreme(record, fast, search, ends.high)
+        find_extreme(record, slow, search, ends.low)
         if not _improve(steady, record.whole[steady.inertia].first, ends, result):
             break
     for part in range(_ROWS):
