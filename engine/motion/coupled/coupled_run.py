@@ -5,6 +5,7 @@ breaks loose, where a side stops or starts, where a time-dependent quantity chan
 """
 
 from collections.abc import Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +19,7 @@ from engine.motion.moments.breaks import JUMP
 from engine.motion.runs.run_progress import CoupledStanding, Ends, MachineRuns, Standing, Stepping
 from engine.stepping.methods import EIGHT, NINE
 from engine.stepping.recorded import EXCEEDS, RECORDED, made_steps, tops_in_steps, weighted, weights_at
-from engine.stepping.records import some
+from engine.stepping.records import on_arrays, put, some
 from engine.stepping.system import SHOWN, Start, Walks
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
@@ -26,16 +27,16 @@ from engine.words.verdicts import Verdict
 # Fractions of a step at which a slip is sought, and the weights of the recorded samples there.
 LOOKS = np.arange(1, 16)[:, None] / 16
 AT_LOOKS = weights_at(LOOKS)
-# Relative change of the speeds per cycle that counts as none; fraction of the maximum speed that counts as rest where
-# nothing stops a machine.
+# Relative change of the speeds in each cycle that counts as none; fraction of the maximum speed that counts as rest
+# where nothing stops a machine.
 SETTLED, FADED = 1e-8, 1e-9
 # A peak counts as later only if it is higher by more than this fraction.
 SAME_PEAK = 1e-12
 # Speeds between those of the crank and of the shaft, as fractions of their difference: a crank and a shaft that start
-# there and part from each other over a cycle separate these for ever.
+# there and part from each other over a cycle keep the real ones apart for ever.
 BETWEEN = (0.3, 0.7), (0.1, 0.2), (0.8, 0.9), (0.45, 0.55)
-# Speeds of a slower motion, as fractions of that of a machine that slows down.
-SLOWER = 0.5, 0.1
+# Speeds of the motion itself and of slower ones, as fractions of the present speed.
+SLOWER = 1.0, 0.5, 0.1
 # Angles this close to the end of a cycle, as a fraction of it, count as its end.
 NEARLY = 1e-9
 # Steps of a standing machine to the next change.
@@ -62,6 +63,32 @@ class Seen(NamedTuple):
     length: np.ndarray
     here: SidesAt
     moment: np.ndarray
+
+
+class Mark(NamedTuple):
+    """What a run without an end is compared with after some cycles, (variants,) unless stated.
+
+    Attributes
+    ----------
+    speeds : ndarray (2, variants)
+        Of the crank and the shaft [rad/s].
+    turned, shaft_turned : ndarray
+        Angles turned [rad].
+    moves : ndarray
+        1 if the crank moves, else 0.
+    mode : ndarray
+        As in `Joined`.
+    time, slip_time : ndarray
+        From the start of the run, and that of slip so far [s].
+    """
+
+    speeds: np.ndarray
+    turned: np.ndarray
+    shaft_turned: np.ndarray
+    moves: np.ndarray
+    mode: np.ndarray
+    time: np.ndarray
+    slip_time: np.ndarray
 
 
 class CoupledRuns(MachineRuns):
@@ -119,7 +146,7 @@ class CoupledRuns(MachineRuns):
         self.growing = np.full(count, np.nan)
         self.lock_time, self.lock_speed = np.full(count, np.nan), np.full(count, np.nan)
         self.unsettled, self.implicit = np.ones(count, bool), np.zeros(count, bool)
-        self.marks = np.full((4, count), np.nan)
+        self.marks = Mark(np.full((2, count), np.nan), *np.full((len(Mark._fields) - 1, count), np.nan))
 
     def energies(self) -> tuple[np.ndarray, np.ndarray]:
         """Current kinetic energy of the shaft, and of both sides [J]."""
@@ -202,7 +229,7 @@ class CoupledRuns(MachineRuns):
         # A run without an end is compared with itself after 1, 2, 4, … cycles.
         compared = (np.isinf(ends.turned) | (faced < 0.0)) & np.isinf(ends.time)
         cycles = np.floor(faced * turned / self.cycle + NEARLY)
-        cycles = np.where(cycles < 1.0, cycles + 1.0, 2.0 ** (np.floor(np.log2(np.fmax(cycles, 1.0))) + 1.0))
+        cycles = np.where(cycles < 0.0, cycles + 1.0, np.exp2(np.frexp(cycles)[1]))
         ahead = np.where(compared, np.minimum(ahead, cycles * self.cycle - faced * turned), ahead)
         # Where torques jump, a clutch may break loose and a standing side start.
         looks = (joined.mode == TOGETHER) | (joined.shaft_direction == 0.0)
@@ -404,63 +431,77 @@ class CoupledRuns(MachineRuns):
     def _abandon_endless(self, rest: np.ndarray, at_mark: np.ndarray, who: np.ndarray) -> None:
         """Give up runs that never end.
 
-        These are runs that swing no farther forward than at their last stop, that repeat the cycle before, that slow
-        down for ever without stopping, or that run away from their end, faster from cycle to cycle.
+        These are runs that swing no farther forward than at their last stop, that have the same speeds as at their last
+        mark, that slow down for ever without stopping, that run away from their end, or whose clutch slips for ever.
         """
         self.compare_swings(rest[self.joined.crank_direction[rest] > 0.0])
         speeds, moves = np.abs(self.state[[CRANK_SPEED, SHAFT_SPEED]]), self.joined.crank_direction != 0.0
         faded = who[moves[who] & (speeds[0, who] > 0.0) & (speeds[0, who] < FADED * self.highs[0, who])]
         self.give_up(faded[~self.done[faded] & self._fades(faded)])
-        stands = who[~moves[who]]
-        passed = np.floor(self.state[SHAFT_TURNED, stands] / self.cycle) != np.floor(self.marks[2, stands] / self.cycle)
+        stands, marked = who[~moves[who]], self.marks.shaft_turned
+        passed = np.floor(self.state[SHAFT_TURNED, stands] / self.cycle) != np.floor(marked[stands] / self.cycle)
         at_mark = at_mark[np.isinf(self.ends.turned[at_mark]) | (self.joined.crank_direction[at_mark] < 0.0)]
         for compared in (at_mark[moves[at_mark]], stands[passed]):
-            mine = compared[~self.done[compared] & self.never_changes(compared)]
-            now = np.array(
-                [*self.state[[CRANK_SPEED, SHAFT_SPEED]][:, mine], self.state[SHAFT_TURNED, mine], moves[mine]]
-            )
-            before = self.marks[:, mine]
-            whole = np.isclose(np.mod(self.state[TURNED, mine] / self.cycle + 0.5, 1.0), 0.5, rtol=0.0, atol=NEARLY)
-            alike = (whole | ~moves[mine]) & (now[3] == before[3])
-            same = np.abs(now[:2] - before[:2]) <= SETTLED * np.abs(now[:2]).max(axis=0)
-            # While a clutch holds, slips or is open, a crank that got faster over a cycle gets still faster: it never
-            # stops or turns round. It locks only if the shaft follows it.
-            mode, (crank, shaft) = self.joined.mode[mine], now[:2] - before[:2]
-            parts = self.ends.lock_up | self.ends.standing | (now[0] < 0.0)
-            parts &= (mode * shaft >= -SETTLED * np.abs(now[1])) | (not self.ends.lock_up)
-            parts &= np.isin(mode, (TOGETHER, APART)) | ((np.abs(mode) == FORWARDS) & (mode * crank < 0.0))
-            parts &= crank * now[0] > 0.0
-            self.marks[:, mine] = np.where(whole | ~moves[mine], now, before)
-            self.give_up(mine[alike & (same.all(axis=0) | parts)])
-            slips, faster = np.abs(mode) == FORWARDS, (crank >= 0.0) | self.ends.lock_up
-            tested = whole & (now[0] > 0.0) & ~self.done[mine] & (slips | ((mode == TOGETHER) & ~faster))
-            tested &= self.ends.lock_up | self.ends.standing
-            if tested.any():
-                who, slips, faster = mine[tested], slips[tested], faster[tested]
-                self.give_up(who[(~slips | self._parted(who)) & (faster | self._turns_on(who))])
+            self._compare(compared[~self.done[compared] & self.never_changes(compared)])
+
+    def _compare(self, who: np.ndarray) -> None:
+        """Compare variants with their last marks, give up those that never end, and set their marks."""
+        before, mode, moves = some(self.marks, who), self.joined.mode[who], self.joined.crank_direction[who] != 0.0
+        turned, times = (self.turned[who], self.state[SHAFT_TURNED, who]), (self.time[who], self.slip_time[who])
+        now = Mark(self._speeds(who), *turned, moves, mode, *times)
+        cycles = now.turned / self.cycle
+        whole = np.isclose(cycles, np.round(cycles), rtol=0.0, atol=NEARLY)
+        change, since = now.speeds - before.speeds, np.fmax(np.abs(now.turned - before.turned) / self.cycle, 1.0)
+        same = (np.abs(change) <= SETTLED * since * np.abs(now.speeds).max(axis=0)).all(axis=0)
+        slips, slipped, passed = np.abs(mode) == FORWARDS, now.slip_time - before.slip_time, now.time - before.time
+        held = np.where(slips, slipped >= passed * (1.0 - NEARLY), slipped == 0.0) & (mode == before.mode)
+        # While a clutch holds, slips or is open, a crank that got faster over a cycle gets still faster: it never stops
+        # or turns round. It locks only if the shaft follows it.
+        (crank, shaft), (crank_speed, shaft_speed) = change, now.speeds
+        parts = self.ends.lock_up | self.ends.standing | (crank_speed < 0.0)
+        parts &= (mode * shaft >= -SETTLED * np.abs(shaft_speed)) | (not self.ends.lock_up)
+        parts &= np.isin(mode, (TOGETHER, APART)) | (slips & (mode * crank < 0.0))
+        parts &= held & (crank * crank_speed > 0.0)
+        put(self.marks, who, on_arrays(partial(np.where, whole | ~moves), now, before))
+        self.give_up(who[(whole | ~moves) & (moves == before.moves) & (same | parts)])
+        count = np.round(np.abs(cycles)).astype(int)
+        tested = whole & (count & (count - 1) == 0) & (crank_speed > 0.0) & held & ~self.done[who]
+        if self.ends.lock_up | self.ends.standing:
+            slipping = who[tested & slips]
+            endless = np.concatenate([slipping[self._parted(slipping)], who[tested & (mode == TOGETHER)]])
+            self.give_up(endless if self.ends.lock_up else endless[self._turns_on(endless)])
 
     # While a clutch slips at a constant torque, each side moves on its own; while it holds, both move as one. Speeds of
     # two motions of a machine over the crank angle never cross.
 
     def _parted(self, who: np.ndarray) -> np.ndarray:
         """Whether clutches slip for ever: if two other motions, with speeds between, slip for a cycle and part."""
-        way, (crank, shaft), parted = np.sign(self.joined.mode[who]), self._speeds(who), np.zeros(who.size, bool)
+        parted = np.zeros(who.size, bool)
         for near, far in BETWEEN:
+            left = who[~parted]
+            if not left.size:
+                break
+            way, (crank, shaft) = np.sign(self.joined.mode[left]), self._speeds(left)
             begin = crank + near * (shaft - crank), crank + far * (shaft - crank)
-            other = self._cycle_from(who, *begin)
+            other = self._cycle_from(left, *begin)
             leave = (way * (other.omega - begin[0]) <= 0.0) & (way * (other.shaft_omega - begin[1]) >= 0.0)
             apart = np.where(way > 0.0, other.highs[0] < other.lows[1], other.lows[0] > other.highs[1])
-            parted |= (other.slip_time >= other.time * (1.0 - NEARLY)) & leave & apart & (other.verdict == Verdict.OK)
+            parted[~parted] = (
+                (other.slip_time >= other.time * (1.0 - NEARLY)) & leave & apart & (other.verdict == Verdict.OK)
+            )
         return parted
 
     def _turns_on(self, who: np.ndarray) -> np.ndarray:
-        """Whether machines that slow down never stop: if a slower motion isn't slower after a cycle."""
-        (crank, shaft), holds = self._speeds(who), self.joined.mode[who] == TOGETHER
+        """Whether machines never stop: if their motion, or a slower one, isn't slower after a cycle."""
         turns_on = np.zeros(who.size, bool)
         for share in SLOWER:
-            other = self._cycle_from(who, share * crank, np.where(holds, share, 1.0) * shaft)
-            same = np.where(holds, other.slip_time == 0.0, other.slip_time >= other.time * (1.0 - NEARLY))
-            turns_on |= (other.verdict == Verdict.OK) & same & (other.omega >= share * crank)
+            left = who[~turns_on]
+            if not left.size:
+                break
+            (crank, shaft), holds = self._speeds(left), self.joined.mode[left] == TOGETHER
+            other = self._cycle_from(left, share * crank, np.where(holds, share, 1.0) * shaft)
+            alike = np.where(holds, other.slip_time == 0.0, other.slip_time >= other.time * (1.0 - NEARLY))
+            turns_on[~turns_on] = (other.verdict == Verdict.OK) & alike & (other.omega >= share * crank)
         return turns_on
 
     def _speeds(self, who: np.ndarray) -> np.ndarray:

@@ -191,3 +191,17 @@ def test_crank_that_comes_to_rest_while_its_clutch_slips__stops_when_it_should(b
     assert found.status == [Verdict.OK]
     slow = INERTIA * (begin - fast) / (0.1 - pull)
     assert found["go.time"] == pytest.approx(slow + INERTIA * fast / (0.1 + pull), rel=1e-2 if fast else 1e-9)
+
+
+# Both sides at 5 and 20 rad/s, the shaft reduced to the crank; then a load brakes the locked machine to rest.
+@pytest.mark.parametrize(("shaft", "capacity", "load"), [(0.02, 0.2, 0.1), (0.05, 0.1, 0.3), (0.5, 0.2, 0.4)])
+def test_machine_whose_clutch_locks_after_some_cycles__comes_to_rest(shaft, capacity, load):
+    regime = run("rub", from_speed=5.0, from_shaft_speed=150.0, rest=True)
+    found = ask(
+        behind(rotor({"go": regime}, rub={"moment": load}), shaft, clutch=CLUTCH | {"capacity": capacity}), "go.time"
+    )
+    own, pull, fast = shaft * RATIO**2, capacity * RATIO, 150.0 / RATIO
+    lock = (fast - 5.0) / (pull / own + (pull - load) / INERTIA)
+    together = fast - pull / own * lock
+    assert found.status == [Verdict.OK]
+    assert found["go.time"] == pytest.approx(lock + together * (INERTIA + own) / load, rel=1e-8)
