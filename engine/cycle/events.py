@@ -14,7 +14,7 @@ from engine.compiling.decorators import inlined, routine
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import any_positive, fill
 from engine.cycle.panels.record import OF_ROUNDING
-from engine.cycle.panels.series import larger, smaller
+from engine.cycle.panels.series import TINY, larger, smaller
 from engine.cycle.panels.walk import Walk
 from engine.cycle.roots import FOUND, TURN, Root, Roots, Samples, open_row
 
@@ -423,11 +423,12 @@ def lay_edges(crossings: Roots, landmarks: Rows, cut_rows: np.ndarray, block: Ro
             off = 2.0 * value_error[lane] / abs(slopes[r, lane])
             edge.place[lane] = walk.direction[lane] * root.x[lane]
             # At a turning point f is flat, which would make the quotient unbounded.
-            edge.error[lane] = smaller(off, FLAT * walk.range[lane]) + ROUNDING * abs(root.x[lane])
+            edge.error[lane] = smaller(off, FLAT * walk.range[lane]) + larger(ROUNDING * abs(root.x[lane]), TINY)
     for i in range(cut_rows.shape[0]):
         edge, places = edges[count + i], block[cut_rows[i]]
         for lane in range(LANES):
-            edge.place[lane], edge.error[lane] = walk.direction[lane] * places[lane], ROUNDING * abs(places[lane])
+            edge.place[lane] = walk.direction[lane] * places[lane]
+            edge.error[lane] = larger(ROUNDING * abs(places[lane]), TINY)
     sort_edges(count + cut_rows.shape[0], edges)
     return count + cut_rows.shape[0]
 

@@ -28,8 +28,8 @@ class WorkSums(NamedTuple):
         Running integral so far.
     mean : row
         Mean minus initial value.
-    ended : row
-        Value of the curve at the end of the last panel, NaN before the first.
+    ended, before : row
+        Value of the curve at the end of the last panel, NaN before the first, and half of that panel's length.
     within : row
         Maximum error of running integrals within a panel.
     """
@@ -39,6 +39,7 @@ class WorkSums(NamedTuple):
     reached: Row
     mean: Row
     ended: Row
+    before: Row
     within: Row
 
 
@@ -80,9 +81,11 @@ def _errors(record: Record, step: int, moment: int, work: int, sums: WorkSums) -
         of_work.tail[lane] = tail
         sums.within[lane] = larger(tail, sums.within[lane]) if half > 0.0 else sums.within[lane]
         off = half * (left.missing[lane] + 2.0 * ROUNDING * scale[lane])
-        off += jump_error(values[0, lane] - ended, panels.opened[lane], half) if ended == ended else 0.0
+        longer = larger(half, sums.before[lane])
+        off += jump_error(values[0, lane] - ended, panels.opened[lane], longer) if ended == ended else 0.0
         offset[lane] += off if half > 0.0 else 0.0
         sums.ended[lane] = values[record.degree, lane] if half > 0.0 else ended
+        sums.before[lane] = half if half > 0.0 else sums.before[lane]
 
 
 @routine
@@ -104,7 +107,7 @@ def add_work(record: Record, moment: int, about_mean: int, work: int, sums: Work
     first, offset, tiles = record.whole[moment].first, record.whole[work].offset, record.work
     for lane in range(LANES):
         sums.total[lane] = sums.length[lane] = sums.reached[lane] = 0.0
-        sums.ended[lane], sums.within[lane] = math.nan, 0.0
+        sums.ended[lane], sums.before[lane], sums.within[lane] = math.nan, 0.0, 0.0
     for step in range(record.steps[0]):
         slot = step * record.curves
         _less_first(record.values[slot + moment], record.degree, first, tiles.shifted)
