@@ -306,3 +306,9 @@ def test_scale__of_the_number_or_of_its_surroundings(path, value, expected):
 )
 def test_unit_of_a_derivative__quotient(above, below, expected):
     assert unit_over(above, below) == expected
+
+
+def test_kink_at_the_place__figure_holds_the_jump():
+    made = derivative_of(sampled(lambda x: np.where(x > 0, 3 * x, x), 0.0, 1.0), 4 * EPS)
+    # Slopes of 1 and 3 differ by 2; their mean is all that differences to both sides can tell.
+    assert made.error[0] == pytest.approx(2, rel=1e-6)

@@ -149,7 +149,7 @@ def test_quantities__tells_symbol_unit_and_meaning_of_what_is_asked_by_name_or_b
 
 
 def test_help__explains_paths_of_the_user_and_types():
-    for asked in ("input.length", "groups.drive.first.length", "vary.input.length.from", "compressor"):
+    for asked in ("input.speed", "groups.drive.first.length", "vary.input.length.from", "compressor"):
         assert "required" in done("help", asked)
     assert "type: one of" in done("help", "elements.cam")
 

@@ -9,6 +9,7 @@ import math
 from itertools import pairwise
 
 import numpy as np
+import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from machines import frame, on, slider_crank
@@ -185,3 +186,14 @@ def test_windows_behind_a_shaft_of_any_ratio__each_stroke_does_its_work():
         for name in asked:
             assert alone.summaries[name][0] == found.summaries[name][i]
             assert alone.errors[name][0] == found.errors[name][i]
+
+
+@pytest.mark.parametrize("speed", [10.0, -10.0])
+def test_no_load_at_all__gives_exact_zeros(speed):
+    scene = {**CRANK, "input": {**CRANK["input"], "speed": speed}}
+    outcome = Machine(Scene.model_validate(scene), SUMMARIES).evaluate({})
+    for name in ("required_drive_moment", "required_power", "excess_work", "reduced_moment.rms"):
+        assert outcome.summaries[name][0] == 0.0
+        # Of squares below the least number that is kept in full nothing is known but that.
+        assert outcome.errors[name][0] <= 1.5e-154
+    assert np.isfinite(outcome.summaries["flywheel_wittenbauer"][0])
