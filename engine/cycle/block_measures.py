@@ -115,7 +115,7 @@ def measure_spaced(task: Task, answers: DriverAnswers, work: Workspace, first: i
         fill_spaced(unpacked(work.record), task.spaced[k], starts, ends, task.intervals, first, answers.spaced[k])
 
 
-# Those that search for extremes.
+# Measures that search for extremes.
 SEARCHES = ("fluctuations", "extremes", "arcs")
 # In the order in which they run, by the field of the task with what they measure.
 MEASURES = {

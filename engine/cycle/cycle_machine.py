@@ -115,7 +115,7 @@ class CycleOutcome:
     spaced : ndarray (results, variants, positions)
         Values at equally spaced positions.
     firsts : ndarray (curves, variants)
-        Initial values of the curves kept over the cycle, the first of the machine's.
+        Initial values of the curves kept over the cycle, the first ones of the plan.
     panels : ndarray (variants,) of int
         Number of panels.
     broken_at : ndarray (variants,)

@@ -194,8 +194,8 @@ class Workspace(NamedTuple):
     place : ndarray (3, POSITIONS, LANES)
         Positions of each lane's panel, with cosine and sine.
     tile : ndarray (curves of all steps, POSITIONS, LANES)
-        The record's values. A panel's curves are filled in where those of its step are kept; curves that aren't kept
-        lie behind them, until the next step.
+        Values of the record. A panel's curves are evaluated in place; those that aren't kept lie behind the others, and
+        are overwritten by the works and by the next step.
     level_tile : ndarray (levels, 1, LANES)
     figures, scales : many
         One for each curve.

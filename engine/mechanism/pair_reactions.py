@@ -50,8 +50,8 @@ class PairReactions:
     settlings : dict of str to Settled
         Per group with friction: pressing forces and margin against jamming.
     bending : dict of str to tuple of Node
-        Per pair with friction: what has a kink where the pair's load has one, its pressing force and, in a group, the
-        others that depend on it.
+        Per pair with friction: pressing forces that have a kink where the pair's load has one, its own and, in a group,
+        those of the other pairs.
     """
 
     def __init__(self, kinematics: Kinematics, applied: AppliedLoads, motion: InputMotion) -> None:
@@ -124,8 +124,8 @@ class PairReactions:
         named(settled.margin, f"{name} margin")
         named(settled.residual, f"{name} residual")
         for (_, pair), pressing in zip(frictional, settled.pressing, strict=True):
-            self.apply_friction(pair, named(pressing, f"{pair.name} pressing"), links)
             self.bending[pair.name] = settled.pressing
+            self.apply_friction(pair, named(pressing, f"{pair.name} pressing"), links)
         return [
             tuple(
                 sum((back[i][axis] * n for back, n in zip(backs, settled.pressing, strict=True)), free[i][axis])
@@ -158,7 +158,7 @@ class PairReactions:
         if pair.name not in self.rubs:
             return self.graph.zero
         rub = self.rubs[pair.name]
-        self.bending[pair.name] = (pressing,)
+        self.bending.setdefault(pair.name, (pressing,))
         friction = rub.drag * pressing
         self.variables[f"{pair.name}.{FRICTION_FIELDS[pair.kind]}"] = friction
         self.lost[pair.name] = rub.lost * pressing
@@ -171,7 +171,8 @@ class PairReactions:
         The reaction passes through zero where a link loaded only by its pairs changes from compression to tension.
         Friction tilts the reaction, but its component along a bar, or across a slide, still changes sign there.
         """
-        rub, found, loads = self.rubs.get(pair.name), [], [*self.bending.get(pair.name, ())]
+        rub, found = self.rubs.get(pair.name), []
+        loads = [*self.bending.get(pair.name, ())]
         if pair.kind == "revolute":
             loads.append(self.variables[f"{pair.name}.reaction"])
             ends = [name for name in (pair.link, pair.other) if name in unloaded]

@@ -335,7 +335,7 @@ MOST_REVOLUTIONS = 24
 class CrankInput(Part):
     """Rotating input link: a crank from a `pivot` on the frame to a `pin`; the generalised coordinate is its angle.
 
-    A wheel or drum to which no link is hinged needs no `pin` and `length`.
+    A wheel or drum with no link hinged to it needs no `pin` or `length`.
     `start` and `stop` limit a crank that doesn't turn fully; without them a cycle is `revolutions` turns.
     """
 

@@ -101,7 +101,7 @@ def optimise_study(
     with crew_of(client, task.study, layout_of(task.study), tell) as crew:
         trials = Trials(task, crew)
         if path.exists() and not restart and _is_finished(path, trials, tell):
-            # Left by a search that was ended when it had the result, unless another is using it.
+            # A search killed after its result was finished leaves this file; another process may be using it.
             with suppress(StoreError):
                 remove_unlocked(part_path(work))
             return path
@@ -253,7 +253,7 @@ def _finish(
     found = found | {"front": places} | spreads(trials.task, found, np.flatnonzero(places))
     count = places.size
     with Store.open(path, _final_layout(trials, count), restart=not keep) as store:
-        # None, if another process has finished the same search.
+        # No blocks are pending if another process has finished this search.
         for i in store.pending:
             store.write(i, {name: values[store.layout.slice(i)] for name, values in found.items()})
         by = "" if trials.crew is None else f"; computed by {trials.crew.words}"

@@ -183,9 +183,9 @@ def keep_as(path: Path, kept: Path) -> None:
     """Give a finished file, which another is about to replace, a second name."""
     kept.unlink(missing_ok=True)
     try:
-        # There is a file of the first name at any time.
         os.link(path, kept)
     except OSError:
+        # A file system without links: for a moment there is no file of the first name.
         path.replace(kept)
 
 

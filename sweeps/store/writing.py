@@ -198,9 +198,9 @@ class Store:
         self.close()
 
     def discard(self) -> None:
-        """Delete the part file, while no other sweep can use it."""
+        """Delete the part file under its lock."""
         with explained(self.part, "delete"):
-            self.part.unlink()
+            self.part.unlink(missing_ok=True)
         self.close()
 
     def close(self) -> None:

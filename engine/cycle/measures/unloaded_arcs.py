@@ -228,7 +228,7 @@ def extend(record: Record, force: Force, stretches: Stretches, i: int, side: int
     series = VectorSeries(record.coefficients[slot_x], record.coefficients[slot_y], lane)
     of_x, of_y = record.values[slot_x], record.values[slot_y]
     whole_x, whole_y = record.whole[force.x], record.whole[force.y]
-    # Next to a kink inside, the direction may go further by about as much as the series misses there.
+    # Next to a kink inside, the direction may go further by about the remainder of the series.
     bent = 1.0 + record.panels[step].bent[lane]
     off = bent * (record.left[slot_x].tail[lane] + record.left[slot_y].tail[lane]) + force.least_error
     off += ROUNDING * (whole_x.scale[lane] + whole_y.scale[lane]) + whole_x.offset[lane] + whole_y.offset[lane]
@@ -350,7 +350,7 @@ def find_unloaded_arcs(record: Record, x: int, y: int, greatest: ExtremeRows, st
             refining = extend_near(record, force, stretches, count, ends[before, 1], 1)
             refining |= extend_near(record, force, stretches, count, ends[after, 0], 0)
             arc, error, before, after = widest_gap(stretches, count)
-        # At a kink between two panels either of their stretches ends there, with an error of its own.
+        # At a kink between two panels both stretches end there, each with its own error.
         edges = edge_error(stretches, count, ends[before, 1], 1) + edge_error(stretches, count, ends[after, 0], 0)
         error = max(error, edges)
         middle = ends[before, 1] + 0.5 * arc

@@ -55,13 +55,13 @@ class Walk(NamedTuple):
     opened, next_opened, ahead : row
         Error estimate of the position of the edge at the start of this panel, of the next panel, and of the next edge.
     kink : row
-        Position of the next kink that a rejected panel had inside.
+        Position of the next kink, or of what may be two, that a rejected panel had inside.
     tried : row
-        Number of panels in a row rejected because of a kink.
+        Number of panels in a row rejected for that reason.
     sign : row
-        First position on [−1, 1] where a kink curve changes sign in the panel, else infinity.
+        First position on [−1, 1] where a kink curve changes sign in the panel, or may touch zero; else infinity.
     bent : row
-        1 if there is such a position, else 0.
+        1 if a kink curve changes sign in the panel, else 0.
     behind : row
         Number of edges passed.
     """
@@ -258,7 +258,8 @@ def find_kink(curve: Rows, degree: int, walk: Walk) -> None:
 def find_touch(curve: Rows, degree: int, scales: Scales, walk: Walk) -> None:
     """Reject each lane's panel if a kink curve may change sign and back between its positions.
 
-    A position at the turning point then shows whether it does. It is that of the parabola through three positions.
+    The next panel ends at the turning point, which shows whether it does. The turning point is that of the parabola
+    through three positions.
 
     Parameters
     ----------

@@ -28,6 +28,7 @@ class BeltElement(FrictionElement):
     has a `speed` and, with its `linear_density`, a centrifugal tension.
     """
 
+    # Its friction can't jam; the ratio of its tensions overflows.
     infinite: ClassVar = Verdict.NOT_FINITE
     one_of: ClassVar = (("tension", "moment"),)
     needs: ClassVar = {"linear_density": ("speed",)}

@@ -202,7 +202,7 @@ def _check_full(found: Optimum, rows: np.ndarray, effects: np.ndarray, names: Se
 def _radius(scene: Scene, radius: float | None) -> float:
     radius = scene.input.length if radius is None else radius
     if radius is None:
-        raise BalanceError("the crank has no pin, whose radius counterweights have by default: give their radius")
+        raise BalanceError("without a crankpin there is no default radius for the counterweights: give radius")
     if not radius > 0:
         raise BalanceError(f"radius = {radius!r}: give a positive distance of the counterweights from the axis")
     return radius

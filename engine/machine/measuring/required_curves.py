@@ -105,7 +105,7 @@ class RequiredCurves:
         # At kinks margins jump, however short a panel is; near 0 the requested forces keep panels short enough.
         self._jumping = {margin.curve for margin in jamming if self._kinks}
         self._auxiliary = [*self._kinks, *pressing]
-        # The cycle keeps the first curves; those behind them are only integrated or compared with their peaks.
+        # The cycle keeps the first curves; the others are only integrated, or needed for their maximum magnitude.
         measured = (a for kind, every in of.items() if kind is not Integral for a in every)
         kept = {c for a in (*measured, *self._followed) for c in a.curves}
         curves.sort(key=lambda curve: curve not in kept)

@@ -65,7 +65,7 @@ class Seen(NamedTuple):
     moment: np.ndarray
 
 
-class Mark(NamedTuple):
+class RunMark(NamedTuple):
     """What a run without an end is compared with after some cycles, (variants,) unless stated.
 
     Attributes
@@ -146,7 +146,7 @@ class CoupledRuns(MachineRuns):
         self.growing = np.full(count, np.nan)
         self.lock_time, self.lock_speed = np.full(count, np.nan), np.full(count, np.nan)
         self.unsettled, self.implicit = np.ones(count, bool), np.zeros(count, bool)
-        self.marks = Mark(np.full((2, count), np.nan), *np.full((len(Mark._fields) - 1, count), np.nan))
+        self.marks = RunMark(np.full((2, count), np.nan), *np.full((len(RunMark._fields) - 1, count), np.nan))
 
     def energies(self) -> tuple[np.ndarray, np.ndarray]:
         """Current kinetic energy of the shaft, and of both sides [J]."""
@@ -448,7 +448,7 @@ class CoupledRuns(MachineRuns):
         """Compare variants with their last marks, give up those that never end, and set their marks."""
         before, mode, moves = some(self.marks, who), self.joined.mode[who], self.joined.crank_direction[who] != 0.0
         turned, times = (self.turned[who], self.state[SHAFT_TURNED, who]), (self.time[who], self.slip_time[who])
-        now = Mark(self._speeds(who), *turned, moves, mode, *times)
+        now = RunMark(self._speeds(who), *turned, moves, mode, *times)
         cycles = now.turned / self.cycle
         whole = np.isclose(cycles, np.round(cycles), rtol=0.0, atol=NEARLY)
         change, since = now.speeds - before.speeds, np.fmax(np.abs(now.turned - before.turned) / self.cycle, 1.0)
