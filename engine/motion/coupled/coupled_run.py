@@ -253,7 +253,8 @@ class CoupledRuns(MachineRuns):
             Ending.CRANK_RESTS: crank_moves,
             Ending.SHAFT_RESTS: shaft_moves & ~holds,
             Ending.LOCKS_UP: slips,
-            Ending.ASTRAY: slips,
+            # Where one side stands, the slip ends when the other comes to rest.
+            Ending.ASTRAY: slips & ~stands,
             Ending.BREAKS_LOOSE: holds & crank_moves,
             Ending.SETS_OFF: stands,
             Ending.TOUCH: loose,
@@ -402,8 +403,9 @@ class CoupledRuns(MachineRuns):
             # The speeds differ by rounding: take their mean, weighted by inertia.
             crank, shaft = self.inertia(locked, self.turned[locked]), self.sides.shaft.inertia[locked]
             both = (crank * self.omega[locked] + shaft * self.shaft_omega[locked]) / (crank + shaft)
-            # A standing crank stays at rest.
-            both = np.where(self.joined.crank_direction[locked] == 0.0, 0.0, both)
+            # A standing side stays at rest.
+            stands = (self.joined.crank_direction[locked] == 0.0) | (self.joined.shaft_direction[locked] == 0.0)
+            both = np.where(stands, 0.0, both)
             self.state[CRANK_SPEED, locked] = self.state[SHAFT_SPEED, locked] = both
         rest = met(Ending.CRANK_RESTS)
         together = rest[self.joined.mode[rest] == TOGETHER]

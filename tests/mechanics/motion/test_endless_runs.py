@@ -20,7 +20,7 @@ from motion_scenes import (
 )
 from scipy.integrate import quad
 
-from engine import Scene, Verdict
+from engine import Machine, Scene, Verdict
 from engine.machine.one_machine.history import history
 from sweeps.report.regime_words import failure_text
 
@@ -205,3 +205,13 @@ def test_machine_whose_clutch_locks_after_some_cycles__comes_to_rest(shaft, capa
     together = fast - pull / own * lock
     assert found.status == [Verdict.OK]
     assert found["go.time"] == pytest.approx(lock + together * (INERTIA + own) / load, rel=1e-8)
+
+
+@pytest.mark.parametrize(("crank", "shaft"), [(38.0, 43.0), (50.0, 23.0)])
+def test_clutch_whose_sides_come_to_rest_one_after_the_other__stalls_for_ever(crank, shaft):
+    """The slip, the speed of the last side and its sign end at the same instant."""
+    begin = {"from_speed": crank, "from_shaft_speed": RATIO * shaft, "lock_up": True}
+    scene = behind(rotor({"go": run("rub oil", **begin)}), 1e-4, clutch=CLUTCH | {"capacity": 0.002})
+    load = np.random.default_rng(7).uniform(2.0, 4.0, 24)
+    machine = Machine(Scene.model_validate(scene), ["go.time"], (), ["moments.rub.moment"])
+    assert (machine.evaluate({"moments.rub.moment": load}).status == Verdict.STALLS).all()
