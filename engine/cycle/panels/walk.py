@@ -55,7 +55,7 @@ class Walk(NamedTuple):
     opened, next_opened, ahead : row
         Error estimate of the position of the edge at the start of this panel, of the next panel, and of the next edge.
     kink : row
-        Position of the next kink, or of what may be two, that a rejected panel had inside.
+        Position in a rejected panel at which a kink curve changes sign or may touch zero. The next panel ends there.
     tried : row
         Number of panels in a row rejected for that reason.
     sign : row

@@ -36,7 +36,7 @@ SAME_PEAK = 1e-12
 # there and part from each other over a cycle keep the real ones apart for ever.
 BETWEEN = (0.3, 0.7), (0.1, 0.2), (0.8, 0.9), (0.45, 0.55)
 # Speeds of the motion itself and of slower ones, as fractions of the present speed.
-SLOWER = 1.0, 0.5, 0.1
+NOT_FASTER = 1.0, 0.5, 0.1
 # Angles this close to the end of a cycle, as a fraction of it, count as its end.
 NEARLY = 1e-9
 # Steps of a standing machine to the next change.
@@ -496,7 +496,7 @@ class CoupledRuns(MachineRuns):
     def _turns_on(self, who: np.ndarray) -> np.ndarray:
         """Whether machines never stop: if their motion, or a slower one, isn't slower after a cycle."""
         turns_on = np.zeros(who.size, bool)
-        for share in SLOWER:
+        for share in NOT_FASTER:
             left = who[~turns_on]
             if not left.size:
                 break

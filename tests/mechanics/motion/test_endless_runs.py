@@ -215,3 +215,14 @@ def test_clutch_whose_sides_come_to_rest_one_after_the_other__stalls_for_ever(cr
     load = np.random.default_rng(7).uniform(2.0, 4.0, 24)
     machine = Machine(Scene.model_validate(scene), ["go.time"], (), ["moments.rub.moment"])
     assert (machine.evaluate({"moments.rub.moment": load}).status == Verdict.STALLS).all()
+
+
+@pytest.mark.parametrize(("end", "verdict"), [("lock_up", Verdict.STALLS), ("rest", Verdict.OK)])
+def test_crank_that_slips_to_rest_beside_a_standing_shaft__rests(end, verdict):
+    """The shaft is held by its own friction; the slip and the crank's speed end at the same instant."""
+    begin = {"from_speed": 30.0, "from_shaft_speed": 0.0, end: True}
+    scene = behind(rotor({"go": run("rub oil", **begin)}), 1e-3, clutch=CLUTCH | {"capacity": 0.05})
+    scene["moments"]["hold"] = {"type": "against_motion", "on": "motor_shaft", "moment": 2.0}
+    load = np.random.default_rng(3).uniform(0.01, 0.3, 24)
+    machine = Machine(Scene.model_validate(scene), ["go.time"], (), ["moments.rub.moment"])
+    assert (machine.evaluate({"moments.rub.moment": load}).status == verdict).all()
