@@ -66,7 +66,7 @@ def _closed(
     stages = (shares * own[:, :, :, :, None, :STATE]).reshape(drives, count, UNKNOWNS, UNKNOWNS)
     stages[..., np.arange(UNKNOWNS), np.arange(UNKNOWNS)] += 1.0
     # The slopes of a step, and the state at its end, as affine maps of the state at its start.
-    maps = np.linalg.solve(stages, own.reshape(drives, count, UNKNOWNS, COLUMNS))
+    maps = _solved(stages, own.reshape(drives, count, UNKNOWNS, COLUMNS))
     # Filled up to a power of 2 by steps that change nothing.
     after = np.tile(np.eye(COLUMNS), (drives, 1 << count.bit_length(), 1, 1))
     after[:, :count, :STATE] += (steps[:, :, None] * (_WEIGHTS @ maps.reshape(drives, count, STAGES, -1))).reshape(
@@ -78,14 +78,22 @@ def _closed(
         joined.append(joined[-1][:, 1::2] @ joined[-1][:, ::2])
     whole = joined.pop()[:, 0, :STATE]
     matrix = np.eye(STATE) - whole[:, :, :STATE]
-    matrix[np.linalg.det(matrix) == 0.0] = np.nan
-    start = np.linalg.solve(matrix, (whole[:, :, STATE] + lacking)[:, :, None])
+    start = _solved(matrix, (whole[:, :, STATE] + lacking)[:, :, None])
     nodes = np.concatenate([start, np.ones((drives, 1, 1))], axis=1)[:, None]
     for maps_of_steps in reversed(joined):
         nodes = np.stack([nodes, maps_of_steps[:, ::2] @ nodes], axis=2).reshape(drives, -1, COLUMNS, 1)
     nodes = nodes[:, : count + 1, :, 0]
     slopes = (maps @ nodes[:, :-1, :, None]).reshape(drives, count, STAGES, STATE).transpose(0, 3, 1, 2)
     return slopes, np.moveaxis(nodes[..., :STATE], 1, 2), whole[:, :, :STATE]
+
+
+def _solved(matrices: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Solutions of linear equations, as by `np.linalg.solve`, but NaN where a matrix is singular."""
+    try:
+        return np.linalg.solve(matrices, right)
+    except np.linalg.LinAlgError:
+        singular = np.linalg.slogdet(matrices).sign == 0.0
+        return np.linalg.solve(np.where(singular[..., None, None], np.nan, matrices), right)
 
 
 class CycleSums(NamedTuple):

@@ -321,6 +321,12 @@ def test_load_too_great_for_a_soft_shaft__turns_back():
     assert np.isnan(values["multiplier"][0])
 
 
+def test_shafts_too_soft__turn_back_also_where_the_search_ends_in_singular_equations():
+    # Searches that diverge reach 1e100, where rows of equations are equal to rounding.
+    status, _, _ = asked(yoke(SOFT), elements__d__stiffness=np.linspace(50.0, 500.0, 64))
+    assert set(status) == {Verdict.TURNS_BACK}
+
+
 @pytest.mark.parametrize("driver", [{}, {"motor_inertia": None, "driver": "wheel"}])
 def test_machine_without_inertia_at_dead_centres__says_so(driver):
     shafts = {"shafts": {"wheel": {"geared_to": "crank", "ratio": 1.0, "inertia": 0.5}}} if driver else {"shafts": {}}
