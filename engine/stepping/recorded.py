@@ -49,7 +49,8 @@ def made_steps(recorded: np.ndarray, steps: np.ndarray) -> MadeSteps:
         As in `Walks`.
     """
     variant, step = elements_of_counts(steps.astype(int))
-    begin, length, _, *rows = recorded[step, :, variant].T
+    # Row by row, since each is contiguous over the variants.
+    begin, length, _, *rows = (row[step, variant] for row in recorded.swapaxes(0, 1))
     samples = np.reshape(rows, (len(rows) // (SHOWN.size + 1), SHOWN.size + 1, variant.size))
     return MadeSteps(variant, begin, length, samples[:, :-1], samples[:, -1])
 

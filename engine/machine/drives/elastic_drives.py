@@ -133,7 +133,8 @@ class ElasticDrives:
         if not well.size:
             return
         part = ready.some(well)
-        runs = [self._run(name, part, steady[:, part.which], Stepping(longer=longer)) for longer in WALKS]
+        steppings = [Stepping(extremes=False, longer=longer) for longer in WALKS]
+        runs = [self._run(name, part, steady[:, part.which], stepping) for stepping in steppings]
         every = np.array(
             [(run.peak, run.peak_at, run.shaft_omega, run.omega, run.turned, run.stops, run.closings) for run in runs]
         )

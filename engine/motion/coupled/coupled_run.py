@@ -54,8 +54,8 @@ class Seen(NamedTuple):
         From the start of the walk [s].
     here : SidesAt
         States of both sides at the fractions SHOWN, (SHOWN, steps).
-    moment : ndarray (1, SHOWN, steps)
-        Torque of the coupling on the crank [N·m]; no row where nothing depends on it.
+    moment : ndarray (SHOWN, steps)
+        Torque of the coupling on the crank [N·m]; 0 where nothing depends on it.
     """
 
     column: np.ndarray
@@ -325,10 +325,7 @@ class CoupledRuns(MachineRuns):
         # Only the coupling is asked per step; the sides stay per variant.
         sides = self.sides._replace(coupling=some(self.sides.coupling, own))
         here = SidesAt(sides, phase, moving, self.time[own] + begin + SHOWN[:, None] * length)
-        moment = np.zeros((0, *moving.shape[1:]))
-        if self.stepping.peaks or self.observers or self.sides.two.is_clutch:
-            moment = self._moments(own, here, column, gone.numbers)[None]
-        return Seen(column, begin, length, here, moment)
+        return Seen(column, begin, length, here, self._moments(own, here, column, gone.numbers))
 
     def _passed_over(self, who: np.ndarray, seen: Seen) -> np.ndarray:
         """Time of a walk at which a clutch slips inside a step, unlike at its ends (held, or opposite slip); or inf.
@@ -338,9 +335,9 @@ class CoupledRuns(MachineRuns):
         first, (_, joined, moving, _) = np.full(who.size, np.inf), seen.here
         if not self.sides.two.is_clutch:
             return first
-        holds = (joined.mode == TOGETHER) & (joined.crank_direction != 0.0)
-        slip = joined.mode * (moving[SHAFT_SPEED] - moving[CRANK_SPEED])
-        margin = np.where(holds, seen.here.grip() - np.abs(seen.moment[0]), slip)
+        margin = joined.mode * (moving[SHAFT_SPEED] - moving[CRANK_SPEED])
+        holds = joined.holding()
+        margin[:, holds] = seen.here.some(holds).grip() - np.abs(seen.moment[:, holds])
         low, high = margin.min(axis=0), margin.max(axis=0)
         may = np.flatnonzero(low - EXCEEDS * (high - low) < 0.0)
         walked = seen.begin[may] + LOOKS * seen.length[may]
@@ -350,23 +347,27 @@ class CoupledRuns(MachineRuns):
 
     def _see(self, who: np.ndarray, seen: Seen) -> None:
         """Update minima, maxima and peaks from the steps of a walk."""
-        begin, speeds = self.time[who[seen.column]] + seen.begin, seen.here.moving[[CRANK_SPEED, SHAFT_SPEED]]
-        curves = -speeds, speeds, -seen.moment, seen.moment
-        top = tops_in_steps(seen.column, np.concatenate(curves), who.size)
-        self.lows[:, who] = np.fmin(self.lows[:, who], -top.value[:2])
-        self.highs[:, who] = np.fmax(self.highs[:, who], top.value[2:4])
-        for value, step, share in zip(*(row[4:] for row in top), strict=True):
-            # Ties go to the earlier step.
-            higher = np.flatnonzero(value > self.peak[who] * (1.0 + SAME_PEAK))
-            own = step[higher]
-            self.peak_at[who[higher]] = begin[own] + share[higher] * seen.length[own]
-            self.peak[who] = np.fmax(self.peak[who], value)
-        if self.observers and begin.size:
-            samples = np.array([seen.here.time, *seen.here.moving, *seen.moment])
-            self.see(CoupledMotion(self.sides, who[seen.column], seen.here.joined, samples))
+        every, speeds = who[seen.column], seen.here.moving[[CRANK_SPEED, SHAFT_SPEED]]
+        np.fmin.at(self.lows, (slice(None), every), speeds.min(axis=1))
+        np.fmax.at(self.highs, (slice(None), every), speeds.max(axis=1))
+        if self.stepping.extremes:
+            top = tops_in_steps(seen.column, np.concatenate((-speeds, speeds)), who.size)
+            self.lows[:, who] = np.fmin(self.lows[:, who], -top.value[:2])
+            self.highs[:, who] = np.fmax(self.highs[:, who], top.value[2:])
+        if self.stepping.peaks:
+            begin, both = self.time[every] + seen.begin, np.array([-seen.moment, seen.moment])
+            for value, step, share in zip(*tops_in_steps(seen.column, both, who.size), strict=True):
+                # Ties go to the earlier step.
+                higher = np.flatnonzero(value > self.peak[who] * (1.0 + SAME_PEAK))
+                own = step[higher]
+                self.peak_at[who[higher]] = begin[own] + share[higher] * seen.length[own]
+                self.peak[who] = np.fmax(self.peak[who], value)
+        if self.observers and every.size:
+            samples = np.array([seen.here.time, *seen.here.moving, seen.moment])
+            self.see(CoupledMotion(self.sides, every, seen.here.joined, samples))
 
     def _moments(self, who: np.ndarray, here: SidesAt, column: np.ndarray, numbers: np.ndarray) -> np.ndarray:
-        """Torques of the coupling at instants of steps, (instants, steps).
+        """Torques of the coupling at instants of steps, (instants, steps); if only clutches need them, where they hold.
 
         Parameters
         ----------
@@ -376,17 +377,17 @@ class CoupledRuns(MachineRuns):
         column : ndarray (steps,) of int
             Columns of `numbers`, those of the motion.
         """
-        joined, found = here.joined, here.apart_moment()
-        holds = (joined.mode == TOGETHER) & (joined.crank_direction != 0.0)
-        if holds.any():
-            turned, speed, other, shaft_speed = here.moving[..., holds]
-            system, own = self.sides.two.system, who[holds]
-            ways, crank = joined.crank_direction[holds], self.form.of(own)
+        found = here.apart_moment() if self.stepping.peaks or self.observers else np.zeros_like(here.time)
+        holds = here.joined.holding()
+        if holds.size:
+            held, system, own = here.some(holds), self.sides.two.system, who[holds]
+            (turned, speed, other, shaft_speed), ways = held.moving, held.joined.crank_direction
+            crank = self.form.of(own)
             # Torques jump at the ends of a step, not within it.
             turned[0] += ways * crank.break_offset(turned[0])
             turned[-1] -= ways * crank.break_offset(turned[-1])
             places = self.start[own] + self.variants.direction[own] * turned
-            states, clock = (turned, ways * speed, other, ways * shaft_speed), joined.clock[holds] + here.time[:, holds]
+            states, clock = (turned, ways * speed, other, ways * shaft_speed), held.joined.clock + held.time
             found[:, holds] = system.at(numbers, places, states, [system.shown["coupling"]], clock, column[holds])[0]
         return found
 
@@ -515,7 +516,7 @@ class CoupledRuns(MachineRuns):
         coupled = CoupledStanding(shaft, self.joined.engaged[who] + self.time[who])
         clock, unspoilt = self.clock[who] + self.time[who], np.zeros(who.size, np.uint8)
         ends = Ends.never(who.size, turned=np.full(who.size, self.cycle))
-        stepping = self.stepping._replace(extremes=False, peaks=False)
+        stepping = self.stepping._replace(extremes=True, peaks=False)
         begin = Standing(self.start[who], crank, clock, unspoilt, coupled)
         other = CoupledRuns(self.sides.some(who), begin, ends, stepping, ())
         other.go_to_end()

@@ -9,6 +9,7 @@ from engine.motion.coupled.two_sides import APART, FLUID, TOGETHER, CoupledSides
 from engine.motion.coupled.two_speeds import CRANK_SPEED, GRIP, SHAFT_SPEED
 from engine.motion.moments.equation_of_motion import MotionAt
 from engine.motion.one_speed import CHANNELS
+from engine.stepping.records import some
 
 
 class Pull(NamedTuple):
@@ -44,6 +45,11 @@ class SidesAt(NamedTuple):
     joined: Joined
     moving: np.ndarray
     time: np.ndarray
+
+    def some(self, chosen: np.ndarray) -> "SidesAt":
+        """A subset of the last axis, by index, where the numbers of the coupling have that axis, too."""
+        sides = self.sides._replace(coupling=some(self.sides.coupling, chosen))
+        return SidesAt(sides, some(self.joined, chosen), self.moving[..., chosen], self.time[..., chosen])
 
     def pull(self, moves: bool = True, **joined: np.ndarray) -> Pull:
         """Torques and accelerations of both sides.

@@ -166,6 +166,10 @@ class Joined(NamedTuple):
     engaged: np.ndarray
     touch: np.ndarray
 
+    def holding(self) -> np.ndarray:
+        """Indices of the clutches that hold in motion."""
+        return np.flatnonzero((self.mode == TOGETHER) & (self.crank_direction != 0.0))
+
 
 class CoupledSides(NamedTuple):
     """Both sides of a coupling, for a number of variants.

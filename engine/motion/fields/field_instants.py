@@ -107,8 +107,10 @@ class FieldInstants:
         def excess(share: np.ndarray) -> np.ndarray:
             return weighted(weights_at(share[None]), samples)[0, 0] - asked
 
-        zero = np.zeros(columns.size)
-        share = np.where(asked <= samples[0, 0], zero, regula_falsi(excess, zero, zero + 1.0))
+        first, last, zero = samples[0, 0], samples[0, -1], np.zeros(columns.size)
+        linear = motion.over_angle and not self.over_time
+        share = (asked - first) / (last - first) if linear else regula_falsi(excess, zero, zero + 1.0)
+        share = np.where(asked <= first, zero, share)
         states = motion.at(columns, share[None])
         # Exactly where requested, except next to a jump.
         (states.time if self.over_time else states.turned)[0, share > 0.0] = asked[share > 0.0]
