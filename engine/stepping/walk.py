@@ -30,15 +30,12 @@ from engine.stepping.steps.step_edges import (
     pass_edge,
 )
 from engine.stepping.steps.step_errors import (
-    FADES,
     GROW,
-    MANY,
     ROUNDED,
     SAFETY,
     carry_errors,
     energy_beside,
     is_rounding,
-    is_short,
     judge_steps,
     shorten,
 )
@@ -62,12 +59,11 @@ from engine.stepping.steps.step_lanes import (
     RISE,
     SLOPE,
     SPEED,
-    STEEPNESS,
     Room,
     WalkBatch,
     store_block,
 )
-from engine.stepping.walk_task import FADED, FULL, GOAL, GOING, GUARD, LONGEST, LOST, OTHER_GOAL, RANGE, STEEP, WalkTask
+from engine.stepping.walk_task import FADED, FULL, GOAL, GOING, GUARD, LONGEST, LOST, OTHER_GOAL, RANGE, WalkTask
 
 # Steps after which a walk can be interrupted.
 MOST_STEPS = 1 << 13
@@ -302,10 +298,6 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
             most = GROW * task.longer
             ahead = own.length[lane] * (share if share < most else most)
             own.pace[lane] = ahead if ahead > own.pace[lane] else own.pace[lane]
-            fades = own.pace[lane] * abs(watched[task.watched + STEEPNESS, lane])
-            short = own.steps[lane] > MANY and is_short(own.pace[lane], lane, task, room)
-            if own.why[lane] == GOING and short and fades > FADES and task.solved > 0 and not task.implicit:
-                own.why[lane] = STEEP
 
 
 # The walk

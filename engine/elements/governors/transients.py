@@ -14,9 +14,12 @@ import numpy as np
 from engine.elements.element import Element
 from engine.elements.governors.equilibria import GovernorVariants, Marks
 from engine.elements.governors.governor_forces import equilibrium_nodes, moving_inertia, numbers, rate_by
+from engine.graph.derivatives import derivative
 from engine.graph.nodes import Given, Graph, Number, Stage
 from engine.laws.governors import motion
+from engine.laws.kinematics.closure import greater
 from engine.laws.senses import past
+from engine.stepping.methods import EIGHT, NINE
 from engine.stepping.recorded import made_steps
 from engine.stepping.records import put, some
 from engine.stepping.runs import WalkedRuns
@@ -26,8 +29,8 @@ from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
 
 # Step tolerance, as a fraction of the range and of SPEED_SCALE times the speed, since governors work within a few
-# hundredths of it; largest angle of a step if the engine is a mechanism [rad].
-TOLERANCE, SPEED_SCALE, FARTHEST_TURN = 1e-7, 0.01, 0.25 * math.pi
+# hundredths of it; largest step, as an angle of the engine if that is a mechanism, else of a swing of the sleeve [rad].
+TOLERANCE, SPEED_SCALE, FARTHEST_TURN, FARTHEST_SWING = 1e-7, 0.01, 0.25 * math.pi, 2.0
 # Start of the last part of a run, in which the swing is measured, as a fraction of the run.
 LAST_PART = 0.75
 # Minimum number of steps of a recorded run.
@@ -46,15 +49,12 @@ ROOT = 1e-12
 
 
 class Moving(NamedTuple):
-    """States: angle and speed of the engine, rate of the governor's position, and that position.
-
-    The position is measured from a stop's range before the inner stop, so that it is positive.
-    """
+    """States: angle and speed of the engine, position of the governor from its inner stop, and its rate."""
 
     turned: Given | np.ndarray
     speed: Given | np.ndarray
-    velocity: Given | np.ndarray
     position: Given | np.ndarray
+    velocity: Given | np.ndarray
 
 
 class GovernorMode(NamedTuple):
@@ -87,13 +87,13 @@ def _governed_system(governor: Element, machine: bool) -> tuple[System, Graph, G
     """Equations of motion of a governor and its engine, or `machine`, whose curves are in memory."""
     graph = Graph()
     states = Moving(*(graph.given(label, Stage.STATE) for label in Moving._fields))
-    _, speed, velocity, position = states
+    _, speed, position, velocity = states
     held = GovernorMode(*(graph.given(label, Stage.STATE) for label in GovernorMode._fields))
     clock = graph.given("time", Stage.STATE)
     keys = ("ball_mass", "sleeve_mass", "engine.ratio", "damping", "friction", "engine.self_regulation")
     ball, sleeve, ratio, damping, friction, regulation = numbers(graph, *keys)
     steady, band, swift, width, *stops = numbers(graph, "steady", "band", "swift", "width", "inner", "outer")
-    x = stops[0] - width + position
+    x = stops[0] + position
     there, rates = equilibrium_nodes(governor, graph, x, stops, held.opens), governor.linkage(graph, x).rates(x)
     change, change_slope, share, other = graph.zero, graph.zero, graph.one, graph.zero
     if machine:
@@ -108,7 +108,7 @@ def _governed_system(governor: Element, machine: bool) -> tuple[System, Graph, G
     pull = 0.5 * square * speed * speed * whirl_rate - rates.sleeve * held_up
     own = moving_inertia(ball, sleeve, rates)
     acceleration = (pull - 0.5 * rate_by(own, x) * velocity * velocity) / own
-    place = position / width - 1.0
+    place = position / width
     inner, outer = (graph.apply(motion.room_ahead, *way) for way in ((-held.sense, place), (held.sense, 1.0 - place)))
     ahead = held.sense * velocity + BEHIND * swift
     releasing = graph.apply(motion.releasing_speeds, place, there.speed / ratio, friction / there.sleeve + SURELY)
@@ -131,17 +131,22 @@ def _governed_system(governor: Element, machine: bool) -> tuple[System, Graph, G
         switches.append(held.opens * (graph.number("engine.throttle.switch") - there.lift) + BEHIND * width)
         changed[held.opens] = graph.apply(past, switches[-1], held.opens, -held.opens)
     moves = held.sense * held.sense
+    rises = rise, moves * acceleration
+    slopes = [[derivative(each, {by: graph.one}) for by in (speed, velocity)] for each in rises]
     system = System(
         along="time",
         states=states,
-        rates=(speed, rise, moves * acceleration, moves * velocity),
+        rates=(speed, rise, moves * velocity, moves * acceleration),
         speed=speed,
         slope=rise,
+        steepness=graph.apply(greater, *(abs(row[i]) for i, row in enumerate(slopes))),
+        slopes=(*slopes[0], *slopes[1]),
         guards=(speed,),
         switches=tuple(switches),
         clock=clock,
         held=changed,
-        scales=(graph.one, SPEED_SCALE * steady, swift, width),
+        signed=True,
+        scales=(graph.one, SPEED_SCALE * steady, width, swift),
     )
     return system, graph, held
 
@@ -208,23 +213,26 @@ class _Runs(WalkedRuns):
         valve = g.governor.has_valve
         before = low + BELOW_SWITCH * (marks.before - low) if valve else marks.before
         begin, goal, half, outer = g.at(np.stack([before, marks.after, marks.middle, marks.outer])).each()
-        self.duration, self.origin = n["engine.duration"], low - width
+        self.duration, self.low = n["engine.duration"], low
         self.steady, band = goal.speed / ratio, n["engine.settling_band"] * goal.speed / ratio
         direction = 0.0 * low if valve else goal.speed - begin.speed
         self.upward = np.where(direction == 0.0, n["engine.load"] - n["engine.new_load"], direction) > 0.0
         speed, still = begin.speed / ratio, np.zeros(count)
-        self.state = Moving(still.copy(), speed.copy(), still.copy(), width + (before - low))
+        self.state = Moving(still.copy(), speed.copy(), before - low, still.copy())
         machine = cycle.size > 0
         system, graph, held = _governed_system(g.governor, machine)
         self.system = PrintedSystem(system, graph, graph.zero, graph.zero)
-        self.farthest = FARTHEST_TURN * self.longer if machine else math.inf
+        swift = width * np.sqrt(half.sleeve / (half.mass * outer.lift))
+        # Without a mechanism, a step is long or short compared with a swing of the sleeve.
+        self.farthest = self.longer * (FARTHEST_TURN + still if machine else FARTHEST_SWING * speed * width / swift)
+        self.implicit = np.zeros(count, bool)
         given = n | {
             "inner": low,
             "outer": marks.outer,
             "mean speed": marks.mean_speed / ratio,
             "steady": self.steady,
             "band": band,
-            "swift": width * np.sqrt(half.sleeve / (half.mass * outer.lift)),
+            "swift": swift,
             "width": width,
         }
         if machine:
@@ -267,18 +275,25 @@ class _Runs(WalkedRuns):
         if not self.recorded:
             return np.zeros((3, 0))
         time, position, speed = np.concatenate(self.recorded, axis=1)
-        lift = self.g.some(np.zeros(time.size, int)).at(self.origin[0] + position).lift
+        lift = self.g.some(np.zeros(time.size, int)).at(self.low[0] + position).lift
         return np.array([time, lift, speed])
 
     def advance(self, who: np.ndarray) -> None:
-        """Walk to the last part of the runs or to their end, or to the end of a walk."""
+        """Walk to the last part of the runs or to their end, to the end of a walk, or to a steep part of the motion."""
+        for implicit in (False, True):
+            own = who[self.implicit[who] == implicit]
+            if own.size:
+                self._advance(own, NINE if implicit else EIGHT)
+
+    def _advance(self, who: np.ndarray, method: int) -> None:
+        """Walk by a method."""
         time, duration = self.time[who], self.duration[who]
         early = time < LAST_PART * duration
         mark = np.where(early, LAST_PART, 1.0) * duration
         longest = duration / LEAST_RECORDED if self.records else np.inf
-        lanes = {"goal": mark - time, "tolerance": self.tolerance, "farthest": self.farthest, "longest": longest}
+        lanes = {"goal": mark - time, "tolerance": self.tolerance, "farthest": self.farthest[who], "longest": longest}
         lanes |= {"turned": self.state.turned[who], "pace": self.pace[who], "clock": time}
-        task = self.system.task(math.inf, extremes=True, longer=self.longer, root=ROOT)
+        task = self.system.task(math.inf, method, extremes=True, longer=self.longer, root=ROOT)
         state, numbers = np.array(some(self.state, who)), self.numbers.take(who, axis=1)
         gone = self.system.run(task, Start(numbers, lanes, state, recorded=MOST_STEPS if self.records else 0))
         if self.records:
@@ -291,6 +306,7 @@ class _Runs(WalkedRuns):
         self.numbers[:, who], self.pace[who] = gone.numbers, gone.pace
         self.time[who] = np.where(why == Why.GOAL, mark, time + gone.at)
         self.done[who] = (why == Why.GOAL) & ~early
+        self.implicit[who] |= why == Why.STEEP
         self.give_up(who[why == Why.GUARD], Verdict.STALLS)
         self.give_up(who[why == Why.LOST], Verdict.NOT_FINITE)
         self.give_up(who[(why == Why.FULL) & (gone.at < self.of_its_time * duration)])

@@ -11,9 +11,8 @@ from engine.stepping.steps.step_lanes import RESPONSES, SIZE, SLOPE, STEEPNESS, 
 from engine.stepping.walk_task import LOST, STEEP, WalkTask
 
 SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
-# After MANY steps an implicit method pays where steps are shorter than the fraction WORTH_SOLVING of the longest step
-# and |h ∂f/∂y| exceeds FADES.
-MANY, WORTH_SOLVING, FADES = 100, 0.05, 0.3
+# An implicit method pays where |h ∂f/∂y| limits explicit steps to less than this fraction of the longest step.
+WORTH_SOLVING = 0.05
 # The real eigenvalue of the matrix of Radau's method with five stages is 0.159; 1/4 of it filters error estimates.
 OWN_SHARE = 0.25 * 0.159
 # Errors below this fraction of a state are rounding; so is a distance to an edge.
