@@ -98,27 +98,13 @@ def build_baseline(folder: str) -> ctypes.CDLL:
 
 def call(function: Callable, *arguments: object) -> Callable[[], None]:
     """Call of a C++ function with its arguments converted in advance."""
-    converted = []
-    for a in arguments:
-        if isinstance(a, np.ndarray):
-            converted.append(a.ctypes.data_as(ctypes.c_void_p))
-        else:
-            converted.append(ctypes.c_double(a) if isinstance(a, float) else ctypes.c_int(a))
-
-    def run(keep: tuple = arguments) -> None:
-        function(*converted)
-
-    return run
+    converted = {np.ndarray: lambda a: a.ctypes, float: ctypes.c_double, int: ctypes.c_int}
+    return partial(function, *(converted[type(a)](a) for a in arguments))
 
 
 def baseline_inputs(name: str, varied: dict[str, np.ndarray]) -> tuple:
     numbers = all_numbers(CASES[name], varied, BASELINE_PATHS[name])
     return numbers, numbers.shape[1], VARIANTS, POSITIONS, cosines, sines
-
-
-def geometry_and_loads(name: str) -> dict[str, np.ndarray]:
-    case = CASES[name]
-    return sample(case, {**case.geometry, **case.loads}, VARIANTS)
 
 
 # The contests
@@ -138,7 +124,7 @@ class Errors(NamedTuple):
 
 def race_summaries(name: str, baseline: ctypes.CDLL) -> tuple[Contest, Errors, Errors]:
     """Summaries of a flywheel study, and the errors of both sides."""
-    varied, scene, names = geometry_and_loads(name), CASES[name].scene, asked(name)
+    varied, scene, names = sample(CASES[name], VARIANTS), CASES[name].scene, asked(name)
     machine = Machine(scene, names, varied=varied)
     values, figures = np.zeros((2, VARIANTS, len(names)))
     constants = (float(h), scene.input.speed, scene.flywheel.speed_fluctuation)
@@ -164,7 +150,7 @@ def race_summaries(name: str, baseline: ctypes.CDLL) -> tuple[Contest, Errors, E
 
 def race_fields(name: str, baseline: ctypes.CDLL) -> Contest:
     """I, dI/dφ and M kept at 720 positions."""
-    varied = geometry_and_loads(name)
+    varied = sample(CASES[name], VARIANTS)
     machine = Machine(CASES[name].scene, fields=FIELDS, varied=varied, positions=POSITIONS)
     buffer, rows = machine.new_buffer(VARIANTS), np.zeros((3, VARIANTS, POSITIONS))
     buffer.fill(0)
@@ -177,7 +163,7 @@ def race_fields(name: str, baseline: ctypes.CDLL) -> Contest:
 
 def cycle_time(name: str) -> float:
     """Time of the cycle's evaluation in the contest of fields, which determines verdicts, in µs per variant."""
-    varied = geometry_and_loads(name)
+    varied = sample(CASES[name], VARIANTS)
     measuring = Machine(CASES[name].scene, fields=FIELDS, varied=varied, positions=POSITIONS)._measuring
     table = measuring.numbers(Numbers(scene_numbers(CASES[name].scene), varied), VARIANTS)
     measuring(table)
@@ -186,7 +172,7 @@ def cycle_time(name: str) -> float:
 
 def race_reactions(baseline: ctypes.CDLL) -> Contest:
     """Reactions in all pairs of the six-bar, kept at 720 positions."""
-    name, varied = "six_bar", geometry_and_loads("six_bar")
+    name, varied = "six_bar", sample(CASES["six_bar"], VARIANTS)
     scene = CASES[name].scene
     machine = Machine(scene, fields=REACTIONS, varied=varied, positions=POSITIONS)
     buffer, rows = machine.new_buffer(VARIANTS), np.zeros((len(REACTIONS), VARIANTS, POSITIONS))
