@@ -5,7 +5,6 @@ A fork starts at the program's first line, without Python's start and the import
 
 import importlib
 import os
-import pkgutil
 import random
 import signal
 import subprocess
@@ -18,8 +17,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from mutations import load_program
 
-import sweeps
 from sweeps.__main__ import start
 from sweeps.run import runner
 from sweeps.run.cluster.crew import Crew
@@ -201,9 +200,7 @@ class Bench:
         self.held: dict[str, dict[str, bytes]] = {}
 
     def _load(self) -> None:
-        for found in pkgutil.walk_packages(sweeps.__path__, "sweeps."):
-            if not found.name.endswith("__main__"):
-                importlib.import_module(found.name)
+        load_program()
         for name in ("matplotlib.pyplot", "matplotlib.backends.backend_agg", "scipy.optimize", "distributed"):
             importlib.import_module(name)
         runner.block_size = lambda study, seconds: (
