@@ -53,7 +53,7 @@ def mechanism_plan(
             paper.name(joint.points[0], f"${subscript(joint.text)}$", clear=joint.size / paper.per_mm)
     for name, at in marked.items():
         paper.dot(at, f"${subscript(name)}$")
-    for link in pose.cycle.structure.links:
+    for link in pose.motion.structure.links:
         _number(paper, pose, link)
     motion.radius = usual
     paper.letter()
