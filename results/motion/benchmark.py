@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from cases import CASES, Case, prepare, require_engine_agrees, sample
+from cases import CASES, Case, prepare, require_engine_agrees
 from fixed_steps import LANES
 from matplotlib.figure import Figure
 from ours import ACCURACIES, OUR_RK4, OURS, OWN
@@ -27,7 +27,7 @@ from peers import HEYOKA_LANES, PEERS
 from reference import reference
 
 sys.path.append(str(Path(__file__).parents[1]))
-from measuring import alternating_times, processor
+from measuring import alternating_times, processor, sample
 
 from engine.compiling.threads import set_threads
 

@@ -3,12 +3,16 @@
 A case starts at φ = 0 with a given speed and ends after a number of revolutions, where ω and t are compared.
 """
 
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
 import mechanics
 import numpy as np
+
+sys.path.append(str(Path(__file__).parents[1]))
+from measuring import sample
 
 from engine import Machine, Scene
 from engine.scene.scene import scene_numbers
@@ -75,15 +79,6 @@ class Batch(NamedTuple):
     def variants(self) -> int:
         """Number of variants."""
         return self.p.shape[1]
-
-
-def sample(case: Case, variants: int, seed: int = 1) -> dict[str, np.ndarray]:
-    """Random values of the varied numbers."""
-    rng, numbers = np.random.default_rng(seed), scene_numbers(case.scene)
-    return {
-        path: numbers[path].value * rng.uniform(1 - spread, 1 + spread, variants)
-        for path, spread in case.varied.items()
-    }
 
 
 def prepare(case: Case, varied: dict[str, np.ndarray], real: type = np.float64) -> Batch:

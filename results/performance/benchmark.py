@@ -27,8 +27,8 @@ os.environ["OMP_WAIT_POLICY"] = "passive"
 import numpy as np
 
 sys.path.append(str(Path(__file__).parents[1]))
-from machines import BASELINE_PATHS, CASES, all_numbers, sample
-from measuring import alternating_times, processor
+from machines import BASELINE_PATHS, CASES, all_numbers
+from measuring import alternating_times, processor, sample
 
 from engine import Machine, scene_numbers
 from engine.scene.scene import Numbers
@@ -148,17 +148,19 @@ def race_summaries(name: str, baseline: ctypes.CDLL) -> tuple[Contest, Errors, E
     return found, *sides
 
 
-def race_fields(name: str, baseline: ctypes.CDLL) -> Contest:
-    """I, dI/dφ and M kept at 720 positions."""
+def race_fields(words: str, name: str, fields: list[str], function: Callable, *constants: float) -> Contest:
+    """Fields of a machine kept at 720 positions."""
     varied = sample(CASES[name], VARIANTS)
-    machine = Machine(CASES[name].scene, fields=FIELDS, varied=varied, positions=POSITIONS)
-    buffer, rows = machine.new_buffer(VARIANTS), np.zeros((3, VARIANTS, POSITIONS))
+    machine = Machine(CASES[name].scene, fields=fields, varied=varied, positions=POSITIONS)
+    buffer, rows = machine.new_buffer(VARIANTS), np.zeros((len(fields), VARIANTS, POSITIONS))
     buffer.fill(0)
-    rival = call(getattr(baseline, f"{name}_fields"), *baseline_inputs(name, varied), *rows)
+    rival = call(function, *baseline_inputs(name, varied), *constants, rows)
     machine.evaluate(varied, buffer=buffer)
     rival()
-    require_agreement(name, buffer, rows, np.abs(rows).max(axis=2, keepdims=True))
-    return contest(f"I, dI/dφ, M: {title(name)}", partial(machine.evaluate, varied, buffer=buffer), rival)
+    # Reactions of one pair may be small compared with those of another.
+    over = (0, 2) if fields == REACTIONS else 2
+    require_agreement(f"{words}, {name}", buffer, rows, np.abs(rows).max(axis=over, keepdims=True))
+    return contest(f"{words}: {title(name)}", partial(machine.evaluate, varied, buffer=buffer), rival)
 
 
 def cycle_time(name: str) -> float:
@@ -168,21 +170,6 @@ def cycle_time(name: str) -> float:
     table = measuring.numbers(Numbers(scene_numbers(CASES[name].scene), varied), VARIANTS)
     measuring(table)
     return float(np.median(alternating_times([partial(measuring, table)], ROUNDS))) * 1e6 / VARIANTS
-
-
-def race_reactions(baseline: ctypes.CDLL) -> Contest:
-    """Reactions in all pairs of the six-bar, kept at 720 positions."""
-    name, varied = "six_bar", sample(CASES["six_bar"], VARIANTS)
-    scene = CASES[name].scene
-    machine = Machine(scene, fields=REACTIONS, varied=varied, positions=POSITIONS)
-    buffer, rows = machine.new_buffer(VARIANTS), np.zeros((len(REACTIONS), VARIANTS, POSITIONS))
-    buffer.fill(0)
-    rival = call(baseline.six_bar_reactions, *baseline_inputs(name, varied), scene.input.speed, rows)
-    machine.evaluate(varied, buffer=buffer)
-    rival()
-    # Reactions of one pair may be small compared with those of another.
-    require_agreement("reactions", buffer, rows, np.abs(rows).max(axis=(0, 2), keepdims=True))
-    return contest(f"reactions of all pairs: {title(name)}", partial(machine.evaluate, varied, buffer=buffer), rival)
 
 
 # The report
@@ -227,7 +214,10 @@ def report() -> str:
     with tempfile.TemporaryDirectory() as folder:
         baseline = build_baseline(folder)
         summaries = [race_summaries(name, baseline) for name in CASES]
-        fields = [*(race_fields(name, baseline) for name in CASES), race_reactions(baseline)]
+        fields = [race_fields("I, dI/dφ, M", n, FIELDS, getattr(baseline, f"{n}_fields")) for n in CASES]
+        speed = CASES["six_bar"].scene.input.speed
+        words = "reactions of all pairs"
+        fields.append(race_fields(words, "six_bar", REACTIONS, baseline.six_bar_reactions, speed))
         cycles = ", ".join(f"{cycle_time(name):.2f} µs ({title(name)})" for name in CASES)
     words = TEXT.format(
         rounds=ROUNDS,

@@ -144,13 +144,6 @@ BASELINE_PATHS = {
 }
 
 
-def sample(case: Case, variants: int) -> dict[str, np.ndarray]:
-    """Uniform sample of the varied numbers, each within its spread about the scene's value."""
-    rng = np.random.default_rng(1)
-    numbers = scene_numbers(case.scene)
-    return {path: numbers[path].value * rng.uniform(1 - s, 1 + s, variants) for path, s in case.varied.items()}
-
-
 def all_numbers(case: Case, varied: dict[str, np.ndarray], paths: list[str]) -> np.ndarray:
     """Values of the paths for every variant, (variants, paths): the input of the C++ baseline."""
     numbers = scene_numbers(case.scene)
