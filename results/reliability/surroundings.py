@@ -108,7 +108,7 @@ def cache_refused(bench: Bench) -> None:
             environment["XDG_CACHE_HOME"] = str(bench.folder / "elsewhere")
         ended = bench.command(*job.arguments, environment=environment)
         said = ended.err.count("Machine code is compiled in every run")
-    wrong = ended.fault or ("" if ended.code == 0 else ended.err[-200:])
+    wrong = ended.failure
     if not wrong and allowed and way != "no home" and said != 1:
         wrong = f"reported {said} times: {ended.err[-200:]}"
     shutil.rmtree(bench.folder / "nowhere", ignore_errors=True)
@@ -138,15 +138,8 @@ def clock_set_back(bench: Bench) -> None:
     child.end()
     for path in (*bench.work.iterdir(), *(bench.folder / "cache").rglob("*")):
         os.utime(path, (time.time() + _YEAR,) * 2)
-    before, _ = bench.done(job), bench.written(job)
-    ended = bench.command(*job.arguments, prepare=_set_back)
-    wrong = ended.fault or ("" if ended.code == 0 else ended.err[-200:])
-    if not wrong and not bench.is_whole(job):
-        wrong = "the resumed file differs"
-    if not wrong and bench.written(job) & before:
-        wrong = "blocks computed twice"
-    bench.clear(job)
-    bench.note("clock set back, files of the future", "resumed", wrong)
+    wrong = bench.resumed(job, prepare=_set_back)
+    bench.note("clock set back, files of the future", "resumed", "; ".join(wrong))
 
 
 def together(bench: Bench) -> None:
