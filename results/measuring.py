@@ -1,11 +1,14 @@
-"""Processor time and type of processor, for all speed measurements."""
+"""Processor time, type of processor and random variants, for all speed measurements."""
 
 import platform
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+
+from engine import scene_numbers
 
 
 def seconds(run: Callable[[], object]) -> float:
@@ -33,6 +36,12 @@ def least_time(run: Callable[[], object], rounds: int = 5) -> float:
     """Minimum processor time [s] of some rounds after a first one, which compiles."""
     run()
     return float(alternating_times([run], rounds).min())
+
+
+def sample(case: Any, variants: int, seed: int = 1) -> dict[str, np.ndarray]:
+    """Random variants of a case, which has a `scene` and relative spreads by path, `varied`: uniform values by path."""
+    rng, numbers = np.random.default_rng(seed), scene_numbers(case.scene)
+    return {path: numbers[path].value * rng.uniform(1 - s, 1 + s, variants) for path, s in case.varied.items()}
 
 
 def processor() -> str:

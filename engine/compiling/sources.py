@@ -92,6 +92,6 @@ def digest_of_printed(code: PrintedCode) -> str:
 
 
 @cache
-def sources_digest() -> str:
-    """Digest of all engine sources and of the compiler versions."""
-    return _digest(frozenset((_ROOT / _PACKAGE).rglob("*.py")))
+def sources_digest(*others: str) -> str:
+    """Digest of all sources of the engine and of other packages beside it, and of the compiler versions."""
+    return _digest(frozenset(path for package in (_PACKAGE, *others) for path in (_ROOT / package).rglob("*.py")))

@@ -19,14 +19,16 @@ from closed_cycle import Cycle
 from closed_summaries import Summaries, Truth
 from matplotlib.figure import Figure
 from near_dead_centres import NearCycle, near_dead_centres
-from quantities import class_of, loads_of
+from quantities import LOADS, class_of
 from random_machines import Kind, Varied, kinds, machines, translated
 
 from engine import Machine
 from engine.compiling.threads import set_threads, threads
 
 HERE = Path(__file__).parent
-ACCURACIES = (None, 1e-3, 1e-6)
+# 0 stands for the default.
+ACCURACIES = (0.0, 1e-3, 1e-6)
+ALL = "**all**"
 NEAR = ("slider-crank", "crank-rocker")
 NOTHING = 5e-324
 # Negligible shortfall of an estimate, relative to the quantity.
@@ -37,27 +39,26 @@ SLIGHT = 1e-12
 DISTANCES = (0.0, 2.0**10, 2.0**20)
 
 
+# A summary of one machine at one accuracy, 0 for the default: true error and error estimate (`figure`), relative, and
+# the uncertainty of the reference (`doubt`).
+ROW = np.dtype(
+    [("kind", "U32"), ("near", bool), ("accuracy", float), ("name", "U64"), ("variant", int)]
+    + [(part, float) for part in ("error", "figure", "doubt")]
+)
+
+
 class Found(NamedTuple):
-    """Errors of all machines of a kind at one accuracy: each row is a summary of one machine.
+    """Rows of a kind of machine, words on those without a result, the references' last coefficients, time [s]."""
 
-    True errors and error estimates (`figures`) are relative; `doubts` are uncertainties of the reference.
-    """
-
-    kind: str
-    near: bool
-    accuracy: float | None
-    names: list[str]
-    variants: np.ndarray
-    errors: np.ndarray
-    figures: np.ndarray
-    doubts: np.ndarray
-    failed: int
+    rows: np.ndarray
+    failed: list[str]
     tail: float
+    seconds: float
 
-    @property
-    def beyond(self) -> np.ndarray:
-        """Excess of each true error over its estimate."""
-        return self.errors - self.doubts - self.figures
+
+def beyond(rows: np.ndarray) -> np.ndarray:
+    """Excess of each true error over its estimate."""
+    return rows["error"] - rows["doubt"] - rows["figure"]
 
 
 def truths_of(kind: Kind, varied: Varied, near: bool) -> tuple[list[dict[str, Truth]], float]:
@@ -89,20 +90,12 @@ def _peak(truths: dict[str, Truth], field: str) -> float:
     return max(truths[f"{field}.min"].size, truths[f"{field}.max"].size)
 
 
-def compared(
-    kind: Kind,
-    varied: Varied,
-    moved: np.ndarray,
-    truths: list[dict[str, Truth]],
-    accuracy: float | None,
-    near: bool,
-    tail: float,
-) -> Found:
-    """True errors and error estimates of a kind's summaries, without coordinates of moved machines."""
+def compared(kind: Kind, varied: Varied, moved: np.ndarray, truths: list[dict[str, Truth]], accuracy: float) -> tuple:
+    """Rows of a kind from the name on, without coordinates of moved machines; and the number of failures."""
     # With a required fluctuation the speeds are given and have no error.
     sized = "flywheel_wittenbauer" in kind.asked
     asked = [name for name in kind.asked if not (sized and name.startswith("speed_"))]
-    outcome = Machine(kind.scene, asked, (), list(varied), accuracy=accuracy).evaluate(varied)
+    outcome = Machine(kind.scene, asked, (), list(varied), accuracy=accuracy or None).evaluate(varied)
     rows = []
     for k in np.flatnonzero(outcome.status == 0):
         for name in asked:
@@ -112,14 +105,12 @@ def compared(
             coordinate = moved[k] and name.rpartition(".")[0].endswith(".x") and not name.endswith("_at")
             if np.isfinite(error) and scale > 0.0 and not coordinate:
                 rows.append((name, k, error / scale, outcome.errors[name][k] / scale, truth.doubt / scale))
-    names, *columns = zip(*rows, strict=True)
-    failed = int(np.count_nonzero(outcome.status))
-    return Found(kind.name, near, accuracy, list(names), *(np.array(c) for c in columns), failed, tail)
+    return rows, int(np.count_nonzero(outcome.status))
 
 
-def measured(index: int, count: int, near: bool) -> list[Found]:
+def measured(index: int, count: int, near: bool) -> Found:
     """One kind of machine under all accuracies."""
-    set_threads(1)
+    begin = time.process_time()
     kind = kinds()[index]
     varied = machines(kind, count)
     if near:
@@ -130,93 +121,66 @@ def measured(index: int, count: int, near: bool) -> list[Found]:
     moved = {path for path in there if there[path] is not varied.get(path)}
     here = {path: values - distance if path in moved else values for path, values in there.items()}
     truths, tail = truths_of(kind, here, near)
-    return [compared(kind, there, distance > 0.0, truths, accuracy, near, tail) for accuracy in ACCURACIES]
+    rows, failed = [], []
+    for accuracy in ACCURACIES:
+        some, lost = compared(kind, there, distance > 0.0, truths, accuracy)
+        rows += [(kind.name, near, accuracy, *row) for row in some]
+        failed += [f"{lost} of {kind.name}, accuracy {accuracy or None}"] if lost else []
+    found = Found(np.array(rows, ROW), failed, tail, time.process_time() - begin)
+    print(f"{kind.name}{', near' if near else ''}: {found.seconds:.0f} s", flush=True)
+    return found
 
 
 # The report
 
 
-def _cell(errors: np.ndarray, figures: np.ndarray, doubts: np.ndarray) -> str:
-    if not errors.size:
-        return "–"
-    rest = np.maximum(errors - doubts, 0.0)
-    covered = 100.0 * np.count_nonzero(rest <= figures) / errors.size
+def _cell(rows: np.ndarray) -> str:
+    rest = np.maximum(rows["error"] - rows["doubt"], 0.0)
+    covered = 100.0 * np.mean(rest <= rows["figure"])
     with np.errstate(over="ignore"):
-        ratio = float(np.median(figures / np.maximum(rest, NOTHING)))
+        ratio = float(np.median(rows["figure"] / np.maximum(rest, NOTHING)))
     return f"{covered:.2f} % ({ratio:.2g})" if ratio < 1e4 else f"{covered:.2f} % (> 1e4)"
 
 
-def _columns(results: list[Found], near: bool) -> list[Found]:
-    """Errors of all kinds together, for each accuracy."""
-    found = []
-    for accuracy in ACCURACIES:
-        some = [r for r in results if r.near == near and r.accuracy == accuracy]
-        names = [name for r in some for name in r.names]
-        rows = [
-            np.concatenate([getattr(r, part) for r in some]) for part in ("variants", "errors", "figures", "doubts")
-        ]
-        failed, tail = sum(r.failed for r in some), max(r.tail for r in some)
-        found.append(Found("all", near, accuracy, names, *rows, failed, tail))
-    return found
-
-
-def table(results: list[Found], near: bool) -> list[str]:
+def table(rows: np.ndarray) -> list[str]:
     """Lines of the table of coverage by class of quantity."""
-    columns = _columns(results, near)
-    labels = ["default" if a is None else f"accuracy {a:g}" for a in ACCURACIES]
+    labels = [f"accuracy {a:g}" if a else "default" for a in ACCURACIES]
     lines = ["| | summaries | " + " | ".join(labels) + f" | too small by > {SLIGHT:g} | largest shortfall |"]
     lines.append("|---" * (len(labels) + 4) + "|")
-    classes = [np.array([class_of(name) for name in column.names]) for column in columns]
-    for one in sorted(set(classes[0])):
-        cells = []
-        for column, names in zip(columns, classes, strict=True):
-            pick = names == one
-            cells.append(_cell(column.errors[pick], column.figures[pick], column.doubts[pick]))
-        cells += _shortfalls(columns[0].beyond[classes[0] == one])
-        lines.append(f"| {one} | {np.count_nonzero(classes[0] == one)} | {' | '.join(cells)} |")
-    cells = [_cell(column.errors, column.figures, column.doubts) for column in columns]
-    cells += _shortfalls(columns[0].beyond)
-    return [*lines, f"| **all** | {columns[0].errors.size} | {' | '.join(cells)} |", ""]
+    classes = np.array([class_of(name) for name in rows["name"]])
+    for title in (*sorted(set(classes)), ALL):
+        own = rows[(classes == title) | (title == ALL)]
+        cells = [_cell(own[own["accuracy"] == accuracy]) for accuracy in ACCURACIES]
+        excess = beyond(own[own["accuracy"] == 0.0])
+        cells.append(f"{100.0 * np.mean(excess > SLIGHT):.2f} %")
+        cells.append(f"{excess.max():.1e}" if excess.max() > 0.0 else "–")
+        lines.append(f"| {title} | {excess.size} | {' | '.join(cells)} |")
+    return [*lines, ""]
 
 
-def _shortfalls(beyond: np.ndarray) -> list[str]:
-    """Share of estimates that are too small by more than rounding, and the largest shortfall."""
-    share = 100.0 * np.count_nonzero(beyond > SLIGHT) / beyond.size
-    return [f"{share:.2f} %", f"{beyond.max():.1e}" if beyond.max() > 0.0 else "–"]
-
-
-def uncovered(results: list[Found], count: int) -> list[str]:
-    """Table lines of the largest true errors beyond their estimates, by default, without positions of extremes."""
-    rows = {}
-    for r in results:
-        if r.accuracy is not None:
-            continue
-        for i in np.argsort(-r.beyond):
-            if r.beyond[i] <= 0.0:
-                break
-            if r.names[i].endswith("_at"):
-                continue
-            row = rows.setdefault((r.kind, r.near, r.names[i]), [r.errors[i], r.figures[i], int(r.variants[i]), 0])
-            row[3] += 1
-    worst = sorted(rows.items(), key=lambda item: item[1][1] - item[1][0])[:count]
+def uncovered(rows: np.ndarray, count: int) -> list[str]:
+    """Table lines of the largest true errors beyond their estimates, without positions of extremes."""
+    rows = rows[(beyond(rows) > 0.0) & ~np.char.endswith(rows["name"], "_at")]
+    rows = rows[np.argsort(-beyond(rows))]
+    _, first, cases = np.unique(rows[["kind", "near", "name"]], return_index=True, return_counts=True)
+    worst = np.argsort(first)[:count]
     return [
-        f"| {kind}{', near a dead centre' if near else ''} | {name} | {k} | {error:.2g} | {figure:.2g} | {many} |"
-        for (kind, near, name), (error, figure, k, many) in worst
+        f"| {row['kind']}{', near a dead centre' if row['near'] else ''} | {row['name']} | {row['variant']} | "
+        f"{row['error']:.2g} | {row['figure']:.2g} | {many} |"
+        for row, many in zip(rows[first[worst]], cases[worst], strict=True)
     ]
 
 
-def draw(results: list[Found]) -> Figure:
-    """Estimates over true errors by default, for each kind of load."""
+def draw(rows: np.ndarray) -> Figure:
+    """Estimates over true errors, for each kind of load."""
     figure = Figure(figsize=(12, 3.8), layout="constrained")
     axes = figure.subplots(1, 4, sharex=True, sharey=True)
     random = np.random.default_rng(0)
-    shown = {loads: [r for r in results if not r.near and loads_of(r.kind) == loads] for loads in LOADS}
-    shown["near dead centres"] = [r for r in results if r.near]
+    shown = {loads: rows[~rows["near"] & np.isin(rows["kind"], names)] for loads, names in LOADS.items()}
+    shown["near dead centres"] = rows[rows["near"]]
     for ax, (title, some) in zip(axes, shown.items(), strict=True):
-        some = [r for r in some if r.accuracy is None]
-        errors, figures = (np.concatenate([getattr(r, part) for r in some]) for part in ("errors", "figures"))
-        pick = random.permutation(errors.size)[:4000]
-        ax.scatter(np.maximum(errors[pick], 1e-20), np.maximum(figures[pick], 1e-20), s=3, alpha=0.3, lw=0)
+        some = random.permutation(some)[:4000]
+        ax.scatter(np.maximum(some["error"], 1e-20), np.maximum(some["figure"], 1e-20), s=3, alpha=0.3, lw=0)
         ax.plot([1e-20, 10], [1e-20, 10], "k", lw=0.8)
         ax.set(xscale="log", yscale="log", xlim=(5e-21, 3), ylim=(5e-21, 10), xlabel="true error, relative")
         ax.set_title(title)
@@ -225,7 +189,6 @@ def draw(results: list[Found]) -> Figure:
     return figure
 
 
-LOADS = ("smooth", "kinks", "jumps")
 TEXT = """# Error estimates against true errors
 
 {machines} random machines of {kinds} structures (`random_machines.py`), and {near} slider-cranks and crank-rockers
@@ -253,39 +216,30 @@ def main() -> None:
     names = [kind.name for kind in kinds()]
     tasks = [(i, count, False) for i in range(len(names))] + [(names.index(name), count, True) for name in NEAR]
     with ProcessPoolExecutor(threads(), initializer=set_threads, initargs=(1,)) as pool:
-        found = list(pool.map(timed, *zip(*tasks, strict=True)))
-    results = [r for some, _ in found for r in some]
-    failed = [r for r in results if r.failed]
-    words = "; ".join(f"{r.failed} of {r.kind}, accuracy {r.accuracy}" for r in failed)
+        found = list(pool.map(measured, *zip(*tasks, strict=True)))
+    rows = np.concatenate([one.rows for one in found])
+    default, words = rows[rows["accuracy"] == 0.0], "; ".join(word for one in found for word in one.failed)
     text = TEXT.format(
         machines=count * len(names),
         kinds=len(names),
         slight=SLIGHT,
-        tail=max(r.tail for r in results if not r.near),
-        near_tail=max(r.tail for r in results if r.near),
+        tail=max(one.tail for one in found[: len(names)]),
+        near_tail=max(one.tail for one in found[len(names) :]),
         near=count * len(NEAR),
-        failed=f"Omitted, as the engine gave no result: {words}.\n" if failed else "",
-        minutes=sum(seconds for _, seconds in found) / 60.0,
+        failed=f"Omitted, as the engine gave no result: {words}.\n" if words else "",
+        minutes=sum(one.seconds for one in found) / 60.0,
         system=f"{platform.machine()}, Python {platform.python_version()}",
     )
-    lines = [text, "## Random machines", "", *table(results, near=False)]
-    lines += ["## Near dead centres and change points", "", *table(results, near=True)]
+    lines = [text, "## Random machines", "", *table(rows[~rows["near"]])]
+    lines += ["## Near dead centres and change points", "", *table(rows[rows["near"]])]
     lines += ["## Largest shortfalls, by default", ""]
-    rows = uncovered(results, 15)
+    worst = uncovered(default, 15)
     heading = ["Relative to the size of the quantity, without positions of extremes; `cases`: number of machines.", ""]
     heading += ["| machine | summary | variant | error | estimate | cases |", "|---|---|---|---|---|---|"]
-    lines += [*heading, *rows, ""] if rows else ["None.", ""]
+    lines += [*heading, *worst, ""] if worst else ["None.", ""]
     (HERE / "calibration.md").write_text("\n".join(lines), encoding="utf8")
-    draw(results).savefig(HERE / "calibration.png", dpi=110)
+    draw(default).savefig(HERE / "calibration.png", dpi=110)
     print("\n".join(lines))
-
-
-def timed(index: int, count: int, near: bool) -> tuple[list[Found], float]:
-    """Result of `measured`, and its processor time."""
-    begin = time.process_time()
-    found = measured(index, count, near)
-    print(f"{found[0].kind}{', near' if near else ''}: {time.process_time() - begin:.0f} s", flush=True)
-    return found, time.process_time() - begin
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from closed_forces import Dynamics, Ends, Loads, Where
+from closed_forces import Dynamics, Ends, Loads
 from closed_motion import Motion, numbers_of
 from numpy.polynomial import legendre
 from taylor import PI, Series
@@ -53,11 +53,10 @@ TO_SERIES = np.stack(
 
 
 class Panels(NamedTuple):
-    """Panels of a cycle: starts and lengths, and the middle of the piece that each belongs to."""
+    """Panels of a cycle: starts and lengths."""
 
     begin: np.ndarray
     length: np.ndarray
-    middle: np.ndarray
 
     @property
     def nodes(self) -> np.ndarray:
@@ -132,16 +131,15 @@ class Curve:
         for pick in (np.argmin, np.argmax):
             k = pick(values)
             tied = np.abs(values - values[k]) <= EQUAL * (values.max() - values.min())
-            found.append(Extreme(values[k], angles[k], self.panels.middle[panel[k]], angles[tied]))
+            found.append(Extreme(values[k], angles[k], angles[tied]))
         return found[0], found[1]
 
 
 class Extreme(NamedTuple):
-    """An extreme value, its angle, the middle of its piece, and all angles at which the curve reaches it."""
+    """An extreme value, its angle, and all angles at which the curve reaches it."""
 
     value: np.longdouble
     angle: np.longdouble
-    middle: np.longdouble
     ties: np.ndarray
 
 
@@ -236,8 +234,7 @@ class Cycle:
         return Motion(self.scene, self.numbers, angles, 2)
 
     def _loads(self, angles: np.ndarray) -> Loads:
-        motion = self.motion(angles)
-        return Loads(self.scene, self.numbers, Where(motion, motion), self.ends)
+        return Loads(self.motion(angles), self.ends)
 
     def _breaks(self, grid: np.ndarray) -> np.ndarray:
         found = []
@@ -255,16 +252,13 @@ class Cycle:
     def _cut(self, count: int) -> Dynamics:
         """Cut the pieces into panels; returns the dynamics at their nodes."""
         ends = np.append(self.breaks, self.breaks[0] + TURN)
-        begins, lengths, middles = [], [], []
+        begins, lengths = [], []
         for a, b in pairwise(ends):
             parts = max(int(np.ceil((b - a) * count / TURN)), 1)
             begins.append(a + (b - a) * np.arange(parts) / parts)
             lengths.append(np.full(parts, (b - a) / parts))
-            middles.append(np.full(parts, (a + b) / 2))
-        self.panels = Panels(*(np.concatenate(parts) for parts in (begins, lengths, middles)))
-        nodes = self.panels.nodes
-        where = Where(self.motion(nodes.ravel()), self.motion(np.repeat(self.panels.middle, NODES)))
-        return Dynamics(self.scene, self.numbers, where, self.ends)
+        self.panels = Panels(np.concatenate(begins), np.concatenate(lengths))
+        return Dynamics(self.motion(self.panels.nodes.ravel()), self.ends)
 
     def _resolve(self, count: int) -> float:
         """Fields on a number of panels; returns the remainder of the series at their last degrees."""

@@ -1,18 +1,16 @@
 """Loads, reduced inertia and moment, and reactions in all pairs, in Taylor series on the motion of `closed_motion`.
 
 Loads that switch (a force over a stroke, one direction of motion only, valves of a compressor) are smooth between the
-angles at which their switches change sign. Which branch holds is decided at the middle of such a piece, so that a
-point at its end still belongs to it.
+angles at which their switches change sign; the nodes of panels are within.
 """
 
 from typing import NamedTuple
 
 import numpy as np
-from closed_motion import Motion, Numbers, Place
+from closed_motion import Motion, Place
 from scipy.interpolate import CubicSpline, PchipInterpolator
 from taylor import LONG, PI, Series
 
-from engine import Scene
 from engine.scene.attachments import bearer_of
 from engine.scene.pairs import holder_of
 
@@ -31,13 +29,6 @@ class Wrench(NamedTuple):
     def about(self, place: Place) -> Series:
         """Moment about a point."""
         return self.moment - place.across(self.force)
-
-
-class Where(NamedTuple):
-    """The motion at given angles, and at the middles of the pieces that they belong to."""
-
-    here: Motion
-    middle: Motion
 
 
 def chosen(condition: np.ndarray, one: Series, other: object) -> Series:
@@ -65,9 +56,9 @@ def angle_pieces(action: object) -> tuple[np.ndarray, np.ndarray]:
 class Loads:
     """Loads on the links of a machine at constant crank speed."""
 
-    def __init__(self, scene: Scene, numbers: Numbers, where: Where, ends: Ends) -> None:
-        self.scene, self.numbers, self.where, self.ends = scene, numbers, where, ends
-        self.motion = where.here
+    def __init__(self, motion: Motion, ends: Ends) -> None:
+        self.motion, self.scene, self.numbers, self.ends = motion, motion.scene, motion.numbers, ends
+        scene, numbers = self.scene, self.numbers
         self.speed = numbers["input.speed"]
         # The reduced moment of each load, and its forces on the links.
         self.moments: list[Series] = []
@@ -80,15 +71,11 @@ class Loads:
         for name, force in scene.forces.items():
             self._force(name, force)
         for name, moment in scene.moments.items():
-            rate = self.motion.links[moment.on].rate
-            self._twist(moment.on, self._value(f"moments.{name}", moment, rate, self._middle_rate(moment.on)))
+            self._twist(moment.on, self._value(f"moments.{name}", moment, self.motion.links[moment.on].rate))
         for name in scene.springs:
             self._spring(name)
         for name in scene.cylinders:
             self._cylinder(name)
-
-    def _middle_rate(self, link: str) -> np.ndarray:
-        return self.where.middle.links[link].rate[0]
 
     def _push(self, link: str, place: Place, force: Place) -> None:
         self.wrenches[link].append(Wrench(force, place.across(force)))
@@ -110,40 +97,38 @@ class Loads:
         angle = self.numbers[f"{at}.angle"]
         c, s = np.cos(angle), np.sin(angle)
         way = Place(self.motion.zero + c, self.motion.zero + s)
-        there = self.where.middle.points[force.on].by_angle()
-        middle = there.x[0] * c + there.y[0] * s
-        self._push(link, place, way.times(self._value(at, force, place.by_angle().along(way), middle)))
+        self._push(link, place, way.times(self._value(at, force, place.by_angle().along(way))))
 
-    def _value(self, at: str, action: object, rate: Series, middle: np.ndarray) -> Series:
-        """Value of a characteristic; `rate` is the velocity along it by the crank angle, `middle` its value there."""
-        n, zero = self.numbers, self.motion.zero
+    def _value(self, at: str, action: object, rate: Series) -> Series:
+        """Value of a characteristic; `rate` is the velocity along it by the crank angle."""
+        n, zero, velocity = self.numbers, self.motion.zero, rate[0] * self.speed
         match action.type:
             case "constant":
                 value = zero + n[f"{at}.{'force' if hasattr(action, 'force') else 'moment'}"]
             case "against_motion":
                 size = n[f"{at}.{'force' if hasattr(action, 'force') else 'moment'}"]
-                value = chosen(middle * self.speed > 0, zero - size, size)
+                value = chosen(velocity > 0, zero - size, size)
                 self.switches.append(rate)
             case "linear_drag":
                 value = rate * (-n[f"{at}.coefficient"] * self.speed)
             case "quadratic_drag":
                 square = rate * rate * (n[f"{at}.coefficient"] * self.speed * self.speed)
-                value = chosen(middle * self.speed > 0, -square, square)
+                value = chosen(velocity > 0, -square, square)
                 self.switches.append(rate)
             case "table":
                 over = self._over_angle if action.over_angle is not None else self._over_stroke
                 value = over(action) * n[f"{at}.scale"]
         if getattr(action, "acts", "always") != "always":
             direction = 1 if action.acts == "along" else -1
-            value = chosen(direction * middle * self.speed > 0, value, 0)
+            value = chosen(direction * velocity > 0, value, 0)
             self.switches.append(rate)
         return value
 
     def _over_angle(self, action: object) -> Series:
         breaks, cubics = angle_pieces(action)
         turn = 2 * PI
-        shift = np.floor(np.asarray((self.where.middle.angles - LONG(float(breaks[0]))) / turn, float)).astype(int)
-        inside = np.asarray(self.where.middle.angles, float) - 2 * np.pi * shift
+        shift = np.floor(np.asarray((self.motion.angles - LONG(float(breaks[0]))) / turn, float)).astype(int)
+        inside = np.asarray(self.motion.angles, float) - 2 * np.pi * shift
         piece = np.clip(np.searchsorted(breaks, inside, "right") - 1, 0, breaks.size - 2)
         t = self.motion.angles - shift * turn - LONG(breaks[piece])
         terms = [LONG(c[piece]) for c in cubics]
@@ -157,15 +142,14 @@ class Loads:
         low, high = self.ends.get(action.slider, (0, 0))
         origin, sense = {"guide": (0, 1), "low end": (-low, 1), "high end": (high, -1)}[action.measured_from]
         place = self.motion.slides[action.slider] * sense + origin
-        middle = self.where.middle.slides[action.slider][0] * sense + origin
         assert action.interpolation == "linear", "tables over a stroke: linear"
         x, y = action.over_stroke, action.force
         hold = action.outside == "hold"
         value = place * 0 + (LONG(y[0]) if hold else 0)
         for x0, x1, y0, y1 in zip(x, x[1:], y, y[1:], strict=False):
             slope = (LONG(y1) - LONG(y0)) / (LONG(x1) - LONG(x0))
-            value = chosen(middle >= LONG(x0), (place - LONG(x0)) * slope + LONG(y0), value)
-        value = chosen(middle > LONG(x[-1]), place * 0 + (LONG(y[-1]) if hold else 0), value)
+            value = chosen(place[0] >= LONG(x0), (place - LONG(x0)) * slope + LONG(y0), value)
+        value = chosen(place[0] > LONG(x[-1]), place * 0 + (LONG(y[-1]) if hold else 0), value)
         self.switches += [place - LONG(at) for at in x]
         return value
 
@@ -183,33 +167,32 @@ class Loads:
     def _cylinder(self, name: str) -> None:
         cylinder, at, n = self.scene.cylinders[name], f"cylinders.{name}", self.numbers
         piston = self.motion.links[cylinder.piston]
-        slide, middle = self.motion.slides[cylinder.piston], self.where.middle.slides[cylinder.piston]
+        slide = self.motion.slides[cylinder.piston]
         sign = 1 if cylinder.head == "high" else -1
-        toward = middle[1] * self.speed * sign > 0
+        toward = slide[1] * self.speed * sign > 0
         low, high = self.ends[cylinder.piston]
         travel = slide * -sign + (high if sign > 0 else -low)
-        inside = middle[0] * -sign + (high if sign > 0 else -low)
         self.switches.append(slide.by_angle())
         if cylinder.type == "pump":
             pressure = chosen(toward, travel * 0 + n[f"{at}.discharge"], n[f"{at}.suction"])
         else:
-            pressure = self._compressor(at, travel, inside, toward, high - low)
+            pressure = self._compressor(at, travel, toward, high - low)
         area = PI * n[f"{at}.bore"] ** 2 / 4
         force = (pressure - n[f"{at}.ambient"]) * (-sign * area)
         assert bearer_of(self.scene, cylinder.piston) == "frame"
         self._push(cylinder.piston, piston.origin, piston.way.times(force))
 
-    def _compressor(self, at: str, travel: Series, inside: np.ndarray, toward: np.ndarray, stroke: object) -> Series:
+    def _compressor(self, at: str, travel: Series, toward: np.ndarray, stroke: object) -> Series:
         n = self.numbers
         suction, discharge = n[f"{at}.suction"], n[f"{at}.discharge"]
         least = n[f"{at}.clearance"] * stroke
-        most, length, middle = stroke + least, travel + least, inside + least
+        most, length = stroke + least, travel + least
         squeeze, widen = n[f"{at}.n_compression"], n[f"{at}.n_expansion"]
         opens = most * np.power(suction / discharge, 1 / squeeze)
         reached = discharge if least < opens else suction * np.power(most / least, squeeze)
         refills = least * np.power(reached / suction, 1 / widen)
-        rising = chosen(middle > opens, (most / length).power(squeeze) * suction, discharge)
-        falling = chosen(middle < refills, (least / length).power(widen) * reached, suction)
+        rising = chosen(length[0] > opens, (most / length).power(squeeze) * suction, discharge)
+        falling = chosen(length[0] < refills, (least / length).power(widen) * reached, suction)
         self.switches += [length - opens, length - refills]
         return chosen(toward, rising, falling)
 
@@ -217,9 +200,9 @@ class Loads:
 class Dynamics:
     """Reduced inertia and moment, and reactions, of a machine at constant speed, as Taylor series by field."""
 
-    def __init__(self, scene: Scene, numbers: Numbers, where: Where, ends: Ends) -> None:
-        self.scene, self.numbers, self.motion = scene, numbers, where.here
-        loads = Loads(scene, numbers, where, ends)
+    def __init__(self, motion: Motion, ends: Ends) -> None:
+        scene, numbers = motion.scene, motion.numbers
+        self.scene, self.numbers, self.motion, loads = scene, numbers, motion, Loads(motion, ends)
         self.switches = loads.switches
         self.moment = sum(loads.moments[1:], loads.moments[0])
         zero, square = self.motion.zero, numbers["input.speed"] ** 2

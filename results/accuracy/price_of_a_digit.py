@@ -16,8 +16,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 sys.path += [str(Path(__file__).parents[1] / room) for room in ("", "motion")]
-from cases import CASES, prepare, sample
-from measuring import alternating_times
+from cases import CASES, prepare
+from measuring import alternating_times, sample
 from peers import prepare_heyoka
 
 from engine import Machine, Scene

@@ -42,8 +42,3 @@ def _field(field: str) -> str:
     if field.endswith(KINEMATIC):
         return "velocities, accelerations"
     return {"reduced_inertia": "I", "reduced_inertia_phi": "dI/dφ"}.get(field, "reduced and input moment")
-
-
-def loads_of(kind: str) -> str:
-    """Group of a kind of machine."""
-    return next(loads for loads, names in LOADS.items() if kind in names)

@@ -160,7 +160,7 @@ class Reference:
         """Peak of a curve, times its sense, over the turn: near the best of a grid, and near a given position."""
         every = np.arange(place.size)
         told = np.rint(place / float(grid[1, 0])).astype(int) % GRID
-        k = self._of_grid(name, sense, starts, grid).argmax(axis=0)
+        k = (sense * self.curves(starts, grid)[name]).argmax(axis=0)
         return sense * np.maximum(
             *(
                 self._zoomed(name, sense, Pose(*(part[i, every] for part in starts)), grid[i, every], grid[1])
@@ -173,28 +173,21 @@ class Reference:
         best = np.full(centre.size, -np.inf, LONG)
         for _ in range(ZOOMS):
             poses, q = self._around(pose, centre, step)
-            values = self._of_grid(name, sense, poses, q)
+            values = sense * self.curves(poses, q)[name]
             k, every = values.argmax(axis=0), np.arange(centre.size)
             best, centre = np.maximum(best, values[k, every]), q[k, every]
             pose, step = Pose(*(part[k, every] for part in poses)), step / (ZOOM // 2)
         return best
 
-    def _of_grid(self, name: str, sense: int, poses: Pose, q: np.ndarray) -> np.ndarray:
-        return sense * self.curves(poses, q)[name]
-
     def _around(self, pose: Pose, centre: np.ndarray, step: np.ndarray) -> tuple[Pose, np.ndarray]:
-        """Poses within a step of one, reached from it on either side."""
-        half, sides = ZOOM // 2, []
+        """Poses within a step of one, reached from it on either side, and their positions."""
+        places = centre + step * np.arange(-ZOOM // 2, ZOOM // 2 + 1)[:, None] / (ZOOM // 2)
+        rows = {ZOOM // 2: pose}
         for side in (-1, 1):
-            here, row = pose, []
-            for i in range(1, half + 1):
-                here = self.solved(here, centre + side * step * i / half)
-                row.append((here, centre + side * step * i / half))
-            sides.append(row)
-        rows = [*reversed(sides[0]), (pose, centre), *sides[1]]
-        return Pose(*(np.array([getattr(p, part) for p, _ in rows]) for part in Pose._fields)), np.array(
-            [q for _, q in rows]
-        )
+            for i in range(1, ZOOM // 2 + 1):
+                k = ZOOM // 2 + side * i
+                rows[k] = self.solved(rows[k - side], places[k])
+        return Pose(*(np.array(part) for part in zip(*(rows[k] for k in range(ZOOM + 1)), strict=True))), places
 
 
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:

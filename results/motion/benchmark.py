@@ -13,13 +13,13 @@ needs heyoka.py (pip install heyoka).
 import math
 import platform
 import sys
-from collections.abc import Callable
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from cases import CASES, Batch, Case, prepare, require_engine_agrees, sample
+from cases import CASES, Case, prepare, require_engine_agrees
 from fixed_steps import LANES
 from matplotlib.figure import Figure
 from ours import ACCURACIES, OUR_RK4, OURS, OWN
@@ -27,7 +27,7 @@ from peers import HEYOKA_LANES, PEERS
 from reference import reference
 
 sys.path.append(str(Path(__file__).parents[1]))
-from measuring import alternating_times, processor
+from measuring import alternating_times, processor, sample
 
 from engine.compiling.threads import set_threads
 
@@ -49,20 +49,12 @@ ELSEWHERE = (
 HEYOKA, BY_HAND = "heyoka.py batch", "RK8 over φ, lanes"
 
 
-class Entry(NamedTuple):
-    """A method at one setting: function that computes ω and t of all variants, (2, variants)."""
-
-    method: str
-    setting: float
-    compute: Callable[[], np.ndarray]
-
-
 class Run(NamedTuple):
     """A method at one setting: time per variant in each round [s], maximum relative errors of ω and t."""
 
     setting: float
-    seconds: tuple[float, ...]
-    errors: tuple[float, float]
+    seconds: np.ndarray
+    errors: list[float]
 
 
 Curves = dict[str, list[Run]]
@@ -71,34 +63,21 @@ Curves = dict[str, list[Run]]
 # Timing
 
 
-def entries_of(case: Case, batch: Batch) -> list[Entry]:
-    """All methods at all their settings."""
-    found = []
-    for peer in (*OWN, *PEERS):
-        for setting in peer.settings:
-            solve = peer.prepare(case, batch, setting)
-            found.append(Entry(peer.name, setting, lambda solve=solve: solve(slice(0, VARIANTS))))
-    return found
-
-
 def race(case: Case) -> Curves:
     """Curves of all methods for one machine."""
     require_engine_agrees(case)
     varied = sample(case, VARIANTS)
     true = reference(case.name, {path: values[:CHECKED] for path, values in varied.items()})
-    entries = entries_of(case, prepare(case, varied))
-    errors = []
-    for entry in entries:
+    batch, methods = prepare(case, varied), [(peer, setting) for peer in (*OWN, *PEERS) for setting in peer.settings]
+    runs = [partial(peer.prepare(case, batch, setting), slice(0, VARIANTS)) for peer, setting in methods]
+    with np.errstate(invalid="ignore"):
         # The first time compiles.
-        found = entry.compute()
-        with np.errstate(invalid="ignore"):
-            worst = np.abs(found[:, :CHECKED] / true - 1).max(axis=1)
-        errors.append((float(worst[0]), float(worst[1])))
-    times = alternating_times([entry.compute for entry in entries], ROUNDS, twice=True) / VARIANTS
+        errors = [np.abs(run()[:, :CHECKED] / true - 1).max(axis=1).tolist() for run in runs]
+    times = alternating_times(runs, ROUNDS, twice=True) / VARIANTS
     curves: Curves = {}
-    for entry, own, worst in zip(entries, times, errors, strict=True):
-        curves.setdefault(entry.method, []).append(Run(entry.setting, tuple(own), worst))
-        print(f"{case.name:13}{entry.method:20}{entry.setting:9.3g}{np.median(own) * 1e6:9.2f} µs", *worst, flush=True)
+    for (peer, setting), own, worst in zip(methods, times, errors, strict=True):
+        curves.setdefault(peer.name, []).append(Run(setting, own, worst))
+        print(f"{case.name:13}{peer.name:20}{setting:9.3g}{np.median(own) * 1e6:9.2f} µs", *worst, flush=True)
     return curves
 
 
@@ -151,7 +130,7 @@ def ratio_table(curves: Curves, quantity: int) -> list[str]:
 
 def run_table(curves: Curves) -> list[str]:
     """Error of every run, and its time over that of ours at the middle one of its accuracies."""
-    middle = np.array(curves[OURS][len(ACCURACIES) // 2].seconds)
+    middle = curves[OURS][len(ACCURACIES) // 2].seconds
     lines = [
         f"| method | accuracy, tolerance or steps | time over ours at {ACCURACIES[len(ACCURACIES) // 2]:g} "
         "| error of ω | error of t |",
@@ -227,7 +206,7 @@ def draw(results: dict[str, Curves]) -> Figure:
     for (name, curves), column in zip(results.items(), axes.T, strict=True):
         for quantity, ax in enumerate(column):
             for method, runs in curves.items():
-                middle = np.array(curves[OURS][len(ACCURACIES) // 2].seconds)
+                middle = curves[OURS][len(ACCURACIES) // 2].seconds
                 points = [(np.median(r.seconds / middle), max(r.errors[quantity], FLOOR)) for r in runs]
                 wide = {"lw": 2.2, "color": "black", "zorder": 3} if method == OURS else {"lw": 1}
                 wide |= {"color": "black", "ls": ":"} if method == OUR_RK4 else {}

@@ -3,12 +3,16 @@
 A case starts at φ = 0 with a given speed and ends after a number of revolutions, where ω and t are compared.
 """
 
+import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import mechanics
 import numpy as np
+
+sys.path.append(str(Path(__file__).parents[1]))
+from measuring import sample
 
 from engine import Machine, Scene
 from engine.scene.scene import scene_numbers
@@ -35,7 +39,7 @@ class Case(NamedTuple):
     motor : callable
         Reduced moment of the motor by (ω, p).
     pack, segments : callable
-        Constants p and jumps, from (numbers by path, scene, namespace of functions).
+        Constants p from (numbers by path, scene), and jumps from (numbers by path, scene, π).
     """
 
     name: str
@@ -77,50 +81,23 @@ class Batch(NamedTuple):
         return self.p.shape[1]
 
 
-def sample(case: Case, variants: int, seed: int = 1) -> dict[str, np.ndarray]:
-    """Random values of the varied numbers."""
-    rng, numbers = np.random.default_rng(seed), scene_numbers(case.scene)
-    return {
-        path: numbers[path].value * rng.uniform(1 - spread, 1 + spread, variants)
-        for path, spread in case.varied.items()
-    }
-
-
-def one_variant(case: Case, varied: dict[str, Any], real: Callable, functions: Any) -> tuple[list, mechanics.Segments]:
-    """Constants and jumps of a revolution in any arithmetic: `real` converts numbers, `functions` computes with them.
-
-    The values of `varied` may be arrays where `real` takes arrays.
-    """
-    numbers = {path: real(number.value) for path, number in scene_numbers(case.scene).items()}
-    numbers |= {path: real(values) for path, values in varied.items()}
-    return case.pack(numbers, case.scene, functions), case.segments(numbers, case.scene, functions)
-
-
 def prepare(case: Case, varied: dict[str, np.ndarray], real: type = np.float64) -> Batch:
     """Constants and jumps of variants in float64 or long double."""
     variants = next(iter(varied.values())).size
-    functions = _Functions(real)
-    p, (edges, ram) = one_variant(case, varied, lambda x: np.asarray(x, real), functions)
-    p, edges, ram = (np.stack([np.broadcast_to(row, variants) for row in rows]) for rows in (p, edges, ram))
+    pi = 4 * np.arctan(real(1))
+    numbers = {path: number.value for path, number in scene_numbers(case.scene).items()} | varied
+    numbers = {path: np.asarray(values, real) for path, values in numbers.items()}
+    found = case.pack(numbers, case.scene), *case.segments(numbers, case.scene, pi)
+    p, edges, ram = (np.stack([np.broadcast_to(row, variants) for row in rows]) for rows in found)
     if not (np.diff(edges, axis=0) > 0).all():
         raise ValueError(f"{case.name}: a variant's jumps are not in the order the case assumes")
-    turns = 2 * functions.pi * np.arange(case.revolutions, dtype=real)[:, None, None]
+    turns = 2 * pi * np.arange(case.revolutions, dtype=real)[:, None, None]
     cuts = (edges[None, :-1] + turns).reshape(-1, variants)
     ram = np.tile(ram, (case.revolutions, 1))
     # Don't restart where a revolution continues the last one without a jump.
     jumps = [0, *(1 + np.flatnonzero((ram[1:] != ram[:-1]).any(axis=1)))]
-    end = edges[:1] + 2 * functions.pi * case.revolutions
+    end = edges[:1] + 2 * pi * case.revolutions
     return Batch(varied, p, np.concatenate((cuts[jumps], end)), ram[jumps])
-
-
-class _Functions:
-    """NumPy's functions, with π in the required precision."""
-
-    def __init__(self, real: type) -> None:
-        self.pi = 4 * np.arctan(real(1))
-
-    def __getattr__(self, name: str) -> Callable:
-        return getattr(np, name)
 
 
 def require_engine_agrees(case: Case, variants: int = 5, positions: int = 24) -> None:

@@ -1,7 +1,7 @@
 """Reduced inertia and moment of the benchmark's machines in closed form, written by hand, independent of the engine.
 
-Every function works for floats, NumPy arrays, mpmath's numbers and heyoka's expressions alike: the factories
-`slider_crank` and `shaper` take the square root to use, `pack_...` and `..._segments` a namespace of functions.
+The factories `slider_crank` and `shaper` take the square root to use, so that their functions work for floats, NumPy
+arrays and heyoka's expressions alike; `pack_...` and `..._segments` take arrays of any precision, and π in it.
 
 Moments on the crank, other than the motor's, depend only on the angle. Between two jumps the force on the
 ram along its coordinate (`ram`) is constant; `..._segments` gives the angles of the jumps in closed form.
@@ -9,6 +9,8 @@ ram along its coordinate (`ram`) is constant; `..._segments` gives the angles of
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
+
+import numpy as np
 
 Numbers = Mapping[str, Any]
 
@@ -65,35 +67,35 @@ def pack_slider_crank(n: Numbers, offset: Any, along: Any, across: Any, crank: s
     return [r, offset, rod**2, *inertias, *weights, n["moments.friction.moment"]]
 
 
-def pack_feeder(n: Numbers, scene: Any, m: Any) -> list:
+def pack_feeder(n: Numbers, scene: Any) -> list:
     """Constants of the slider-crank with DC motor."""
     g, stall, no_load = n["gravity"], n["moments.motor.stall_moment"], n["moments.motor.no_load_speed"]
     mechanism = pack_slider_crank(n, n["guides.way.y"], 0 * g, -g, "crank_body", 0 * g, n["forces.feed.force"])
     return [*mechanism, stall, stall / no_load]
 
 
-def feeder_segments(n: Numbers, scene: Any, m: Any) -> Segments:
+def feeder_segments(n: Numbers, scene: Any, pi: Any) -> Segments:
     """No jumps: one segment."""
-    return Segments([0 * m.pi, 2 * m.pi], [0 * m.pi])
+    return Segments([0 * pi, 2 * pi], [0 * pi])
 
 
-def pack_press(n: Numbers, scene: Any, m: Any) -> list:
+def pack_press(n: Numbers, scene: Any) -> list:
     """Constants of the press; the x axis of its slider-crank points downwards, so that it starts at π/2."""
     shafts = sum(n[f"shafts.{s}.inertia"] * n[f"shafts.{s}.ratio"] ** 2 for s in scene.shafts)
     mechanism = pack_slider_crank(n, 0 * shafts, n["gravity"], 0 * shafts, "eccentric", shafts, 0 * shafts)
     return [*mechanism, *pack_kloss(n)]
 
 
-def press_segments(n: Numbers, scene: Any, m: Any) -> Segments:
+def press_segments(n: Numbers, scene: Any, pi: Any) -> Segments:
     """The punch works on its downward stroke between two heights above the bottom: cosine rule in O, A, B."""
     r, rod, punching = n["input.length"], n["groups.drive.first.length"], scene.forces["punching"]
     low, high = (height + 0 * r for height in punching.over_stroke)
     angles = []
     for height in (high, low):
         b = r + rod - height
-        angles.append(2 * m.pi - m.arccos((b * b + r * r - rod * rod) / (2 * r * b)))
+        angles.append(2 * pi - np.arccos((b * b + r * r - rod * rod) / (2 * r * b)))
     force = -n["forces.punching.scale"] * punching.force[0]
-    return Segments([m.pi / 2 + 0 * force, *angles, 5 * m.pi / 2 + 0 * force], [0 * force, force, 0 * force])
+    return Segments([pi / 2 + 0 * force, *angles, 5 * pi / 2 + 0 * force], [0 * force, force, 0 * force])
 
 
 # Shaper: crank about (0, e), lever about the origin, link from its end P to the ram at height `bed`
@@ -126,7 +128,7 @@ def shaper(sqrt: Callable) -> Callable:
     return reduced
 
 
-def pack_shaper(n: Numbers, scene: Any, m: Any) -> list:
+def pack_shaper(n: Numbers, scene: Any) -> list:
     """Constants of the shaper."""
     r, e, lever, link = n["input.length"], n["points.O.y"], n["points.P.x"], n["groups.drive.first.length"]
     g, block, mass = n["gravity"], n["bodies.block_body.mass"], n["bodies.drag_link_body.mass"]
@@ -142,22 +144,22 @@ def pack_shaper(n: Numbers, scene: Any, m: Any) -> list:
     return [*lengths, *inertias, n["bodies.drag_link_body.inertia"], *weights, losses, r, e, *pack_kloss(n)]
 
 
-def shaper_segments(n: Numbers, scene: Any, m: Any) -> Segments:
+def shaper_segments(n: Numbers, scene: Any, pi: Any) -> Segments:
     """The crank is normal to the lever at the dead centres; at the ends of the cut two circles give P, P gives A."""
     r, e, lever, link = n["input.length"], n["points.O.y"], n["points.P.x"], n["groups.drive.first.length"]
     bed, cutting = n["guides.bed.y"], scene.forces["cutting"]
-    half_return = m.arcsin(r / e)
-    start = m.sqrt(link**2 - (bed - lever * m.sqrt(1 - (r / e) ** 2)) ** 2) - lever * r / e
+    half_return = np.arcsin(r / e)
+    start = np.sqrt(link**2 - (bed - lever * np.sqrt(1 - (r / e) ** 2)) ** 2) - lever * r / e
     angles = []
     for distance in cutting.over_stroke:
         left = start + distance
         side2 = left**2 + bed**2
-        at_p = m.arctan2(bed, -left) - m.arccos((lever**2 + side2 - link**2) / (2 * lever * m.sqrt(side2)))
-        c, s = m.cos(at_p), m.sin(at_p)
-        reach = e * s + m.sqrt((e * s) ** 2 - e**2 + r**2)
-        angles.append(m.arctan2(reach * s - e, reach * c))
+        at_p = np.arctan2(bed, -left) - np.arccos((lever**2 + side2 - link**2) / (2 * lever * np.sqrt(side2)))
+        c, s = np.cos(at_p), np.sin(at_p)
+        reach = e * s + np.sqrt((e * s) ** 2 - e**2 + r**2)
+        angles.append(np.arctan2(reach * s - e, reach * c))
     rub, cut = n["forces.ways.force"] + 0 * r, n["forces.cutting.scale"] * cutting.force[0]
-    edges = [0 * r, *angles, m.pi + half_return, 2 * m.pi - half_return, 2 * m.pi + 0 * r]
+    edges = [0 * r, *angles, pi + half_return, 2 * pi - half_return, 2 * pi + 0 * r]
     return Segments(edges, [rub, rub + cut, rub, -rub, rub])
 
 

@@ -8,10 +8,10 @@ import tomllib
 from pathlib import Path
 
 import numpy as np
-from cases import CASES, sample
+from cases import CASES
 
 sys.path.append(str(Path(__file__).parents[1]))
-from measuring import least_time
+from measuring import least_time, sample
 
 from engine import Machine, Scene, scene_numbers
 from engine.compiling.threads import set_threads

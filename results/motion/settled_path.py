@@ -151,7 +151,7 @@ class UnderMotor:
         pieces = self.cycle(energy)
         lengths = np.array([p.length for p in pieces])
         begins = np.concatenate(([REAL(0)], np.cumsum(lengths[:-1])))
-        least, greatest = Curve.through(Panels(begins, lengths, begins), np.array([p.omega for p in pieces])).extremes()
+        least, greatest = Curve.through(Panels(begins, lengths), np.array([p.omega for p in pieces])).extremes()
 
         def integral(row: list[np.ndarray]) -> np.longdouble:
             return sum(p.length / 2 * (W @ values) for p, values in zip(pieces, row, strict=True))

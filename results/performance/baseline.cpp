@@ -189,13 +189,6 @@ struct FourBar {
           point(p[21], p[22], p[6]), crank(p[9], p[10], p[11], p[12], p[0], p[5]),
           rod(p[13], p[14], p[15], p[16], p[0], p[6]), rocker(p[17], p[18], p[19], p[20], p[0], p[7]) {}
 
-    INLINE Vec inner_joint(double c, double s) const {
-        Vec a = o + Vec{r * c, r * s}, p1, p2;
-        double root;
-        dyad.position(d - a, p1, p2, root);
-        return a + p1;
-    }
-
     INLINE Reduced at(double c, double s) const {
         Vec arm{r * c, r * s}, va = left(arm), aa{-arm.x, -arm.y}, rest{0.0, 0.0};
         RRR::State g = dyad.solve(o + arm, d, va, rest, aa, rest);
@@ -482,8 +475,9 @@ void use_threads(int count) { omp_set_num_threads(count); }
 
 #define MACHINE(name, Machine)                                                                                    \
     void name##_fields(const double* p, int count, int variants, int n, const double* c, const double* s,         \
-                       double* inertia, double* slope, double* moment) {                                          \
-        fields<Machine>(p, count, variants, n, c, s, inertia, slope, moment);                                     \
+                       double* rows) {                                                                            \
+        const long stride = static_cast<long>(variants) * n;                                                      \
+        fields<Machine>(p, count, variants, n, c, s, rows, rows + stride, rows + 2 * stride);                     \
     }                                                                                                             \
     void name##_summaries(const double* p, int count, int variants, int n, const double* c, const double* s,      \
                           double h, double omega, double delta, double* values, double* errors) {                 \
@@ -503,22 +497,6 @@ void six_bar_reactions(const double* p, int count, int variants, int n, const do
         double* __restrict out = rows + static_cast<long>(v) * n;
 #pragma omp simd
         for (int k = 0; k < n; ++k) machine.at(c[k], s[k], out + k, stride);
-    }
-}
-
-void four_bar_positions(const double* p, int count, int variants, int n, const double* c, const double* s, double* x,
-                        double* y) {
-#pragma omp parallel for schedule(static)
-    for (int v = 0; v < variants; ++v) {
-        const FourBar machine(p + static_cast<long>(v) * count);
-        double* __restrict x_row = x + static_cast<long>(v) * n;
-        double* __restrict y_row = y + static_cast<long>(v) * n;
-#pragma omp simd
-        for (int k = 0; k < n; ++k) {
-            const Vec at = machine.inner_joint(c[k], s[k]);
-            x_row[k] = at.x;
-            y_row[k] = at.y;
-        }
     }
 }
 }

@@ -27,8 +27,8 @@ os.environ["OMP_WAIT_POLICY"] = "passive"
 import numpy as np
 
 sys.path.append(str(Path(__file__).parents[1]))
-from machines import BASELINE_PATHS, CASES, all_numbers, sample
-from measuring import alternating_times, processor
+from machines import BASELINE_PATHS, CASES, all_numbers
+from measuring import alternating_times, processor, sample
 
 from engine import Machine, scene_numbers
 from engine.scene.scene import Numbers
@@ -98,27 +98,13 @@ def build_baseline(folder: str) -> ctypes.CDLL:
 
 def call(function: Callable, *arguments: object) -> Callable[[], None]:
     """Call of a C++ function with its arguments converted in advance."""
-    converted = []
-    for a in arguments:
-        if isinstance(a, np.ndarray):
-            converted.append(a.ctypes.data_as(ctypes.c_void_p))
-        else:
-            converted.append(ctypes.c_double(a) if isinstance(a, float) else ctypes.c_int(a))
-
-    def run(keep: tuple = arguments) -> None:
-        function(*converted)
-
-    return run
+    converted = {np.ndarray: lambda a: a.ctypes, float: ctypes.c_double, int: ctypes.c_int}
+    return partial(function, *(converted[type(a)](a) for a in arguments))
 
 
 def baseline_inputs(name: str, varied: dict[str, np.ndarray]) -> tuple:
     numbers = all_numbers(CASES[name], varied, BASELINE_PATHS[name])
     return numbers, numbers.shape[1], VARIANTS, POSITIONS, cosines, sines
-
-
-def geometry_and_loads(name: str) -> dict[str, np.ndarray]:
-    case = CASES[name]
-    return sample(case, {**case.geometry, **case.loads}, VARIANTS)
 
 
 # The contests
@@ -138,7 +124,7 @@ class Errors(NamedTuple):
 
 def race_summaries(name: str, baseline: ctypes.CDLL) -> tuple[Contest, Errors, Errors]:
     """Summaries of a flywheel study, and the errors of both sides."""
-    varied, scene, names = geometry_and_loads(name), CASES[name].scene, asked(name)
+    varied, scene, names = sample(CASES[name], VARIANTS), CASES[name].scene, asked(name)
     machine = Machine(scene, names, varied=varied)
     values, figures = np.zeros((2, VARIANTS, len(names)))
     constants = (float(h), scene.input.speed, scene.flywheel.speed_fluctuation)
@@ -162,41 +148,28 @@ def race_summaries(name: str, baseline: ctypes.CDLL) -> tuple[Contest, Errors, E
     return found, *sides
 
 
-def race_fields(name: str, baseline: ctypes.CDLL) -> Contest:
-    """I, dI/dφ and M kept at 720 positions."""
-    varied = geometry_and_loads(name)
-    machine = Machine(CASES[name].scene, fields=FIELDS, varied=varied, positions=POSITIONS)
-    buffer, rows = machine.new_buffer(VARIANTS), np.zeros((3, VARIANTS, POSITIONS))
+def race_fields(words: str, name: str, fields: list[str], function: Callable, *constants: float) -> Contest:
+    """Fields of a machine kept at 720 positions."""
+    varied = sample(CASES[name], VARIANTS)
+    machine = Machine(CASES[name].scene, fields=fields, varied=varied, positions=POSITIONS)
+    buffer, rows = machine.new_buffer(VARIANTS), np.zeros((len(fields), VARIANTS, POSITIONS))
     buffer.fill(0)
-    rival = call(getattr(baseline, f"{name}_fields"), *baseline_inputs(name, varied), *rows)
+    rival = call(function, *baseline_inputs(name, varied), *constants, rows)
     machine.evaluate(varied, buffer=buffer)
     rival()
-    require_agreement(name, buffer, rows, np.abs(rows).max(axis=2, keepdims=True))
-    return contest(f"I, dI/dφ, M: {title(name)}", partial(machine.evaluate, varied, buffer=buffer), rival)
+    # Reactions of one pair may be small compared with those of another.
+    over = (0, 2) if fields == REACTIONS else 2
+    require_agreement(f"{words}, {name}", buffer, rows, np.abs(rows).max(axis=over, keepdims=True))
+    return contest(f"{words}: {title(name)}", partial(machine.evaluate, varied, buffer=buffer), rival)
 
 
 def cycle_time(name: str) -> float:
     """Time of the cycle's evaluation in the contest of fields, which determines verdicts, in µs per variant."""
-    varied = geometry_and_loads(name)
+    varied = sample(CASES[name], VARIANTS)
     measuring = Machine(CASES[name].scene, fields=FIELDS, varied=varied, positions=POSITIONS)._measuring
     table = measuring.numbers(Numbers(scene_numbers(CASES[name].scene), varied), VARIANTS)
     measuring(table)
     return float(np.median(alternating_times([partial(measuring, table)], ROUNDS))) * 1e6 / VARIANTS
-
-
-def race_reactions(baseline: ctypes.CDLL) -> Contest:
-    """Reactions in all pairs of the six-bar, kept at 720 positions."""
-    name, varied = "six_bar", geometry_and_loads("six_bar")
-    scene = CASES[name].scene
-    machine = Machine(scene, fields=REACTIONS, varied=varied, positions=POSITIONS)
-    buffer, rows = machine.new_buffer(VARIANTS), np.zeros((len(REACTIONS), VARIANTS, POSITIONS))
-    buffer.fill(0)
-    rival = call(baseline.six_bar_reactions, *baseline_inputs(name, varied), scene.input.speed, rows)
-    machine.evaluate(varied, buffer=buffer)
-    rival()
-    # Reactions of one pair may be small compared with those of another.
-    require_agreement("reactions", buffer, rows, np.abs(rows).max(axis=(0, 2), keepdims=True))
-    return contest(f"reactions of all pairs: {title(name)}", partial(machine.evaluate, varied, buffer=buffer), rival)
 
 
 # The report
@@ -241,7 +214,10 @@ def report() -> str:
     with tempfile.TemporaryDirectory() as folder:
         baseline = build_baseline(folder)
         summaries = [race_summaries(name, baseline) for name in CASES]
-        fields = [*(race_fields(name, baseline) for name in CASES), race_reactions(baseline)]
+        fields = [race_fields("I, dI/dφ, M", n, FIELDS, getattr(baseline, f"{n}_fields")) for n in CASES]
+        speed = CASES["six_bar"].scene.input.speed
+        words = "reactions of all pairs"
+        fields.append(race_fields(words, "six_bar", REACTIONS, baseline.six_bar_reactions, speed))
         cycles = ", ".join(f"{cycle_time(name):.2f} µs ({title(name)})" for name in CASES)
     words = TEXT.format(
         rounds=ROUNDS,

@@ -12,20 +12,10 @@ from engine import Scene, scene_numbers
 
 
 class Case(NamedTuple):
-    """A machine and what varies.
-
-    Attributes
-    ----------
-    scene : Scene
-    geometry : dict of str to float
-        Varied lengths, as path and relative spread.
-    loads : dict of str to float
-        Varied masses, inertias and forces.
-    """
+    """A machine, and its varied numbers as path and relative spread."""
 
     scene: Scene
-    geometry: dict[str, float]
-    loads: dict[str, float]
+    varied: dict[str, float]
 
 
 CRANK = {"type": "crank", "pivot": "O", "pin": "A", "length": 0.05, "speed": 12.0}
@@ -105,60 +95,53 @@ SIX_BAR = {
 CASES = {
     "press": Case(
         Scene.model_validate(PRESS),
-        {"input.length": 0.1, "groups.g.first.length": 0.1},
-        {"bodies.rod.mass": 0.5, "bodies.ram.mass": 0.5, "bodies.rod.inertia": 0.5, "forces.work.scale": 0.5},
+        {"input.length": 0.1, "groups.g.first.length": 0.1}
+        | dict.fromkeys(("bodies.rod.mass", "bodies.ram.mass", "bodies.rod.inertia", "forces.work.scale"), 0.5),
     ),
     "four_bar": Case(
         Scene.model_validate(FOUR_BAR),
-        {"input.length": 0.1, "groups.g.first.length": 0.05, "groups.g.second.length": 0.05},
-        {"bodies.rod.mass": 0.5, "bodies.rocker.mass": 0.5, "bodies.rocker.inertia": 0.5, "forces.push.force": 0.5},
+        {"input.length": 0.1, "groups.g.first.length": 0.05, "groups.g.second.length": 0.05}
+        | dict.fromkeys(("bodies.rod.mass", "bodies.rocker.mass", "bodies.rocker.inertia", "forces.push.force"), 0.5),
     ),
     "six_bar": Case(
         Scene.model_validate(SIX_BAR),
-        {"input.length": 0.1, "groups.g.first.length": 0.03, "groups.h.first.length": 0.03},
-        {"bodies.rod.mass": 0.5, "bodies.lever.mass": 0.5, "bodies.lever.inertia": 0.5, "forces.push.force": 0.5},
+        {"input.length": 0.1, "groups.g.first.length": 0.03, "groups.h.first.length": 0.03}
+        | dict.fromkeys(("bodies.rod.mass", "bodies.lever.mass", "bodies.lever.inertia", "forces.push.force"), 0.5),
     ),
 }
 
 
-def _body(name: str, inertia: bool = True) -> list[str]:
-    keys = ("mass", "x", "y", "inertia") if inertia else ("mass", "x", "y")
-    return [f"bodies.{name}.{key}" for key in keys]
+def _of(part: str, keys: str) -> list[str]:
+    return [f"{part}.{key}" for key in keys.split()]
 
 
-def _dyad(name: str) -> list[str]:
-    return [f"groups.{name}.{key}" for key in ("first.length", "second.length", "mode")]
+def _bodies(*names: str) -> list[str]:
+    return [path for name in names for path in _of(f"bodies.{name}", "mass x y inertia")]
 
 
-def _places(names: str) -> list[str]:
-    return [f"points.{name}.{axis}" for name in names for axis in ("x", "y")]
+def _points(names: str) -> list[str]:
+    return [path for name in names for path in _of(f"points.{name}", "x y")]
 
 
 ACTIONS = ["forces.push.angle", "forces.push.force", "moments.twist.moment"]
 
 # The numbers of a variant in the order in which the C++ baseline reads them.
+DYAD = "first.length second.length mode"
 BASELINE_PATHS = {
     "press": [
-        *("gravity", *_places("O"), "guides.way.x", "guides.way.y", "guides.way.angle", "input.length"),
-        *("groups.g.first.length", "groups.g.second.offset", "groups.g.mode"),
-        *(*_body("crank"), *_body("rod"), *_body("ram", inertia=False), *ACTIONS, "forces.work.scale"),
+        *("gravity", *_points("O"), *_of("guides.way", "x y angle"), "input.length"),
+        *(*_of("groups.g", "first.length second.offset mode"), *_bodies("crank", "rod")),
+        *(*_of("bodies.ram", "mass x y"), *ACTIONS, "forces.work.scale"),
     ],
     "four_bar": [
-        *("gravity", *_places("OD"), "input.length", *_dyad("g")),
-        *(*_body("crank"), *_body("rod"), *_body("rocker"), *_places("C"), *ACTIONS),
+        *("gravity", *_points("OD"), "input.length", *_of("groups.g", DYAD)),
+        *(*_bodies("crank", "rod", "rocker"), *_points("C"), *ACTIONS),
     ],
     "six_bar": [
-        *("gravity", *_places("ODE"), "input.length", *_dyad("g"), *_dyad("h"), *_body("crank"), *_body("rod")),
-        *(*_body("rocker"), *_body("bar"), *_body("lever"), *_places("C"), *ACTIONS),
+        *("gravity", *_points("ODE"), "input.length", *_of("groups.g", DYAD), *_of("groups.h", DYAD)),
+        *(*_bodies("crank", "rod", "rocker", "bar", "lever"), *_points("C"), *ACTIONS),
     ],
 }
-
-
-def sample(case: Case, paths: dict[str, float], variants: int) -> dict[str, np.ndarray]:
-    """Uniform sample of the varied numbers, each within its spread about the scene's value."""
-    rng = np.random.default_rng(1)
-    numbers = scene_numbers(case.scene)
-    return {path: numbers[path].value * rng.uniform(1 - s, 1 + s, variants) for path, s in paths.items()}
 
 
 def all_numbers(case: Case, varied: dict[str, np.ndarray], paths: list[str]) -> np.ndarray:

@@ -5,7 +5,6 @@ A fork starts at the program's first line, without Python's start and the import
 
 import importlib
 import os
-import pkgutil
 import random
 import signal
 import subprocess
@@ -18,8 +17,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from mutations import load_program
 
-import sweeps
 from sweeps.__main__ import start
 from sweeps.run import runner
 from sweeps.run.cluster.crew import Crew
@@ -113,6 +112,11 @@ class Ended(NamedTuple):
             return f"exit code {self.code}: {self.err[-200:]}"
         return "" if self.code == 0 or self.err else "failed without a message"
 
+    @property
+    def failure(self) -> str:
+        """Its fault or the end of its message if it failed; "" if not."""
+        return self.fault or (self.err[-200:] if self.code else "")
+
 
 class Child:
     """A running command, as a fork or a separate process."""
@@ -201,9 +205,7 @@ class Bench:
         self.held: dict[str, dict[str, bytes]] = {}
 
     def _load(self) -> None:
-        for found in pkgutil.walk_packages(sweeps.__path__, "sweeps."):
-            if not found.name.endswith("__main__"):
-                importlib.import_module(found.name)
+        load_program()
         for name in ("matplotlib.pyplot", "matplotlib.backends.backend_agg", "scipy.optimize", "distributed"):
             importlib.import_module(name)
         runner.block_size = lambda study, seconds: (
@@ -346,6 +348,23 @@ class Bench:
         self._written.unlink(missing_ok=True)
         pairs = [line.rpartition(" ") for line in lines]
         return {int(number) for name, _, number in pairs if name == Path(job.part).name}
+
+    def computed_twice(self, job: Job, before: set[int]) -> list[str]:
+        """Blocks written since the last time although they were done `before`, as a failure."""
+        again = self.written(job) & before
+        return [f"blocks computed twice: {sorted(again)}"] if again else []
+
+    def resumed(self, job: Job, **options: object) -> list[str]:
+        """Resume a job to its end, and remove its files; what went wrong."""
+        before, _ = self.done(job), self.written(job)
+        ended = self.command(*job.arguments, **options)
+        wrong = self.computed_twice(job, before)
+        if ended.failure:
+            wrong.append(f"resumed: {ended.failure}")
+        elif not self.is_whole(job):
+            wrong.append("the resumed file differs")
+        self.clear(job)
+        return wrong
 
     def clear(self, job: Job) -> None:
         """Remove a job's files, including drafts and pictures."""

@@ -4,7 +4,7 @@ import os
 import signal
 import time
 
-from bench import Bench, Job, jobs
+from bench import Bench, jobs
 
 # Maximum time from a signal to the end [s], times the number of processes per core.
 AT_ONCE = 1.0
@@ -29,7 +29,7 @@ def kill(bench: Bench) -> None:
     time.sleep(bench.dice.uniform(0, 0.9 * bench.whole[job.name]))
     os.kill(child.pid, signal.SIGKILL)
     ended = child.end()
-    wrong += _twice(bench, job, before)
+    wrong += bench.computed_twice(job, before)
     if (bench.work / job.result).exists():
         way = "after the end" if ended.code == 0 else "at the end, file complete"
         wrong += [] if bench.is_whole(job) else ["finished file differs"]
@@ -39,26 +39,9 @@ def kill(bench: Bench) -> None:
         if way == "between blocks" and not bench.is_left_right(job):
             wrong.append("a block flagged as done differs")
         if bench.dice.random() < LEFT_ALONE:
-            wrong += _gone_on(bench, job)
+            wrong += bench.resumed(job)
             way += ", then resumed to the end"
     bench.note(f"kill −9: {name}", way, "; ".join(wrong))
-
-
-def _gone_on(bench: Bench, job: Job) -> list[str]:
-    before, _ = bench.done(job), bench.written(job)
-    ended = bench.command(*job.arguments)
-    wrong = _twice(bench, job, before)
-    if ended.fault or ended.code:
-        wrong.append(f"resumed: {ended.fault or ended.err[-200:]}")
-    elif not bench.is_whole(job):
-        wrong.append("the resumed file differs")
-    bench.clear(job)
-    return wrong
-
-
-def _twice(bench: Bench, job: Job, before: set[int]) -> list[str]:
-    again = bench.written(job) & before
-    return [f"blocks computed twice: {sorted(again)}"] if again else []
 
 
 def interrupt(bench: Bench) -> None:

@@ -367,7 +367,7 @@ def batch(kind: str, seed: int, count: int, folder: Path, pipe: Connection) -> N
         if kind == "numbers" and time.process_time() - begun > BATCH_SECONDS:
             break
         dice = random.Random(f"{kind} {seed} {i}")
-        pipe.send(("begun", f"{kind} {seed} {i}"))
+        pipe.send(f"{kind} {seed} {i}")
 
         def report(how: str, content: str, took: float, case: str = f"{kind} {seed} {i}") -> None:
             memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
@@ -383,7 +383,6 @@ def batch(kind: str, seed: int, count: int, folder: Path, pipe: Connection) -> N
             numbers(dice, study, folder, report)
         else:
             texts(dice, folder, kind == "evaluated", report)
-    pipe.send("over")
 
 
 def _slow(*_: object) -> None:
@@ -394,6 +393,18 @@ def campaign(kind: str, count: int, seed: int, folder: Path, keep: Path | None, 
     """Count garbled texts or lines of one kind: outcomes, longest time, memory, failures."""
     context = multiprocessing.get_context("fork")
     size = NUMBERS_BATCH if kind == "numbers" else BATCH
+
+    def note(case: str, how: str, content: str, took: float, memory: int) -> None:
+        fine = how.removeprefix("run: ") in ("results", "refused")
+        if memory > MOST_MEMORY and kind in ("texts", "numbers"):
+            fine, how = False, f"{memory / 1e6:.0f} MB; {how}"
+        way = how if fine else "run: wrong" if how.startswith("run: ") else "wrong"
+        row = tally.note(kind, way, "" if fine else f"{case}: {how}")
+        row["longest"] = max(row.get("longest", 0.0), took)
+        row["memory"] = max(row.get("memory", 0), memory)
+        if keep and not fine:
+            (keep / f"{case.replace(' ', '_')}.txt").write_text(content, encoding="utf8", errors="replace")
+
     for first in range(0, count, size):
         mine, its = context.Pipe(duplex=False)
         process = context.Process(
@@ -401,30 +412,18 @@ def campaign(kind: str, count: int, seed: int, folder: Path, keep: Path | None, 
         )
         process.start()
         its.close()
-        case, over = "", False
-        while not over:
-            try:
+        case = ""
+        with contextlib.suppress(EOFError):
+            while True:
+                # A case that begins, or its outcome.
                 told = mine.recv()
-            except EOFError:
-                process.join()
-                told = (case, f"the process ended with {process.exitcode}", "", 0.0, 0)
-                over = True
-            if told == "over":
-                process.join()
-                break
-            if told[0] == "begun":
-                case = told[1]
-                continue
-            case, how, content, took, memory = told
-            fine = how.removeprefix("run: ") in ("results", "refused")
-            if memory > MOST_MEMORY and kind in ("texts", "numbers"):
-                fine, how = False, f"{memory / 1e6:.0f} MB; {how}"
-            way = how if fine else "run: wrong" if how.startswith("run: ") else "wrong"
-            row = tally.note(kind, way, "" if fine else f"{case}: {how}")
-            row["longest"] = max(row.get("longest", 0.0), took)
-            row["memory"] = max(row.get("memory", 0), memory)
-            if keep and not fine:
-                (keep / f"{case.replace(' ', '_')}.txt").write_text(content, encoding="utf8", errors="replace")
+                if isinstance(told, str):
+                    case = told
+                else:
+                    note(*told)
+        process.join()
+        if process.exitcode:
+            note(case, f"the process ended with {process.exitcode}", "", 0.0, 0)
 
 
 def main() -> None:
@@ -439,7 +438,8 @@ def main() -> None:
         asked.keep.mkdir(parents=True, exist_ok=True)
     begun, tally = time.monotonic(), Tally(HERE / "mutations.json", asked.anew)
     line = " ".join(f"--{name} {getattr(asked, name)}" for name in ("texts", "numbers", "evaluated", "lines", "seed"))
-    load()
+    load_program()
+    documents()
     with tempfile.TemporaryDirectory(prefix="mutations-") as scratch:
         folder = Path(scratch) / "texts"
         for part in ("studies", "templates"):
@@ -454,12 +454,11 @@ def main() -> None:
             (HERE / "mutations.md").write_text(table(tally), encoding="utf8")
 
 
-def load() -> None:
-    """Load the whole program once, instead of in every process."""
+def load_program() -> None:
+    """Load the whole program, which forks then have."""
     for found in pkgutil.walk_packages(sweeps.__path__, "sweeps."):
         if not found.name.endswith("__main__"):
             importlib.import_module(found.name)
-    documents()
 
 
 NAMES = {

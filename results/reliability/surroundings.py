@@ -7,8 +7,9 @@ import shutil
 import signal
 import subprocess
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 from bench import Bench, Ended, Job, jobs
@@ -17,13 +18,13 @@ _YEAR = 3.15e7
 
 
 @contextmanager
-def small_disk(folder: Path, size: int, read_only: bool = False) -> Iterator[bool]:
-    """A disk of `size` bytes mounted on a folder; yields whether mounting is allowed here."""
+def small_disk(folder: Path, size: int, read_only: bool = False) -> Iterator[tuple[bool, Callable[[], None]]]:
+    """A disk of `size` bytes on a folder; yields whether mounting is allowed, and what else limits a command."""
     folder.mkdir(exist_ok=True)
     line = ["mount", "-t", "tmpfs", "-o", f"size={size},mode=700{',ro' if read_only else ''}", "none", str(folder)]
     allowed = subprocess.run(line, capture_output=True).returncode == 0
     try:
-        yield allowed
+        yield allowed, (lambda: None) if allowed else partial(_limit, size)
     finally:
         if allowed:
             subprocess.run(["umount", str(folder)], check=True)
@@ -54,8 +55,8 @@ def full_disk(bench: Bench) -> None:
     command = bench.dice.choice(commands)
     size, read_only = max(int(10 ** bench.dice.uniform(3.6, 6.8)), 4096), bench.dice.random() < 0.2
     wrong = []
-    with small_disk(bench.work / "disk", size, read_only) as allowed:
-        ended = bench.command(*command, prepare=(lambda: None) if allowed else (lambda: _limit(size)))
+    with small_disk(bench.work / "disk", size, read_only) as (allowed, limit):
+        ended = bench.command(*command, prepare=limit)
         kind = "read-only" if read_only and allowed else ("full" if allowed else "file size limited")
         wrong += [f"{command[0]} {size}: {ended.fault}"] if ended.fault else []
         left = [path.name for path in (bench.work / "disk").glob(".*")]
@@ -69,11 +70,11 @@ def room_again(bench: Bench) -> None:
     bench.ready(job)
     size = bench.dice.randrange(200_000, 30_000_000)
     wrong, told = [], 0
-    with small_disk(bench.work / "disk", size) as allowed:
+    with small_disk(bench.work / "disk", size) as (allowed, limit):
         line = tuple(word.replace("of_kept", "disk/of_kept") for word in job.arguments)
         moved = Job(job.name, line, f"disk/{job.result}", f"disk/{job.part}")
         for _ in range(2):
-            ended = bench.command(*line, prepare=(lambda: None) if allowed else (lambda: _limit(size)))
+            ended = bench.command(*line, prepare=limit)
             told += ended.code != 0
             wrong += [ended.fault] if ended.fault else []
         if (bench.work / moved.part).exists() and not bench.is_left_right(moved):
@@ -94,7 +95,7 @@ def cache_refused(bench: Bench) -> None:
     """No space or permission for machine code, or no home: the run continues, with at most one message."""
     job = Job("small", ("run", "small.toml", "--no-plots", "--quiet", "--out", "refused.h5"), "refused.h5", "")
     environment, way = dict(bench.environment), bench.dice.choice(("full", "read-only", "no home", "home read-only"))
-    with small_disk(bench.folder / "elsewhere", 40_960, read_only="read-only" in way) as allowed:
+    with small_disk(bench.folder / "elsewhere", 40_960, read_only="read-only" in way) as (allowed, _):
         if way == "no home":
             for name in ("HOME", "XDG_CACHE_HOME"):
                 environment.pop(name)
@@ -107,7 +108,7 @@ def cache_refused(bench: Bench) -> None:
             environment["XDG_CACHE_HOME"] = str(bench.folder / "elsewhere")
         ended = bench.command(*job.arguments, environment=environment)
         said = ended.err.count("Machine code is compiled in every run")
-    wrong = ended.fault or ("" if ended.code == 0 else ended.err[-200:])
+    wrong = ended.failure
     if not wrong and allowed and way != "no home" and said != 1:
         wrong = f"reported {said} times: {ended.err[-200:]}"
     shutil.rmtree(bench.folder / "nowhere", ignore_errors=True)
@@ -137,15 +138,8 @@ def clock_set_back(bench: Bench) -> None:
     child.end()
     for path in (*bench.work.iterdir(), *(bench.folder / "cache").rglob("*")):
         os.utime(path, (time.time() + _YEAR,) * 2)
-    before, _ = bench.done(job), bench.written(job)
-    ended = bench.command(*job.arguments, prepare=_set_back)
-    wrong = ended.fault or ("" if ended.code == 0 else ended.err[-200:])
-    if not wrong and not bench.is_whole(job):
-        wrong = "the resumed file differs"
-    if not wrong and bench.written(job) & before:
-        wrong = "blocks computed twice"
-    bench.clear(job)
-    bench.note("clock set back, files of the future", "resumed", wrong)
+    wrong = bench.resumed(job, prepare=_set_back)
+    bench.note("clock set back, files of the future", "resumed", "; ".join(wrong))
 
 
 def together(bench: Bench) -> None:

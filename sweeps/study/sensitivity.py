@@ -15,6 +15,7 @@ import engine
 from sweeps.store import Column, columns_of_number
 from sweeps.study.study_content import AskedDerivative, ReadyMachine, StudyContent
 from sweeps.study.study_text import ToleranceText
+from sweeps.text.scene_text import unknown_number_text
 
 # Variants per batch, to bound memory.
 TOGETHER = 2048
@@ -53,7 +54,7 @@ def read_tolerances(scene: engine.Scene, texts: Mapping[str, ToleranceText]) -> 
     numbers, found = engine.scene_numbers(scene), []
     for path, text in texts.items():
         if path not in numbers:
-            raise engine.AskError(engine.unknown_name_message(path, numbers, "is not a number that the scene gives"))
+            raise engine.AskError(unknown_number_text(scene, path))
         half_width = engine.in_text(text.plus_minus, numbers[path].dimension)
         if not 0 < half_width < np.inf:
             raise engine.AskError(f"{text.plus_minus!r}: a tolerance must be greater than 0, such as '0.1 mm'")

@@ -21,7 +21,7 @@ from sweeps.study.variant_tables import read_variant_table
 from sweeps.text.conditions import Condition, UnknownNameError, numeric_expression
 from sweeps.text.csv_text import TableColumn
 from sweeps.text.input_files import InputError, read_text
-from sweeps.text.scene_text import is_absent, scene_from, with_numbers
+from sweeps.text.scene_text import scene_from, unknown_number_text, with_numbers
 from sweeps.text.toml_text import Problems, line_of, parse_toml, problems_in, validate
 
 # Keys that are attributes of a study.
@@ -169,10 +169,7 @@ class StudyReader:
             return refusal and f"can't vary in this scene: {refusal}"
         if path.isidentifier() and path in self._names_used:
             return ""
-        words = "is not a number that the scene gives"
-        if is_absent(self.scene, path):
-            return f"{words}; give it there first"
-        return engine.unknown_name_message(path, self.numbers, words)
+        return unknown_number_text(self.scene, path)
 
     def _refusal(self, path: str, others: Iterable[str]) -> str:
         """Why a number of the scene can't vary (it has no effect), or "".

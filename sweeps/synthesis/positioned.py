@@ -78,10 +78,10 @@ def four_bar_through(positions: Sequence[PlanePosition], driven: PlaneDyad, othe
         raise SynthesisError("the positions are on different branches (branch defect): choose other joints")
     angles = _in_order(np.angle(pins - driven.centre))
     plane, along = cmath.exp(1j * positions[0].angle), complex(joints[0] - pins[0]) / coupler
-    least = _least_on_the_way(crank, coupler, rocker, other.centre - driven.centre, angles)
+    least = least_transmission(crank, coupler, rocker, other.centre - driven.centre, angles)
     if least is None:
         raise SynthesisError("the linkage can't move between the positions: choose other joints")
-    whole = _least_on_the_way(crank, coupler, rocker, other.centre - driven.centre, (0.0, math.tau))
+    whole = least_transmission(crank, coupler, rocker, other.centre - driven.centre)
     return PositionedFourBar(
         crank_pivot=driven.centre,
         rocker_pivot=other.centre,
@@ -144,18 +144,25 @@ def _in_order(angles: np.ndarray) -> tuple[float, ...]:
     return min(ways)[1]
 
 
-def _least_on_the_way(
-    crank: float, coupler: float, rocker: float, frame: complex, angles: Sequence[float]
+def least_transmission(
+    crank: float, coupler: float, rocker: float, frame: complex, angles: Sequence[float] = (0.0, math.tau)
 ) -> float | None:
-    """Minimum transmission angle between the first and the last crank angle; None if the links don't reach.
+    """Minimum acute angle between coupler and rocker between two crank angles; None if the links don't reach.
 
     The distance between crankpin and rocker pivot, which determines it, is extreme when crank and frame are in line.
+
+    Parameters
+    ----------
+    crank, coupler, rocker : float
+    frame : complex
+        From the crank pivot to the rocker pivot.
+    angles : sequence of float, optional
+        The first and the last one count [rad]; default: a full turn.
     """
     low, high = min(angles[0], angles[-1]), max(angles[0], angles[-1])
     base = cmath.phase(frame)
-    turns = np.arange(math.ceil((low - base) / math.pi), math.floor((high - base) / math.pi) + 1)
-    apart = np.abs(frame - crank * np.exp(1j * np.concatenate(([low, high], base + math.pi * turns))))
-    if (apart <= abs(coupler - rocker)).any() or (apart >= coupler + rocker).any():
+    turns = range(math.ceil((low - base) / math.pi), math.floor((high - base) / math.pi) + 1)
+    apart = [abs(frame - cmath.rect(crank, angle)) for angle in (low, high, *(base + math.pi * t for t in turns))]
+    if min(apart) <= abs(coupler - rocker) or max(apart) >= coupler + rocker:
         return None
-    cosines = np.abs(coupler * coupler + rocker * rocker - apart * apart) / (2.0 * coupler * rocker)
-    return float(np.arccos(cosines.max()))
+    return min(math.acos(abs(coupler * coupler + rocker * rocker - d * d) / (2.0 * coupler * rocker)) for d in apart)

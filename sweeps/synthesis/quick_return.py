@@ -19,6 +19,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
+from sweeps.synthesis.positioned import least_transmission
 from sweeps.synthesis.synthesis_error import SynthesisError
 
 # _Trial lengths in the range, and refinements about the best.
@@ -196,8 +197,9 @@ def _crank_rocker(rocker: float, swing: float, theta: float, coupler: float) -> 
         frame = math.hypot(x, side * y + height)
         # Both end positions are on the same side of the pivots' line: one assembly mode.
         ends = [_cross(x, side * y, end, height) for end in (-half, half)]
-        if ends[0] * ends[1] > 0.0 and _turns(crank, coupler, rocker, frame):
-            least = _least_transmission(crank, coupler, rocker, frame)
+        # The rocker turns, too, unless the crank is the shortest link.
+        least = least_transmission(crank, coupler, rocker, frame) if crank < min(coupler, rocker, frame) else None
+        if ends[0] * ends[1] > 0.0 and least is not None:
             found.append(QuickCrankRocker(crank, coupler, rocker, frame, least))
     return max(found, key=lambda four_bar: four_bar.least_transmission, default=None)
 
@@ -205,22 +207,6 @@ def _crank_rocker(rocker: float, swing: float, theta: float, coupler: float) -> 
 def _cross(x: float, y: float, end: float, height: float) -> float:
     """Side of an end position relative to the line from crank pivot to rocker pivot."""
     return x * y + (height + y) * (end - x)
-
-
-def _turns(crank: float, coupler: float, rocker: float, frame: float) -> bool:
-    """Whether a crank turns fully and its rocker doesn't: Grashof's rule, the crank the shortest link."""
-    others = (coupler, rocker, frame)
-    return crank < min(others) and crank + max(others) < sum(others) - max(others)
-
-
-def _least_transmission(crank: float, coupler: float, rocker: float, frame: float) -> float:
-    """Minimum acute angle between coupler and rocker, with the crank in line with the frame."""
-
-    def angle(apart: float) -> float:
-        cosine = (coupler * coupler + rocker * rocker - apart * apart) / (2.0 * coupler * rocker)
-        return math.acos(min(1.0, abs(cosine)))
-
-    return min(angle(frame - crank), angle(frame + crank))
 
 
 def _lengths(chord: float, theta: float, usual: float = 0.0) -> tuple[float, float]:

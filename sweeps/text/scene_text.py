@@ -223,13 +223,15 @@ def with_numbers(scene: engine.Scene, values: Mapping[str, float]) -> engine.Sce
     return _copied(scene, by_path, "") if values else scene
 
 
-def is_absent(scene: engine.Scene, path: str) -> bool:
-    """Whether a path names a key that a scene may have but doesn't give."""
-    part: object = scene
+def unknown_number_text(scene: engine.Scene, path: str) -> str:
+    """Why a path is not one of a scene's numbers, and what may be meant."""
+    words, part = "is not a number that the scene gives", scene
     *tables, last = path.split(".")
     for table in tables:
         part = part.get(table) if isinstance(part, dict) else getattr(part, table, None)
-    return last in getattr(type(part), "model_fields", {}) and getattr(part, last) is None
+    if last in getattr(type(part), "model_fields", {}) and getattr(part, last) is None:
+        return f"{words}; give it there first"
+    return engine.unknown_name_message(path, engine.scene_numbers(scene), words)
 
 
 def given_values(scene: engine.Scene, settings: Sequence[str]) -> dict[str, float]:
@@ -256,10 +258,7 @@ def given_values(scene: engine.Scene, settings: Sequence[str]) -> dict[str, floa
         if not equals or not path:
             raise InputError.of("--set", f"{text!r}: write PATH=VALUE, such as input.length='55 mm'")
         if path not in known:
-            near = engine.nearest_names(path, known, 3)
-            hint = f"did you mean {' or '.join(map(repr, near))}?" if near else f"numbers are {', '.join(known)}"
-            hint = "give it there first" if is_absent(scene, path) else hint
-            raise InputError.of("--set", f"is not a number that the scene gives; {hint}", key=path)
+            raise InputError.of("--set", unknown_number_text(scene, path), key=path)
         try:
             found[path] = engine.in_text(value.strip("\"'"), known[path].dimension)
         except engine.UnitError as error:

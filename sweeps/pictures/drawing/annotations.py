@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from engine import FRAME, LinkForce, NowhereDefinedError, did_you_mean, quantity_text
+from engine import FRAME, did_you_mean, quantity_text
 from sweeps.pictures.drawing.motion import DrawnMotion
 from sweeps.pictures.drawing.names import outline_points
 from sweeps.pictures.drawing.symbols import TIP, Primitive, arrow, polygon
@@ -67,7 +67,7 @@ def _masses(m: DrawnMotion, k: int, outlines: np.ndarray) -> tuple[list[Primitiv
 
 def _forces(m: DrawnMotion, k: int, outlines: np.ndarray) -> tuple[list[Primitive], list[Primitive]]:
     """Nonzero forces and moments of the scene with their magnitudes."""
-    acting = _acting(m)
+    acting = {force.name: force for force in reversed(m.link_forces) if force.kind == "load"}
     values = {name: complex((load.moment if load.at is None else load.force)[k]) for name, load in acting.items()}
     if not np.isfinite(list(values.values())).all():
         raise PictureError("the forces are undefined at this position; choose another position")
@@ -94,15 +94,6 @@ def _forces(m: DrawnMotion, k: int, outlines: np.ndarray) -> tuple[list[Primitiv
         words = f"{name} = {quantity_text(abs(value), 'N m')}"
         marks.append(_mark("forces", at + 1j * sense * r, 0.3 * m.radius, words))
     return figures, marks
-
-
-def _acting(m: DrawnMotion) -> dict[str, LinkForce]:
-    """Forces and moments of the scene by link."""
-    try:
-        found = [force for force in m.machine.forces if force.kind == "load"]
-    except NowhereDefinedError as error:
-        raise PictureError(f"the forces are undefined at every position: {error}") from None
-    return {force.name: force for force in reversed(found)}
 
 
 def _links(m: DrawnMotion, k: int, outlines: np.ndarray) -> tuple[list[Primitive], list[Primitive]]:

@@ -1,8 +1,9 @@
-"""Positions of a mechanism's points, links and sliders over the cycle, as complex numbers x + iy [m]."""
+"""A mechanism over its cycle: positions of its parts, motion and forces, as complex numbers x + iy."""
 
 import math
 from collections.abc import Iterable
-from typing import NamedTuple
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -37,7 +38,7 @@ def position_text(scene: engine.Scene, at: float) -> str:
 
 
 class DrawnMotion:
-    """Positions of a scene's points and links at every node of the cycle.
+    """A scene's mechanism at every node of the cycle.
 
     Parameters
     ----------
@@ -68,7 +69,7 @@ class DrawnMotion:
     Raises
     ------
     PictureError
-        There is no mechanism, or it can't be assembled at any position.
+        There is no mechanism, it can't be assembled at any position, or what is asked is undefined at all.
     """
 
     def __init__(self, scene: engine.Scene, known: engine.Mechanics | None = None) -> None:
@@ -76,13 +77,12 @@ class DrawnMotion:
         self.scene = scene
         self.machine = engine.MovingMachine(scene, positions=POSITIONS, known=known)
         self.numbers, self.q = self.machine.numbers, self.machine.q
-        try:
-            places = self.machine.places
-        except engine.NowhereDefinedError as error:
-            raise PictureError(f"this mechanism can't be drawn at any position: {error}") from None
+        self.omega = float(self.numbers["input.speed"])
+        places = self._of_machine("places")
         self.points, self.slides, self.contacts = places.points, places.slides, places.contacts
         self.axes, self.guides, self.centres = places.links, places.guides, places.centres
-        self.links = (*engine.order_groups(scene).links, engine.FRAME)
+        self.structure = engine.order_groups(scene)
+        self.links = (*self.structure.links, engine.FRAME)
         self.profiles = {name: self._profile(name) for name in scene.cams}
         self.pitch_curves = {
             name: tuple((point - self.axes[link][0]) / self.axes[link][1] for link in (name, wheel.geared_to))
@@ -95,6 +95,13 @@ class DrawnMotion:
     def of(cls, drawn: "engine.Scene | DrawnMotion") -> "DrawnMotion":
         """The motion of a scene, or the given motion."""
         return drawn if isinstance(drawn, DrawnMotion) else cls(drawn)
+
+    def _of_machine(self, what: str) -> Any:
+        """Places, motions or forces of the machine."""
+        try:
+            return getattr(self.machine, what)
+        except engine.NowhereDefinedError as error:
+            raise PictureError(f"the {what} of this mechanism are undefined at every position: {error}") from None
 
     def node(self, at: float) -> int:
         """Number of the node nearest to a crank angle [rad] or displacement [m].
@@ -174,4 +181,60 @@ class DrawnMotion:
     @property
     def hinges(self) -> set[str]:
         """Points that are revolute pairs."""
-        return {pair.joint for pair in engine.pairs_of(self.scene) if pair.kind == "revolute"}
+        return {pair.joint for pair in self.pairs.values() if pair.kind == "revolute"}
+
+    @cached_property
+    def groups(self) -> dict[str, tuple[str, ...]]:
+        """Links of each group, in group order."""
+        free = self.structure.free_groups
+        return {
+            e.name: free[e.name].links if e.name in free else engine.group_links(self.scene, e.name)
+            for e in self.structure.elements
+            if e.kind in ("group", "free group")
+        }
+
+    @cached_property
+    def link_numbers(self) -> dict[str, int]:
+        """Link numbers in plans: frame 0, input 1, then groups, second inputs, followers, wheels."""
+        scene = self.scene
+        in_groups = [link for links in self.groups.values() for link in links]
+        links = [engine.FRAME, scene.input.link, *in_groups, *scene.inputs]
+        links += [cam.follower.link for cam in scene.cams.values()]
+        links += [*scene.shafts, *scene.noncircular_wheels, *scene.racks, *scene.pinions]
+        return {link: i for i, link in enumerate(links)}
+
+    @cached_property
+    def rates(self) -> engine.Motions:
+        """Transfer functions of points, links, sliders and bodies, and contact geometry of cams and wheels."""
+        return self._of_machine("motions")
+
+    @cached_property
+    def link_forces(self) -> list[engine.LinkForce]:
+        """All loads of each link."""
+        return self._of_machine("forces")
+
+    @cached_property
+    def pairs(self) -> dict[str, engine.Pair]:
+        """Lower pairs by name."""
+        return {pair.name: pair for pair in engine.pairs_of(self.scene)}
+
+    @cached_property
+    def forces(self) -> dict[str, np.ndarray]:
+        """Pair reactions and input drive, by field."""
+        fields = [f"{name}.reaction_{axis}" for name in self.pairs for axis in "xy"]
+        fields += [f"{name}.reaction_moment" for name, pair in self.pairs.items() if pair.kind == "prismatic"]
+        fields.append("input_moment_by_equilibrium")
+        found = self.machine.fields(fields)
+        if not all(np.isfinite(row).any() for row in found.values()):
+            raise PictureError(f"no plans of this machine: {self.machine.verdict(fields).sentence}")
+        return found
+
+    def force(self, name: str) -> np.ndarray:
+        """A reaction over the cycle, x + iy [N]: `PAIR.reaction`."""
+        return self.forces[f"{name}_x"] + 1j * self.forces[f"{name}_y"]
+
+    def peak_force(self, pair: str) -> float:
+        """Peak reaction of a pair [N]: the summary, or the maximum drawn if the machine doesn't assemble everywhere."""
+        force = np.abs(self.force(f"{pair}.reaction"))
+        whole = np.isfinite(force).all()
+        return self.machine.summary(f"{pair}.reaction.peak") if whole else float(np.nanmax(force))

@@ -8,11 +8,11 @@ from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
 
-from engine import FRAME, CrankInput, Pair, did_you_mean, display_unit, full_names, pairs_of, quantity_text
+from engine import FRAME, CrankInput, Pair, did_you_mean, display_unit, full_names, quantity_text
+from sweeps.pictures.drawing import DrawnMotion
 from sweeps.pictures.machine.cycle_rows import closed
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.plans.lettering import size_text
-from sweeps.pictures.plans.pose import MachineCycle
 from sweeps.pictures.plans.reaction_curves import reaction_panel
 from sweeps.pictures.style import BLUE, GREY, SKY, VERMILION, sheet, titled
 
@@ -31,7 +31,7 @@ class BearingLoad(NamedTuple):
 
     Attributes
     ----------
-    cycle : MachineCycle
+    motion : DrawnMotion
     pair : Pair
     axes : str
         Link that defines the axes.
@@ -41,7 +41,7 @@ class BearingLoad(NamedTuple):
         x + iy [N].
     """
 
-    cycle: MachineCycle
+    motion: DrawnMotion
     pair: Pair
     axes: str
     on: str
@@ -53,18 +53,19 @@ class BearingLoad(NamedTuple):
         return int(np.nanargmax(np.abs(self.force)))
 
 
-def revolute_pairs(cycle: MachineCycle) -> list[Pair]:
-    """The loaded bearings of a machine."""
-    found = [pair for pair in pairs_of(cycle.scene) if pair.kind == "revolute"]
-    return [pair for pair in found if np.nanmax(np.abs(cycle.force(f"{pair.name}.reaction"))) > 0]
+def loaded_bearings(motion: DrawnMotion) -> dict[str, float]:
+    """The loaded revolute pairs of a machine, each with the peak of its reaction as drawn [N]."""
+    names = [name for name, pair in motion.pairs.items() if pair.kind == "revolute"]
+    peaks = {name: float(np.nanmax(np.abs(motion.force(f"{name}.reaction")))) for name in names}
+    return {name: peak for name, peak in peaks.items() if peak > 0}
 
 
-def bearing_load(cycle: MachineCycle, pair: str, axes: str = FRAME) -> BearingLoad:
+def bearing_load(motion: DrawnMotion, pair: str, axes: str = FRAME) -> BearingLoad:
     """Bearing load in the axes of a link, as the force on that link; in frame axes, as the force on the moving link.
 
     Parameters
     ----------
-    cycle : MachineCycle
+    motion : DrawnMotion
     pair : str
         A revolute pair: `input`, `GROUP.first`, `GROUP.inner`, `GROUP.second`, a shaft, or the letter of its joint.
     axes : str
@@ -75,17 +76,17 @@ def bearing_load(cycle: MachineCycle, pair: str, axes: str = FRAME) -> BearingLo
     PictureError
         No such pair, or it isn't revolute or loaded.
     """
-    known = {p.name: p for p in pairs_of(cycle.scene) if p.kind == "revolute"}
-    pair = full_names(cycle.scene, f"{pair}.reaction").removesuffix(".reaction")
+    known = {name: p for name, p in motion.pairs.items() if p.kind == "revolute"}
+    pair = full_names(motion.scene, f"{pair}.reaction").removesuffix(".reaction")
     if pair not in known:
         raise PictureError(f"bearing load: {pair!r} is not a revolute pair of this scene; {did_you_mean(pair, known)}")
     found = known[pair]
-    force = cycle.force(f"{pair}.reaction")
+    force = motion.force(f"{pair}.reaction")
     if not np.nanmax(np.abs(force)) > 0:
         raise PictureError(f"bearing load: {pair} is unloaded; give the machine masses, forces or gravity")
     on = found.other if axes == found.other != FRAME else found.link
     sign = 1 if on == found.link else -1
-    return BearingLoad(cycle, found, axes, on, sign * force * cycle.motion.axes[axes][1].conj())
+    return BearingLoad(motion, found, axes, on, sign * force * motion.axes[axes][1].conj())
 
 
 def shares(load: BearingLoad, width: float = WIDTH) -> np.ndarray:
@@ -123,8 +124,8 @@ def load_polar(load: BearingLoad, ax: PolarAxes) -> None:
         Made with projection="polar".
     """
     factor, unit = display_unit("N", np.abs(load.force))
-    z = factor * closed(load.cycle.scene, load.force)
-    q, turns = load.cycle.motion.q, isinstance(load.cycle.scene.input, CrankInput)
+    z = factor * closed(load.motion.scene, load.force)
+    q, turns = load.motion.q, isinstance(load.motion.scene.input, CrankInput)
     ax.plot(np.angle(z), np.abs(z), color=BLUE, linewidth=1.1)
     every = max(1, round(math.pi / 6 / (q[1] - q[0])) if turns else q.size // 12)
     top = factor * np.nanmax(np.abs(load.force))
@@ -148,7 +149,7 @@ def load_polar(load: BearingLoad, ax: PolarAxes) -> None:
     ax.plot(np.angle(star), abs(star), "*", color=VERMILION, markersize=7)
     _axes(ax, unit, z)
     whose = "frame axes" if load.axes == FRAME else f"axes of {load.axes}"
-    peak = size_text(load.cycle.peak_force(load.pair.name), "N")
+    peak = size_text(load.motion.peak_force(load.pair.name), "N")
     ax.set_title(f"on {load.on}, {whose}\npeak {peak}", fontsize=7.5, pad=8)
 
 
@@ -177,25 +178,25 @@ def _axes(ax: PolarAxes, unit: str, drawn: np.ndarray) -> None:
     ax.text(1.0, 0.0, unit, transform=ax.transAxes, fontsize=7)
 
 
-def bearing_sheet(cycle: MachineCycle, pair: str) -> Figure:
+def bearing_sheet(motion: DrawnMotion, pair: str) -> Figure:
     """Sheet of a bearing load, 180 mm wide: polar diagrams in all axes, load by direction.
 
     Parameters
     ----------
-    cycle : MachineCycle
+    motion : DrawnMotion
     pair : str
         A revolute pair.
     """
-    frame, scene = bearing_load(cycle, pair), cycle.scene
-    own, other = bearing_load(cycle, pair, frame.pair.link), frame.pair.other
+    frame, scene = bearing_load(motion, pair), motion.scene
+    own, other = bearing_load(motion, pair, frame.pair.link), frame.pair.other
     words = f"load of {pair} ({frame.pair.place})"
     with sheet(180, 185, titled(scene.title, words)) as figure:
         for number, draw, load in ((1, load_polar, frame), (2, load_polar, own), (4, load_rose, own)):
             draw(load, figure.add_subplot(2, 2, number, projection="polar"))
         if other == FRAME:
-            reaction_panel(cycle, frame.pair, figure.add_subplot(2, 2, 3))
+            reaction_panel(motion, frame.pair, figure.add_subplot(2, 2, 3))
         else:
-            load_polar(bearing_load(cycle, pair, other), figure.add_subplot(2, 2, 3, projection="polar"))
+            load_polar(bearing_load(motion, pair, other), figure.add_subplot(2, 2, 3, projection="polar"))
         note = (
             "Marks: input position. Link axes: 0° along the link's x axis. A journal bears on the side opposite "
             "to its load,\na bush on the side that its load points to."

@@ -87,22 +87,22 @@ def rolling(pose: Pose, name: str) -> Rolling | None:
     if name in scene.shafts:
         return _of_shaft(pose, name, letter)
     if name in scene.noncircular_wheels:
-        wheel, k = pose.cycle.rates.noncircular[name], pose.k
+        wheel, k = pose.motion.rates.noncircular[name], pose.k
         drift = complex(wheel.away[k] / (wheel.curvature[k] + wheel.driver_curvature[k]))
         return Rolling(letter, mesh_driver(scene, name), name, complex(wheel.pitch_point[k]), drift)
     if name in scene.racks:
         rack = scene.racks[name]
-        arm = 1j * pose.cycle.numbers[f"racks.{name}.radius"] * pose.guide(rack.guide)
+        arm = 1j * pose.motion.numbers[f"racks.{name}.radius"] * pose.guide(rack.guide)
         return Rolling(letter, mesh_driver(scene, name), name, pose.place(rack.pivot) - arm, -arm)
     pinion = scene.pinions[name]
     guide = pinion.guide or guide_of(scene, pinion.rack)
-    arm = 1j * pose.cycle.numbers[f"pinions.{name}.radius"] * pose.guide(guide)
+    arm = 1j * pose.motion.numbers[f"pinions.{name}.radius"] * pose.guide(guide)
     return Rolling(letter, mesh_driver(scene, name), name, pose.place(pinion.pivot) - arm, arm)
 
 
 def _of_shaft(pose: Pose, name: str, letter: str) -> Rolling | None:
     """Pitch point of a shaft whose wheel meshes with its driver's (no belt, different axes)."""
-    shaft, ratio = pose.scene.shafts[name], pose.cycle.numbers[f"shafts.{name}.ratio"]
+    shaft, ratio = pose.scene.shafts[name], pose.motion.numbers[f"shafts.{name}.ratio"]
     toothed = shaft.carrier is not None or shaft.pressure_angle is not None or ratio < 0
     if shaft.pivot is None or not toothed:
         return None
@@ -124,15 +124,15 @@ def touching(pose: Pose, name: str) -> Touching:
     """
     cam = pose.scene.cams[name]
     follower, link = cam.follower, cam.follower.link
-    motion = pose.cycle.rates.cams[name]
+    motion = pose.motion.rates.cams[name]
     normal, curvature = complex(motion.normal[pose.k]), float(motion.curvature[pose.k])
     if follower.contact == "flat":
         centre = complex(pose.motion.contacts[name][pose.k]) - normal / curvature
         return Touching(lettered(pose, "C", link), cam.on, link, centre, normal, None)
     place = complex(pose.motion.axes[link][0][pose.k])
     if follower.type == "oscillating":
-        place += pose.cycle.numbers[f"cams.{name}.follower.arm"] * pose.direction(link)
-    radius = pose.cycle.numbers[f"cams.{name}.follower.roller_radius"] if follower.contact == "roller" else 0.0
+        place += pose.motion.numbers[f"cams.{name}.follower.arm"] * pose.direction(link)
+    radius = pose.motion.numbers[f"cams.{name}.follower.roller_radius"] if follower.contact == "roller" else 0.0
     # The pitch curve is offset from the profile by the roller radius.
     of_pitch_curve = curvature / (1 + curvature * radius)
     return Touching(lettered(pose, "B", link), cam.on, link, place, normal, of_pitch_curve)

@@ -3,14 +3,13 @@
 from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from engine import Scene, pairs_of
 from sweeps.pictures.drawing import DrawnMotion
-from sweeps.pictures.plans.bearing_loads import bearing_sheet, revolute_pairs
+from sweeps.pictures.plans.bearing_loads import bearing_sheet, loaded_bearings
 from sweeps.pictures.plans.forces.loads import loaded_links
-from sweeps.pictures.plans.pose import MachineCycle
+from sweeps.pictures.plans.pose import pose_at
 from sweeps.pictures.plans.reaction_curves import reaction_sheet
 from sweeps.pictures.plans.sheets import force_sheet, kinematic_sheet
 from sweeps.pictures.style import save_beside
@@ -43,13 +42,13 @@ def plan_pictures(scene: Scene, path: Path, at: float | None = None) -> list[Pat
     PictureError
         The position can't be drawn, or unknown picture format.
     """
-    cycle = MachineCycle(scene)
-    pose = cycle.at(at)
+    motion = DrawnMotion(scene)
+    pose = pose_at(motion, at)
     made = save_beside(path, ((which, kinematic_sheet(pose, which)) for which in ("velocity", "acceleration")))
-    if revolute_pairs(cycle):
-        parts = (scene.input.link, *cycle.groups, *loaded_links(pose))
+    if peaks := loaded_bearings(motion):
+        parts = (scene.input.link, *motion.groups, *loaded_links(pose))
         made += save_beside(path, ((f"forces_{part}", force_sheet(pose, part)) for part in parts))
-        made += save_beside(path, _reactions(cycle, _most_loaded(cycle)))
+        made += save_beside(path, _reactions(motion, sorted(peaks, key=lambda name: -peaks[name])[:MOST_BEARINGS]))
     return made
 
 
@@ -73,17 +72,12 @@ def bearing_pictures(scene: Scene, path: Path, bearings: Collection[str]) -> lis
     PictureError
         No such pair, or it isn't revolute or loaded.
     """
-    return save_beside(path, _bearings(MachineCycle(scene), dict.fromkeys(bearings))) if bearings else []
+    return save_beside(path, _bearings(DrawnMotion(scene), dict.fromkeys(bearings))) if bearings else []
 
 
-def _most_loaded(cycle: MachineCycle) -> list[str]:
-    peaks = {pair.name: np.nanmax(np.abs(cycle.force(f"{pair.name}.reaction"))) for pair in revolute_pairs(cycle)}
-    return sorted(peaks, key=peaks.__getitem__, reverse=True)[:MOST_BEARINGS]
-
-
-def _bearings(cycle: MachineCycle, names: Iterable[str]) -> Iterator[tuple[str, Figure]]:
+def _bearings(motion: DrawnMotion, names: Iterable[str]) -> Iterator[tuple[str, Figure]]:
     for name in names:
-        yield f"bearing_{name.replace('.', '_')}", bearing_sheet(cycle, name)
+        yield f"bearing_{name.replace('.', '_')}", bearing_sheet(motion, name)
 
 
 def reaction_pictures(drawn: Scene | DrawnMotion, path: Path, fields: Collection[str]) -> list[Path]:
@@ -104,9 +98,9 @@ def reaction_pictures(drawn: Scene | DrawnMotion, path: Path, fields: Collection
     """
     scene = drawn.scene if isinstance(drawn, DrawnMotion) else drawn
     asked = {name.rpartition(".reaction")[0] for name in fields} & {pair.name for pair in pairs_of(scene)}
-    return save_beside(path, _reactions(MachineCycle(drawn), asked)) if asked else []
+    return save_beside(path, _reactions(DrawnMotion.of(drawn), asked)) if asked else []
 
 
-def _reactions(cycle: MachineCycle, asked: Collection[str]) -> Iterator[tuple[str, Figure]]:
-    yield "reactions", reaction_sheet(cycle)
-    yield from _bearings(cycle, (pair.name for pair in revolute_pairs(cycle) if pair.name in asked))
+def _reactions(motion: DrawnMotion, asked: Collection[str]) -> Iterator[tuple[str, Figure]]:
+    yield "reactions", reaction_sheet(motion)
+    yield from _bearings(motion, (name for name in loaded_bearings(motion) if name in asked))

@@ -73,7 +73,7 @@ def plan_lines(pose: Pose, plan: VectorPlan) -> list[str]:
 
 
 def _turns(pose: Pose, kind: PlanKind) -> list[str]:
-    turns = {link: getattr(pose.turn(link), kind.turned) for link in pose.cycle.structure.links}
+    turns = {link: getattr(pose.turn(link), kind.turned) for link in pose.motion.structure.links}
     least, found = ROUNDED * max(map(abs, turns.values()), default=0.0), []
     for link, value in turns.items():
         if abs(value) > least:

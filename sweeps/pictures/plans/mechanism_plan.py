@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
-from engine import FRAME, quantity_text
+from engine import quantity_text
 from sweeps.pictures.drawing import bounds, figures
 from sweeps.pictures.drawing.racks import rack_shapes
 from sweeps.pictures.plans.lettering import subscript
@@ -53,7 +53,7 @@ def mechanism_plan(
             paper.name(joint.points[0], f"${subscript(joint.text)}$", clear=joint.size / paper.per_mm)
     for name, at in marked.items():
         paper.dot(at, f"${subscript(name)}$")
-    for link in pose.cycle.structure.links:
+    for link in pose.motion.structure.links:
         _number(paper, pose, link)
     motion.radius = usual
     paper.letter()
@@ -79,8 +79,6 @@ def _laid_out(ax: Axes, drawn: list, further: Sequence[complex]) -> Paper:
 
 def _number(paper: Paper, pose: Pose, link: str) -> None:
     """A link's number next to its middle (for a rack, the middle of its bar)."""
-    if link == FRAME:
-        return
     if link in pose.scene.racks:
         corners = np.array(next(p.points for p in rack_shapes(pose.motion, pose.k) if p.link == link))
         # A bar may lie far from its link's axes and points.

@@ -120,7 +120,7 @@ class VectorPlan:
         self.special: list[SpecialPoint] = []
         self.places: dict[str, complex] = {}
         self._compose()
-        self.links = tuple(filter(None, map(self._others_on, pose.cycle.structure.links)))
+        self.links = tuple(filter(None, map(self._others_on, pose.motion.structure.links)))
 
     def _compose(self) -> None:
         scene, drive = self.pose.scene, self.pose.scene.input
@@ -130,11 +130,11 @@ class VectorPlan:
             self._bar(drive.link, drive.pivot, drive.pin)
         else:
             self._along_guide(drive.link, drive.guide, drive.point)
-        for element in self.pose.cycle.structure.elements:
+        for element in self.pose.motion.structure.elements:
             if element.kind == "group":
                 self._group(scene.groups[element.name])
             elif element.kind == "free group":
-                self._free_group(self.pose.cycle.structure.free_groups[element.name])
+                self._free_group(self.pose.motion.structure.free_groups[element.name])
             elif element.kind == "cam":
                 contact = touching(self.pose, element.name)
                 self._touching(contact)

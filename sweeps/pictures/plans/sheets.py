@@ -50,7 +50,7 @@ def heading(figure: Figure, scene: Scene, what: str) -> None:
 
 def links_line(pose: Pose) -> str:
     """The link numbers as text."""
-    return ", ".join(f"{n} {link}" for link, n in pose.cycle.link_numbers.items() if link != FRAME)
+    return ", ".join(f"{n} {link}" for link, n in pose.motion.link_numbers.items() if link != FRAME)
 
 
 def columns(lines: list[str], rows: int) -> list[str]:
@@ -116,7 +116,7 @@ def force_sheet(pose: Pose, of: str) -> Figure:
     of : str
         A group or a moving link.
     """
-    links = pose.cycle.groups.get(of, (of,))
+    links = pose.motion.groups.get(of, (of,))
     rows = -(-len(links) // 2)
     # A single link has the polygon on its right.
     width, columns_of_text, alone = 88, 5, len(links) == 1

@@ -11,8 +11,7 @@ import pickle
 import platform
 import threading
 from collections.abc import Sequence
-from functools import cache, lru_cache
-from pathlib import Path
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -55,21 +54,11 @@ class Greeting(NamedTuple):
     threads: int
 
 
-@cache
-def program_digest() -> str:
-    """Digest of all sources of this program and of the compilers' versions."""
-    digest = hashlib.sha256(sources_digest().encode())
-    root = Path(__file__).parents[2]
-    for path in sorted(root.rglob("*.py")):
-        digest.update(f"\0{path.relative_to(root).as_posix()}\0".encode() + path.read_bytes())
-    return digest.hexdigest()
-
-
 def own_greeting() -> Greeting:
     """Identity of this process."""
     versions = {"python": platform.python_version()} | versions_of("numba", "llvmlite", "numpy", "scipy")
     # Last, as it includes the others.
-    versions["machine-sweeps"] = program_digest()[:12]
+    versions["machine-sweeps"] = sources_digest("sweeps")[:12]
     return Greeting(versions, get_host_cpu_name(), threads())
 
 

@@ -10,7 +10,7 @@ from engine.mechanism.assembly import Slide
 from engine.mechanism.groups.closure_of_free import Direction
 from engine.scene.structure.ordering import order
 from sweeps.pictures.plans.polygons import accelerations, velocities
-from sweeps.pictures.plans.pose import MachineCycle
+from sweeps.pictures.plans.pose import pose_at
 
 EPS = np.finfo(float).eps
 ROUNDINGS = 1000
@@ -110,7 +110,7 @@ def test_loop_of_sliding_pairs__is_refused():
 
 def test_leg_of_two_sliding_pairs__has_its_place_in_plans():
     """It has no joint: its plans go by its own origin, and close; it is in equilibrium under its loads."""
-    pose = MachineCycle(in_best_mode(("RP", "PP", "RR"))).at(2.2)
+    pose = pose_at(in_best_mode(("RP", "PP", "RR")), 2.2)
     for plan in (velocities(pose), accelerations(pose)):
         (name,) = plan.places
         assert_legs_meet(plan, 100 * EPS)

@@ -312,7 +312,7 @@ test_what_cannot_be_drawn__is_refused = refusals(
     ),
     (
         lambda: primitives(with_values(four_bar(), {"groups.g.first.length": 0.001}), 0.0),
-        "can't be drawn at any position",
+        "undefined at every position",
     ),
 )
 

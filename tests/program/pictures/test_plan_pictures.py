@@ -11,9 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from plan_machines import MACHINES, MECHANISMS, cycle_of
+from plan_machines import MACHINES, MECHANISMS, motion_of
 
 from engine import Machine, Scene
+from sweeps.pictures.drawing import DrawnMotion
 from sweeps.pictures.drawing.racks import rack_shapes
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.plans.bearing_loads import bearing_load, least_loaded, shares
@@ -24,7 +25,7 @@ from sweeps.pictures.plans.kinematic_plans import draw_plan
 from sweeps.pictures.plans.mechanism_plan import mechanism_plan
 from sweeps.pictures.plans.paper import round_scale
 from sweeps.pictures.plans.polygons import accelerations, velocities
-from sweeps.pictures.plans.pose import MachineCycle
+from sweeps.pictures.plans.pose import pose_at
 from sweeps.pictures.style import BLUE, MM_PER_INCH
 from sweeps.study.bundled import bundled_studies
 from sweeps.text.scene_text import read_scene
@@ -41,17 +42,17 @@ def heavy_crank():
 def test_peak_of_a_bearing__is_that_of_the_results():
     """It may lie where a valve opens, between two of the positions drawn."""
     scene = read_scene(bundled_studies()["compressor"].parent / "scenes" / "compressor.toml")
-    cycle = MachineCycle(scene)
+    motion = DrawnMotion(scene)
     outcome = Machine(scene, ["input.reaction.peak"]).evaluate({})
     peak, error = outcome.summaries["input.reaction.peak"][0], outcome.errors["input.reaction.peak"][0]
-    assert cycle.peak_force("input") == pytest.approx(peak, rel=1e-9, abs=error)
+    assert motion.peak_force("input") == pytest.approx(peak, rel=1e-9, abs=error)
 
 
 def test_load_of_a_heavy_wheel__stands_in_the_frame_and_turns_in_the_shaft():
-    cycle = MachineCycle(heavy_crank())
-    frame, shaft = bearing_load(cycle, "input"), bearing_load(cycle, "input", "crank")
+    motion = DrawnMotion(heavy_crank())
+    frame, shaft = bearing_load(motion, "input"), bearing_load(motion, "input", "crank")
     assert np.allclose(frame.force, 30j, rtol=0, atol=1e-10)
-    assert np.allclose(shaft.force, 30j * np.exp(-1j * cycle.motion.q), rtol=0, atol=1e-10)
+    assert np.allclose(shaft.force, 30j * np.exp(-1j * motion.q), rtol=0, atol=1e-10)
     assert shares(frame)[90] == 1.0
     # 20 of 720 positions in 10°; one on an edge may go to either side.
     assert shares(shaft) == pytest.approx(np.full(360, 1 / 36), abs=1.01 / 720)
@@ -61,7 +62,7 @@ def test_load_of_a_heavy_wheel__stands_in_the_frame_and_turns_in_the_shaft():
 
 def test_bearing_load_of_a_guide__refused():
     with pytest.raises(PictureError, match=r"'drive\.second' is not a revolute pair"):
-        bearing_load(cycle_of("slider_crank"), "drive.second")
+        bearing_load(motion_of("slider_crank"), "drive.second")
 
 
 # Drawing
@@ -93,7 +94,7 @@ def arrows_on_paper(ax):
 
 def test_vectors_on_paper__as_long_as_the_scale_says():
     ax = axes_on_paper()
-    loads = force_plan(cycle_of("slider_crank").at(1.0), "drive", ax)
+    loads = force_plan(pose_at(motion_of("slider_crank"), 1.0), "drive", ax)
     (note,) = [text.get_text() for text in ax.texts if "mu_F" in text.get_text()]
     value, unit = note.split("= ")[1].removesuffix("/mm").split(" ")
     per_mm = float(value) * {"N": 1.0, "kN": 1e3}[unit]
@@ -105,7 +106,7 @@ def test_vectors_on_paper__as_long_as_the_scale_says():
     "name", [*MECHANISMS, "PRP", "moving guide", "geared five-bar", "turning yoke", "racks", "planets", "rubbing cam"]
 )
 def test_plans_of_every_template__drawn_with_letters_clear_of_each_other(name):
-    pose = cycle_of(name).at()
+    pose = pose_at(motion_of(name))
     drawn = [(draw_plan, (plan,)) for plan in (velocities(pose), accelerations(pose))]
     drawn += [(force_plan, (pose, group)) for group in pose.scene.groups if force_polygon(pose, group)]
     for draw, arguments in drawn:
@@ -128,7 +129,7 @@ def test_plans_of_every_template__drawn_with_letters_clear_of_each_other(name):
 def test_mechanism_plan__numbers_of_racks_stand_at_their_bars():
     """However far the bar lies from the axes of its link: within the widest gap of letters, and their own size."""
     ax = axes_on_paper()
-    pose = cycle_of("racks").at(0.6)
+    pose = pose_at(motion_of("racks"), 0.6)
     paper = mechanism_plan(pose, ax)
     for rack in pose.scene.racks:
         middle = np.mean(next(p.points for p in rack_shapes(pose.motion, pose.k) if p.link == rack))
@@ -138,7 +139,7 @@ def test_mechanism_plan__numbers_of_racks_stand_at_their_bars():
 
 def test_free_body__an_arrow_for_each_load_none_longer_than_the_longest():
     ax = axes_on_paper()
-    loads = free_body(cycle_of("four_bar").at(1.0), "coupler", ax)
+    loads = free_body(pose_at(motion_of("four_bar"), 1.0), "coupler", ax)
     lengths = arrows_on_paper(ax)
     forces, moments = sum(not load.is_moment for load in loads), sum(load.is_moment for load in loads)
     assert (forces, moments) == (4, 1)
@@ -188,4 +189,4 @@ def test_plot_with_plans__made_at_the_first_angle_asked(folder, monkeypatch):
 
 def test_position_that_cannot_be_drawn__refused():
     with pytest.raises(PictureError, match="outside the input's range"):
-        cycle_of("sliding input").at(5.0)
+        pose_at(motion_of("sliding input"), 5.0)

@@ -16,20 +16,21 @@ from plan_machines import (
     HIGHER,
     assert_in_equilibrium,
     assert_legs_meet,
-    cycle_of,
     largest,
+    motion_of,
     poses,
     rubbing,
 )
 from rubbing_machines import RHO, press, yoke
 
 from engine import Scene
+from sweeps.pictures.drawing import DrawnMotion
 from sweeps.pictures.plans.files import plan_pictures
 from sweeps.pictures.plans.forces.force_plan import force_lines, force_polygon
 from sweeps.pictures.plans.forces.free_body import free_body
 from sweeps.pictures.plans.forces.loads import group_loads, loads_on_links
 from sweeps.pictures.plans.polygons import accelerations, velocities
-from sweeps.pictures.plans.pose import MachineCycle
+from sweeps.pictures.plans.pose import pose_at
 from sweeps.pictures.plans.sheets import force_sheet
 
 # Derivatives by Fourier series of 720 points: a rounding of the positions, 1e-16 of the mechanism's size (at most ten
@@ -64,17 +65,17 @@ def test_legs__meet_in_the_images_of_points(name, plan_of):
 
 @each("name", CLOSED)
 def test_images__derivatives_of_positions_by_fourier(name):
-    cycle = cycle_of(name)
-    turns = cycle.scene.input.revolutions
-    orders = 1j * np.fft.fftfreq(cycle.motion.q.size, 1 / cycle.motion.q.size) / turns
-    crank_length = cycle.numbers.get("input.length", 0.0)
+    motion = motion_of(name)
+    turns = motion.scene.input.revolutions
+    orders = 1j * np.fft.fftfreq(motion.q.size, 1 / motion.q.size) / turns
+    crank_length = motion.numbers.get("input.length", 0.0)
     for pose in poses(name):
         for order, plan in ((1, velocities(pose)), (2, accelerations(pose))):
             for point, image in plan.images.items():
-                if point not in cycle.motion.points:
+                if point not in motion.points:
                     continue
-                rate = np.fft.ifft(orders**order * np.fft.fft(cycle.motion.points[point]))[pose.k] * cycle.omega**order
-                assert abs(image - rate) < BY_FOURIER * crank_length * abs(cycle.omega) ** order
+                rate = np.fft.ifft(orders**order * np.fft.fft(motion.points[point]))[pose.k] * motion.omega**order
+                assert abs(image - rate) < BY_FOURIER * crank_length * abs(motion.omega) ** order
 
 
 @each("name", EVERY)
@@ -87,12 +88,12 @@ def test_places_of_links__move_as_their_points(name):
 
 
 def test_coriolis_step_of_the_quick_return__twice_turn_times_sliding():
-    cycle = cycle_of("quick return")
-    arm = cycle.motion.points["A"] - cycle.motion.points["D"]
+    motion = motion_of("quick return")
+    arm = motion.points["A"] - motion.points["D"]
     orders = 1j * np.fft.fftfreq(arm.size, 1 / arm.size)
 
     def rate(row):
-        return np.fft.ifft(orders * np.fft.fft(row)).real * cycle.omega
+        return np.fft.ifft(orders * np.fft.fft(row)).real * motion.omega
 
     # The lever points up throughout: its angle from the y axis has no jump.
     turn, sliding = rate(np.angle(arm / 1j)), rate(np.abs(arm))
@@ -104,7 +105,7 @@ def test_coriolis_step_of_the_quick_return__twice_turn_times_sliding():
 
 
 def test_link_of_three_points__is_a_triangle_of_its_images():
-    pose = cycle_of("four-bar").at(1.0)
+    pose = pose_at(motion_of("four-bar"), 1.0)
     assert velocities(pose).links == accelerations(pose).links == (("A", "B", "P"),)
 
 
@@ -122,11 +123,11 @@ def assert_closed(pose, parts):
 def test_loads__every_link_in_equilibrium_and_every_force_plan_closed(name):
     for pose in poses(name):
         assert_in_equilibrium(pose)
-        assert_closed(pose, [*pose.scene.groups, *pose.cycle.structure.free_groups])
+        assert_closed(pose, [*pose.scene.groups, *pose.motion.structure.free_groups])
 
 
 def test_force_plan_of_a_group__without_its_inner_pair_and_reactions_last():
-    pose = cycle_of("slider_crank").at(1.0)
+    pose = pose_at(motion_of("slider_crank"), 1.0)
     loads = group_loads(pose, "drive")
     assert [load.text for load in loads] == [f"${s}$" for s in ("G_{2}", "U_{2}", "G_{3}", "U_{3}", "R_{03}", "R_{12}")]
 
@@ -144,7 +145,7 @@ def link_of(pose, plan, name):
     if name in plan.under:
         return plan.under[name]
     number = int(name[1:])
-    (link,) = [link for link, n in pose.cycle.link_numbers.items() if n == number]
+    (link,) = [link for link, n in pose.motion.link_numbers.items() if n == number]
     cams = {cam.follower.link: cam.on for cam in pose.scene.cams.values()}
     return cams[link] if name[0] == "C" else link
 
@@ -153,26 +154,26 @@ def link_of(pose, plan, name):
 def test_images_of_contacts__as_their_links_carry_them(name):
     """A place kept in the axes of a link is followed over nine nodes, by their positions alone."""
     checked = 0
-    cycle = cycle_of(name)
+    motion = motion_of(name)
     # None of them within four nodes of where a section of a cam's law ends.
     for k in (77, 260, 640):
-        pose = cycle.at(cycle.motion.q[k])
+        pose = pose_at(motion, motion.q[k])
         around = np.arange(k - 4, k + 5)
-        step = cycle.motion.q[1] - cycle.motion.q[0]
+        step = motion.q[1] - motion.q[0]
         for order, weights, plan in ((1, FIRST, velocities(pose)), (2, SECOND, accelerations(pose))):
             for image, vector in plan.images.items():
                 if image.rstrip("'") not in plan.places:
                     continue
-                origin, along = cycle.motion.axes[link_of(pose, plan, image)]
+                origin, along = motion.axes[link_of(pose, plan, image)]
                 kept = (plan.places[image.rstrip("'")] - origin[k]) / along[k]
                 path = origin[around] + kept * along[around]
-                rate = (weights @ path) * (cycle.omega / step) ** order
+                rate = (weights @ path) * (motion.omega / step) ** order
                 # Links 0.3 m about move with parts of seven periods in a turn at most: ninth and tenth derivatives of
                 # those leave a step⁸ 7⁹/630 and a step⁸ 7¹⁰/3150. A rounding of 1e-16 is divided by the step once or
                 # twice.
                 far = max(abs(path)) + 0.3
                 left = step**8 * 7.0**9 / 630 * (7 / 5) ** (order - 1) + 40 * 1e-16 / step**order
-                assert abs(vector - rate) < left * far * cycle.omega**order, image
+                assert abs(vector - rate) < left * far * motion.omega**order, image
                 checked += 1
     assert checked >= 6
 
@@ -194,12 +195,12 @@ RUBBING = [("PRP", 0.02), ("turning yoke", None), ("geared five-bar", None), ("s
 
 @cache
 def poses_of(name, length):
-    cycle = MachineCycle(rubbing(name, length))
-    return [cycle.at(cycle.motion.q[k]) for k in (77, 301, 655)]
+    motion = DrawnMotion(rubbing(name, length))
+    return [pose_at(motion, motion.q[k]) for k in (77, 301, 655)]
 
 
 def press_at_one(coefficient):
-    return MachineCycle(Scene.model_validate(press(coefficient))).at(1.0)
+    return pose_at(Scene.model_validate(press(coefficient)), 1.0)
 
 
 # Equilibrium
@@ -209,7 +210,7 @@ def press_at_one(coefficient):
 def test_loads_with_friction__every_link_in_equilibrium_and_every_force_plan_closed(name, length):
     for pose in poses_of(name, length):
         assert_in_equilibrium(pose)
-        assert_closed(pose, (*pose.scene.groups, *pose.cycle.structure.links))
+        assert_closed(pose, (*pose.scene.groups, *pose.motion.structure.links))
 
 
 def test_force_plan_of_a_group__has_friction_beside_its_reaction():
@@ -222,7 +223,7 @@ def test_force_plan_of_a_group__has_friction_beside_its_reaction():
 
 def test_short_slider_with_an_overhung_load__bears_on_both_edges():
     f, length = 0.3, 0.12
-    pose = MachineCycle(Scene.model_validate(yoke(length, f))).at(1.0)
+    pose = pose_at(Scene.model_validate(yoke(length, f)), 1.0)
     front, rear, friction = (load for load in loads_on_links(pose)["yoke"] if load.pair == "g.second")
     assert front.at - rear.at == pytest.approx(length, rel=1e-12)
     assert front.force == pytest.approx(-rear.force, rel=1e-12)

@@ -14,8 +14,9 @@ from racks import LIFT, ON_CRANK
 
 from engine import Scene
 from engine.scene.pairs import pairs
+from sweeps.pictures.drawing import DrawnMotion
 from sweeps.pictures.plans.forces.loads import loads_on_links
-from sweeps.pictures.plans.pose import MachineCycle
+from sweeps.pictures.plans.pose import pose_at
 from sweeps.text.scene_text import read_scene
 from sweeps.text.templates import bundled_templates, templates
 
@@ -138,13 +139,13 @@ def rubbing(name, length=None):
 
 
 @cache
-def cycle_of(name):
-    return MachineCycle(EVERY[name])
+def motion_of(name):
+    return DrawnMotion(EVERY[name])
 
 
 def poses(name):
-    cycle = cycle_of(name)
-    return [cycle.at(cycle.motion.q[k]) for k in (77, 301, 655)]
+    motion = motion_of(name)
+    return [pose_at(motion, motion.q[k]) for k in (77, 301, 655)]
 
 
 def moment_about(place, loads):

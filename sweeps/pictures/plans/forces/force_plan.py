@@ -42,7 +42,7 @@ def force_polygon(pose: Pose, of: str) -> list[DrawnLoad]:
     PictureError
         Forces are undefined at this position.
     """
-    if of in pose.cycle.groups:
+    if of in pose.motion.groups:
         loads = group_loads(pose, of)
     else:
         forces = [load for load in loads_on_links(pose)[of] if not load.is_moment]

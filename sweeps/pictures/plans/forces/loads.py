@@ -67,7 +67,7 @@ def loads_on_links(pose: Pose) -> dict[str, list[DrawnLoad]]:
     ----------
     pose : Pose
     """
-    found: dict[str, list[DrawnLoad]] = {link: [] for link in pose.cycle.link_numbers if link != FRAME}
+    found: dict[str, list[DrawnLoad]] = {link: [] for link in pose.motion.link_numbers if link != FRAME}
     acting = [force for force in pose.acting if force.link in found]
     # Journal friction and guide moments shift the reaction.
     twists = {(force.name, force.link): force.moment for force in acting if _in_pair(force) and force.at is None}
@@ -83,7 +83,7 @@ def loads_on_links(pose: Pose) -> dict[str, list[DrawnLoad]]:
         if moment := force.at is None and twists.get((force.name, force.link)):
             text = _text(pose, force._replace(kind="reaction"))
             found[force.link].append(DrawnLoad(text, 0j, 0j, moment, force.name))
-    places = {name: i for i, name in enumerate(pose.cycle.pairs)}
+    places = {name: i for i, name in enumerate(pose.motion.pairs)}
     for loads in found.values():
         loads.sort(key=lambda load: (places.get(load.pair, len(places)) if load.pair else -1, load.is_friction))
     return found
@@ -96,7 +96,7 @@ def _in_pair(force: LinkForce) -> bool:
 def _pressing(pose: Pose, acting: LinkForce, moment: float) -> Iterator[DrawnLoad]:
     """A reaction shifted by its moment: to the friction circle, the bearing point of a slider, or its edges."""
     text, name, at, force = _text(pose, acting), acting.name, acting.at, acting.force
-    pair = pose.cycle.pairs.get(name)
+    pair = pose.motion.pairs.get(name)
     if pair is None or pair.kind == "revolute":
         moved = at - 1j * force * moment / abs(force) ** 2
         yield DrawnLoad(text, force, moved, 0.0, name, at if moment else None)
@@ -118,7 +118,7 @@ def _pressing(pose: Pose, acting: LinkForce, moment: float) -> Iterator[DrawnLoa
 def _length(pose: Pose, pair: str) -> float | None:
     """Length of the slider in a guide with friction [m]; None if not given."""
     name = next((n for n, friction in pose.scene.friction.items() if friction.pair == pair), None)
-    return None if name is None else pose.cycle.numbers.get(f"friction.{name}.length")
+    return None if name is None else pose.motion.numbers.get(f"friction.{name}.length")
 
 
 def _text(pose: Pose, acting: LinkForce, prime: str = "") -> str:
@@ -148,7 +148,7 @@ def loaded_links(pose: Pose) -> list[str]:
     ----------
     pose : Pose
     """
-    known = {pose.scene.input.link, *(link for links in pose.cycle.groups.values() for link in links)}
+    known = {pose.scene.input.link, *(link for links in pose.motion.groups.values() for link in links)}
     loads = loads_on_links(pose)
     return [link for link in loads if link not in known and any(not load.is_moment for load in loads[link])]
 
@@ -162,12 +162,12 @@ def group_loads(pose: Pose, name: str) -> list[DrawnLoad]:
     name : str
         Group name.
     """
-    links, loads = pose.cycle.groups[name], loads_on_links(pose)
+    links, loads = pose.motion.groups[name], loads_on_links(pose)
     forces = [load for link in links for load in loads[link] if not load.is_moment]
     if name in pose.scene.groups:
         own, outer = {f"{name}.{side}" for side in ("first", "inner", "second")}, [f"{name}.second", f"{name}.first"]
     else:
-        around = pose.cycle.structure.free_groups[name].pairs
+        around = pose.motion.structure.free_groups[name].pairs
         own, outer = {p.name for p in around}, [p.name for p in around if not {p.link, p.other} <= set(links)]
     rest = [load for load in forces if load.pair not in own]
     return rest + [load for pair in outer for load in forces if load.pair == pair]
