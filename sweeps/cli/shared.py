@@ -55,11 +55,16 @@ def shown_message(message: str) -> str:
 class Commands(click.Group):
     """A group of commands that turns user errors into messages."""
 
+    def make_context(self, *args: object, **extra: object) -> click.Context:
+        """Parse the options before the command."""
+        with _legible():
+            return super().make_context(*args, **extra)
+
     def invoke(self, ctx: click.Context) -> object:
         """Run the command of a command line."""
         with files_read() as files:
             try:
-                with status_line():
+                with status_line(), _legible():
                     return super().invoke(ctx)
             except Exception as error:
                 if not isinstance(error, foreseen_errors()):
@@ -124,6 +129,16 @@ def in_options(command: Command) -> Command:
         command(Options(**asked))
 
     return gathered
+
+
+@contextmanager
+def _legible() -> Iterator[None]:
+    """Show click's own errors, which quote the command line, as `shown_message` does."""
+    try:
+        yield
+    except click.UsageError as error:
+        error.message = shown_message(error.message)
+        raise
 
 
 def _in_its_file(error: Exception, files: Iterable[Path]) -> Exception:

@@ -101,6 +101,22 @@ def test_name_that_no_file_may_have__is_refused_and_not_repeated(command, press_
     assert len(text) < 200
 
 
+@each(
+    "line",
+    [
+        ("list", "press", "\x1b[2J"),
+        ("--\x1b[2J",),
+        ("\x1b[2J",),
+        ("run", "--\x1b[2J"),
+        ("run", "--jobs", "\x1b[2J", "p"),
+    ],
+)
+def test_command_line_that_is_none__is_quoted_with_its_control_characters_spelled_out(line):
+    text = refused(*line)
+    assert "\x1b" not in text
+    assert "\\x1b[2J" in text
+
+
 def test_huge_file__is_refused_at_once(press_folder):
     with Path("huge.toml").open("wb") as file:
         file.truncate(10**11)
