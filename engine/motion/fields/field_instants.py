@@ -56,8 +56,10 @@ class FieldInstants:
         # Steps over the angle don't start at rest; those of a comparison run are shifted by their error estimates.
         if self.over_time and not motion.over_angle:
             self._stand(who[first], along[0, first])
+        ends = np.split(along[-1], np.flatnonzero(first)[1:])
+        passed = [np.searchsorted(self.asked[:, v], own) for v, own in zip(who[first], ends, strict=True)]
         # Only forward motion reaches new angles; an instant at the end of a step belongs to the next one.
-        upto = np.where(along[-1] > along[0], (self.asked[:, who] < along[-1]).sum(axis=0), 0)
+        upto = np.where(along[-1] > along[0], np.concatenate(passed), 0)
         most = len(self.asked) + 1
         ahead = most * (np.cumsum(first) - 1)
         upto = np.maximum.accumulate(ahead + np.maximum(upto, self._met[who])) - ahead
