@@ -204,6 +204,15 @@ def test_light_shaft_of_a_slipping_clutch__takes_implicit_steps():
         found.covers(f"go.{key}", value, 1e-13 * value)
 
 
+def test_run_behind_a_clutch__ends_after_its_cycles_wherever_it_locks():
+    """It locks after 0.73 rad; that angle plus the rounded rest isn't the end where the end has an odd last bit."""
+    scene = coupled(rotor({"go": run("dc", from_speed=2.0, from_shaft_speed=90.0, cycles=2.0)}))
+    cycles = np.random.default_rng(3).uniform(0.28, 0.315, 64)
+    found = ask(scene, of("go", "angle clutch_slip_time"), varied={"regimes.go.cycles": cycles})
+    assert set(found.status) == {Verdict.OK}
+    np.testing.assert_allclose(found.values["go.angle"], 2.0 * math.pi * cycles, rtol=1e-15)
+
+
 def test_load_that_sags_before_its_clutch_grips__is_caught():
     """ω' = (−L + C t/T)/I up to T, and (C − L)/I then: back, to rest, and forth, in implicit steps by a light shaft."""
     load, capacity, rising, until, motor = 18.0, 4.0, 0.01, 0.1, MOMENTS["dc"]
