@@ -16,7 +16,7 @@ from engine.compiling.blocks import LANES, gather, in_lanes
 from engine.compiling.decorators import driver, inlined, routine, separate
 from engine.compiling.packed import call_at, unpacked
 from engine.stepping.methods import at_stage, step_end
-from engine.stepping.steps.repeated_steps import NEARLY, cycles_ahead, go_back, remember
+from engine.stepping.steps.repeated_steps import NEARLY, cycles_ahead, go_back, may_repeat, remember
 from engine.stepping.steps.stage_rates import keep_place, look, rate, record, set_position
 from engine.stepping.steps.step_edges import (
     MOST_PARTS,
@@ -365,8 +365,7 @@ def repeat(addresses: StepAddresses, batch: WalkBatch, task: WalkTask, room: Roo
     while True:
         able, slots = 0, 0
         for lane in range(LANES):
-            whole = own.why[lane] == GOING and own.at[lane] >= own.halt[lane] and own.kept[lane] > 0.0
-            whole = whole and own.at[lane] + cycles_ahead(task) * task.cycle <= own.goal[lane]
+            whole = may_repeat(lane, task, room)
             own.able[lane] = 1.0 if whole else 0.0
             able += 1 if whole else 0
             slots = max(slots, int(own.kept[lane]) if whole else 0)
@@ -375,7 +374,6 @@ def repeat(addresses: StepAddresses, batch: WalkBatch, task: WalkTask, room: Roo
         for lane in range(LANES if task.extremes else 0):
             if own.able[lane] > 0.0:
                 remember(first, lane, task, room)
-        first = False
         call_at(addresses.repeat_steps, (slots, addresses, batch, task, room))
         for lane in range(LANES):
             if own.able[lane] > 0.0:
@@ -384,14 +382,15 @@ def repeat(addresses: StepAddresses, batch: WalkBatch, task: WalkTask, room: Roo
                 if own.at[lane] >= own.goal[lane] - NEARLY * task.cycle:
                     own.at[lane], own.why[lane] = own.goal[lane], GOAL
                 own.turned[lane] = own.at[lane]
-            elif own.why[lane] == GOING and own.at[lane] != own.turned[lane]:
-                # The lane left the stored steps within the cycle; make new ones from there.
+            elif may_repeat(lane, task, room) and (own.at[lane] != own.turned[lane] or not first):
+                # The lane left the stored steps; make new ones from there.
                 if task.extremes:
                     go_back(lane, task, room)
                 own.turned[lane], own.halt[lane] = own.at[lane], math.inf
                 find_edge(lane, batch.edges.shape[0] // 2, task, room)
             elif own.why[lane] == GOING:
                 own.halt[lane] = math.inf
+        first = False
 
 
 @separate
