@@ -357,6 +357,7 @@ def test_steady_motion_through_a_fluid__balances_motor_and_load():
     expected = math.exp(max(rates.real) * 2.0 * math.pi / crank)
     # What steps miss by what the cycles begin apart: 1e-9 over 3e-4.
     assert found["work.multiplier"] == pytest.approx(expected, abs=1e-5)
+    found.covers("work.multiplier", expected)
 
 
 KNOTS, SHARES = [0.0, 0.03, 0.1, 1.0], [0.0, 0.002, 0.005, 0.008]
