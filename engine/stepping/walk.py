@@ -286,7 +286,8 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
                 own.turned[lane] = own.turned[lane] if task.along_time else end
         if own.at[lane] >= own.goal[lane]:
             own.why[lane] = GOAL
-        if switches(lane, task, room):
+        switched = switches(lane, task, room)
+        if switched:
             switch(lane, task, room)
         if own.ended[lane] == OTHER or own.ended[lane] >= FIRST:
             own.why[lane] = OTHER_GOAL if own.ended[lane] == OTHER else GUARD + own.ended[lane] - FIRST
@@ -294,12 +295,12 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
         if task.along_time and not task.signed and own.why[lane] == GOING and 0.0 < speed < own.floor[lane]:
             own.why[lane] = FADED
         own.trials[lane], own.refused[lane] = 0.0, math.inf
-        own.alone[lane] = 1.0 if at_edge or ends_at_instant(lane, room) else 0.0
+        own.alone[lane] = 1.0 if at_edge or switched or ends_at_instant(lane, room) else 0.0
         if task.fixed:
             own.pace[lane] = own.farthest[lane]
         else:
             share = SAFETY / math.sqrt(math.sqrt(math.sqrt(own.missed[lane])))
-            most = GROW * task.longer
+            most = GROW * task.longer * task.longer
             ahead = own.length[lane] * (share if share < most else most)
             own.pace[lane] = ahead if ahead > own.pace[lane] else own.pace[lane]
             fades = own.pace[lane] * abs(watched[task.watched + STEEPNESS, lane])
