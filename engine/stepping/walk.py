@@ -16,7 +16,7 @@ from engine.compiling.blocks import LANES, gather, in_lanes
 from engine.compiling.decorators import driver, inlined, routine, separate
 from engine.compiling.packed import call_at, unpacked
 from engine.stepping.methods import at_stage, step_end
-from engine.stepping.steps.repeated_steps import NEARLY, cycles_ahead, go_back, remember
+from engine.stepping.steps.repeated_steps import NEARLY, cycles_ahead, go_back, may_repeat, remember
 from engine.stepping.steps.stage_rates import keep_place, look, rate, record, set_position
 from engine.stepping.steps.step_edges import (
     MOST_PARTS,
@@ -282,7 +282,8 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
                 own.turned[lane] = own.turned[lane] if task.along_time else end
         if own.at[lane] >= own.goal[lane]:
             own.why[lane] = GOAL
-        if switches(lane, task, room):
+        switched = switches(lane, task, room)
+        if switched:
             switch(lane, task, room)
         if own.ended[lane] == OTHER or own.ended[lane] >= FIRST:
             own.why[lane] = OTHER_GOAL if own.ended[lane] == OTHER else GUARD + own.ended[lane] - FIRST
@@ -290,12 +291,12 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
         if task.along_time and not task.signed and own.why[lane] == GOING and 0.0 < speed < own.floor[lane]:
             own.why[lane] = FADED
         own.trials[lane], own.refused[lane] = 0.0, math.inf
-        own.alone[lane] = 1.0 if at_edge or ends_at_instant(lane, room) else 0.0
+        own.alone[lane] = 1.0 if at_edge or switched or ends_at_instant(lane, room) else 0.0
         if task.fixed:
             own.pace[lane] = own.farthest[lane]
         else:
             share = SAFETY / math.sqrt(math.sqrt(math.sqrt(own.missed[lane])))
-            most = GROW * task.longer
+            most = GROW * task.longer * task.longer
             ahead = own.length[lane] * (share if share < most else most)
             own.pace[lane] = ahead if ahead > own.pace[lane] else own.pace[lane]
 
@@ -357,8 +358,7 @@ def repeat(addresses: StepAddresses, batch: WalkBatch, task: WalkTask, room: Roo
     while True:
         able, slots = 0, 0
         for lane in range(LANES):
-            whole = own.why[lane] == GOING and own.at[lane] >= own.halt[lane] and own.kept[lane] > 0.0
-            whole = whole and own.at[lane] + cycles_ahead(task) * task.cycle <= own.goal[lane]
+            whole = may_repeat(lane, task, room)
             own.able[lane] = 1.0 if whole else 0.0
             able += 1 if whole else 0
             slots = max(slots, int(own.kept[lane]) if whole else 0)
@@ -367,7 +367,6 @@ def repeat(addresses: StepAddresses, batch: WalkBatch, task: WalkTask, room: Roo
         for lane in range(LANES if task.extremes else 0):
             if own.able[lane] > 0.0:
                 remember(first, lane, task, room)
-        first = False
         call_at(addresses.repeat_steps, (slots, addresses, batch, task, room))
         for lane in range(LANES):
             if own.able[lane] > 0.0:
@@ -376,14 +375,15 @@ def repeat(addresses: StepAddresses, batch: WalkBatch, task: WalkTask, room: Roo
                 if own.at[lane] >= own.goal[lane] - NEARLY * task.cycle:
                     own.at[lane], own.why[lane] = own.goal[lane], GOAL
                 own.turned[lane] = own.at[lane]
-            elif own.why[lane] == GOING and own.at[lane] != own.turned[lane]:
-                # The lane left the stored steps within the cycle; make new ones from there.
+            elif may_repeat(lane, task, room) and (own.at[lane] != own.turned[lane] or not first):
+                # The lane left the stored steps; make new ones from there.
                 if task.extremes:
                     go_back(lane, task, room)
                 own.turned[lane], own.halt[lane] = own.at[lane], math.inf
                 find_edge(lane, batch.edges.shape[0] // 2, task, room)
             elif own.why[lane] == GOING:
                 own.halt[lane] = math.inf
+        first = False
 
 
 @separate

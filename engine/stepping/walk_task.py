@@ -7,18 +7,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-# Factors by which steps are longer, and grow faster, in a walk and in the two for its comparison. The tolerance of
-# those two is COARSER times as large, but at most COARSEST, beyond which it says nothing; their steps differ even where
-# growth, an instant or a longest step limits them. The range of the three results estimates the error: the difference
-# of two may cross zero.
+# Factors by which steps are longer in a walk and in the two for its comparison. Steps grow faster by the squares of the
+# factors: from one first step, 4^k, 2·16^k and √2·8^k times as long, those of two walks never have the same length. The
+# tolerance of those two is larger by the power COARSER of the factors, but at most COARSEST, beyond which it says
+# nothing; their steps differ even where growth, an instant or a longest step limits them. The range of the three
+# results estimates the error: the difference of two may cross zero.
 LONGEST = 2.0
 WALKS = (1.0, LONGEST, math.sqrt(2.0))
-COARSER, COARSEST = 2.0**7, 1e-1
+COARSER, COARSEST = 7, 1e-1
 
 
 def tolerance_of_walk(tolerance: float, longer: float) -> float:
     """Step tolerance of a walk with steps longer by one of the factors `WALKS`."""
-    return tolerance if longer == 1.0 else max(tolerance, min(COARSER * tolerance, COARSEST))
+    return tolerance if longer == 1.0 else max(tolerance, min(longer**COARSER * tolerance, COARSEST))
 
 
 def change_or_anything(change: np.ndarray, value: np.ndarray) -> np.ndarray:

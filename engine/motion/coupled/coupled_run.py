@@ -224,13 +224,13 @@ class CoupledRuns(MachineRuns):
     def _goal(self, who: np.ndarray, faced: np.ndarray) -> np.ndarray:
         """Largest angle turned of a walk: the end of the run, or the next angle at which to check the joining."""
         ends, turned, joined = some(self.ends, who), self.turned[who], some(self.joined, who)
-        end = np.where(faced > 0.0, np.minimum(ends.turned, ends.most_turned), ends.most_turned)
-        ahead = end - faced * turned
+        # Angles in the direction faced. A run ends exactly at its end: a sum of distances may round to another angle.
+        goal = np.where(faced > 0.0, np.minimum(ends.turned, ends.most_turned), ends.most_turned)
         # A run without an end is compared with itself after 1, 2, 4, … cycles.
         compared = (np.isinf(ends.turned) | (faced < 0.0)) & np.isinf(ends.time)
         cycles = np.floor(faced * turned / self.cycle + NEARLY)
         cycles = np.where(cycles < 0.0, cycles + 1.0, np.exp2(np.frexp(cycles)[1]))
-        ahead = np.where(compared, np.minimum(ahead, cycles * self.cycle - faced * turned), ahead)
+        goal = np.where(compared, np.minimum(goal, cycles * self.cycle), goal)
         # Where torques jump, a clutch may break loose and a standing side start.
         looks = (joined.mode == TOGETHER) | (joined.shaft_direction == 0.0)
         direction = self.variants.direction[who]
@@ -239,7 +239,7 @@ class CoupledRuns(MachineRuns):
         # Rounding may put the jump that was just passed on either side.
         breaks = np.where((breaks > JUMP) & (breaks < self.cycle - JUMP), breaks, np.inf)
         nearest = np.fmin.reduce(breaks, axis=0, initial=np.inf)
-        return turned + faced * np.where(looks, np.minimum(ahead, nearest), ahead)
+        return faced * np.where(looks, np.minimum(goal, faced * turned + nearest), goal)
 
     def _walk(self, who: np.ndarray, method: int, faced: np.ndarray, goal: np.ndarray, longest: np.ndarray) -> Walks:
         """Walk by a method, for at most a time [s] and up to an angle turned."""

@@ -41,7 +41,7 @@ def settled_at_two_speeds(sides: CoupledSides, stepping: Stepping) -> Returned:
 
     with np.errstate(all="ignore"):
         verdict, guess = _in_balance(sides)
-        return returning_speeds(cycle, guess, verdict)
+        return returning_speeds(cycle, guess, verdict, stepping.longer)
 
 
 def one_cycle(

@@ -50,7 +50,10 @@ class Returned(NamedTuple):
 
 @np.errstate(all="ignore")
 def returning_speeds(
-    cycle: Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]], guess: np.ndarray, verdict: np.ndarray
+    cycle: Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]],
+    guess: np.ndarray,
+    verdict: np.ndarray,
+    longer: float = 1.0,
 ) -> Returned:
     """Find speeds that return after a cycle.
 
@@ -63,6 +66,8 @@ def returning_speeds(
         Where the search starts [rad/s].
     verdict : ndarray (variants,) of uint8
         Only variants that are OK are sought.
+    longer : float
+        One of `WALKS`: for comparison, the differences for the Jacobian are wider.
     """
     x, verdict, (size, count) = guess.copy(), verdict.copy(), guess.shape
     # The last speeds from which a cycle was completed, and those after it.
@@ -74,7 +79,7 @@ def returning_speeds(
         if not pending.size:
             break
         here, before, new = x[:, pending], left[pending], differs[pending]
-        came, gone, jacobian = _with_differences(cycle, pending, here, new)
+        came, gone, jacobian = _with_differences(cycle, pending, here, new, APART * longer)
         whole, off = gone == Verdict.OK, came - here
         slopes[pending] = _corrected(slopes[pending], here - good[:, pending], came - after[:, pending], whole & ~new)
         slopes[pending[new]] = jacobian
@@ -103,15 +108,15 @@ def returning_speeds(
 
 
 def _with_differences(
-    cycle: Callable, who: np.ndarray, here: np.ndarray, new: np.ndarray
+    cycle: Callable, who: np.ndarray, here: np.ndarray, new: np.ndarray, apart: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Speeds after a cycle and verdicts, and the Jacobian of the `new` ones, NaN where one of their cycles fails."""
     size, count, near = len(here), who.size, here[:, new]
     ways = np.concatenate([np.eye(size), -np.eye(size)])
-    starts = [here, *(near * (1.0 + APART * way[:, None]) for way in ways)]
+    starts = [here, *(near * (1.0 + apart * way[:, None]) for way in ways)]
     came, gone = cycle(np.concatenate([who, np.tile(who[new], 2 * size)]), np.concatenate(starts, axis=1))
-    apart = np.where(gone == Verdict.OK, came, np.nan)[:, count:].reshape(size, 2, size, -1)
-    jacobian = np.moveaxis((apart[:, 0] - apart[:, 1]) / (2.0 * APART * near), 2, 0)
+    ends = np.where(gone == Verdict.OK, came, np.nan)[:, count:].reshape(size, 2, size, -1)
+    jacobian = np.moveaxis((ends[:, 0] - ends[:, 1]) / (2.0 * apart * near), 2, 0)
     return came[:, :count], gone[:count], jacobian
 
 

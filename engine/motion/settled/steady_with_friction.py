@@ -50,7 +50,7 @@ def _settled(dynamics: Dynamics, variants: Variants, longer: float, watch: Watch
         return gone.state.omega[None], gone.verdict
 
     verdict = np.full(variants.count, Verdict.OK, np.uint8)
-    found = returning_speeds(cycle, dynamics.no_load_speed(variants)[0][None], verdict)
+    found = returning_speeds(cycle, dynamics.no_load_speed(variants)[0][None], verdict, longer)
     return _measured(dynamics, variants, found, longer, watch)
 
 

@@ -2,7 +2,7 @@
 
 from engine.compiling.decorators import inlined
 from engine.stepping.steps.step_lanes import Room
-from engine.stepping.walk_task import WalkTask
+from engine.stepping.walk_task import GOING, WalkTask
 
 # A cycle that ends this close to the goal, as a fraction of the cycle, ends at it.
 NEARLY = 1e-12
@@ -12,6 +12,14 @@ NEARLY = 1e-12
 def cycles_ahead(task: WalkTask) -> float:
     """Minimum number of cycles ahead of a lane that repeats one."""
     return (2.0 if task.extremes else 1.0) - NEARLY
+
+
+@inlined
+def may_repeat(lane: int, task: WalkTask, room: Room) -> bool:
+    """Whether a lane is in a cycle that it may repeat, with enough cycles ahead."""
+    own = room.lane
+    in_stored = own.why[lane] == GOING and own.at[lane] >= own.halt[lane] and own.kept[lane] > 0.0
+    return in_stored and own.halt[lane] + cycles_ahead(task) * task.cycle <= own.goal[lane]
 
 
 @inlined

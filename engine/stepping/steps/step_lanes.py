@@ -88,7 +88,7 @@ class Lane(NamedTuple):
     refused : row
         Error estimate, relative to the tolerance, of the last rejected step; infinite if none since an accepted step.
     alone : row
-        1 if the step starts where all walks do: at their start, an edge or an instant.
+        1 if the step starts where all walks do: at their start, an edge, a switch or an instant.
     """
 
     start: Row

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from engine.elements.elastic_drives.two_mass_drive import drive_history
 from engine.elements.elastic_drives.two_masses import TOLERANCE
-from engine.stepping.walk_task import COARSER
+from engine.stepping.walk_task import COARSER, LONGEST
 
 DRIVE = TWO_MASSES | {"motor_moment": 100.0}
 KEYS = ("motor_inertia", "load_inertia", "stiffness", "damping", "backlash", "motor_moment", "load_moment")
@@ -46,7 +46,7 @@ def test_first_peak_of_a_start__is_the_closed_form(first, second, k, gap, motor,
     exact = peak_of_start(first, second, k, gap, motor, load)
     assert abs(value - exact) <= error + 4e-15 * exact
     # The walks compared take ten steps to the peak, each within their tolerance.
-    assert error <= 10 * COARSER * TOLERANCE * exact
+    assert error <= 10 * LONGEST**COARSER * TOLERANCE * exact
 
 
 @pytest.mark.parametrize(

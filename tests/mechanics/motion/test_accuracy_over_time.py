@@ -91,6 +91,19 @@ def test_top_of_the_speed__is_where_the_speed_is_flat_at_any_accuracy():
         assert (off <= 0.3 * own.errors["go.speed_max"] + exact.errors["go.speed_max"]).all()
 
 
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-5])
+def test_top_of_the_speed__is_that_of_the_last_cycle_if_the_run_ends_by_time_in_the_first_step_after_it(accuracy):
+    """Repeated steps pass over tops; those of the last cycle are made again and end there."""
+    cycles, names = 6.0 + np.geomspace(1e-5, 0.1, 16), "go.time go.speed_max"
+    by_cycles, by_time = (
+        slider_crank({"go": run("push oil", from_speed=55.0, **{end: 1.0})}) for end in ("cycles", "time")
+    )
+    found = ask(by_cycles, names, varied={"regimes.go.cycles": cycles}, accuracy=accuracy)
+    other = ask(by_time, names, varied={"regimes.go.time": found.values["go.time"]}, accuracy=accuracy)
+    off = np.abs(other.values["go.speed_max"] - found.values["go.speed_max"])
+    assert (off <= 0.3 * (found.errors["go.speed_max"] + other.errors["go.speed_max"])).all()
+
+
 def test_speed_within_the_steps_of_a_cycle__is_covered_at_any_accuracy():
     """Between its ends a step is a polynomial, which may miss more than the ends do."""
     exact, *found = shaper({"fields": ["go.speed"]}, {"type": "steady"})

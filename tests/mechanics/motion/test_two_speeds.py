@@ -23,6 +23,7 @@ from motion_scenes import (
     steady,
 )
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 from engine import Scene, Verdict, history
 
@@ -204,6 +205,35 @@ def test_light_shaft_of_a_slipping_clutch__takes_implicit_steps():
         found.covers(f"go.{key}", value, 1e-13 * value)
 
 
+def test_short_slip_of_a_clutch__is_covered_however_few_its_steps():
+    """J ω' = M₀ (1 − ω/ω₀) − C slows the shaft down exponentially until it meets the crank, which speeds up evenly."""
+    own, capacity, motor, starts = 4e-3, 30.0, MOMENTS["dc"], np.geomspace(5.0, 300.0, 64)
+    regime = run("dc", from_speed=0.0, from_shaft_speed=90.0, lock_up=True)
+    scene, varied = coupled(rotor({"go": regime}), own, capacity=capacity), {"regimes.go.from_shaft_speed": starts}
+    found = ask(scene, "go.time go.angle", varied=varied, accuracy=1e-3)
+    stall, fastest = motor["stall_moment"], motor["no_load_speed"]
+    speed, decay, rise = fastest * (1.0 - capacity / stall), stall / fastest / own, RATIO**2 * capacity / INERTIA
+
+    def apart(time: float, start: float) -> float:
+        return speed + (start - speed) * math.exp(-decay * time) - rise * time
+
+    times = np.array([brentq(apart, 0.0, 1.0, start, xtol=1e-19, rtol=1e-15) for start in starts])
+    # If a single step dominates, the range of the walks is at least 0.76 of its error.
+    off = np.abs(found.values["go.time"] - times) - 2e-15 * times
+    assert (off <= 1.4 * found.errors["go.time"]).all()
+    off = np.abs(found.values["go.angle"] - 0.5 * rise / RATIO * times**2) - 4e-15 * found.values["go.angle"]
+    assert (off <= 1.4 * found.errors["go.angle"]).all()
+
+
+def test_run_behind_a_clutch__ends_after_its_cycles_wherever_it_locks():
+    """It locks after 0.73 rad; that angle plus the rounded rest isn't the end where the end has an odd last bit."""
+    scene = coupled(rotor({"go": run("dc", from_speed=2.0, from_shaft_speed=90.0, cycles=2.0)}))
+    cycles = np.random.default_rng(3).uniform(0.28, 0.315, 64)
+    found = ask(scene, of("go", "angle clutch_slip_time"), varied={"regimes.go.cycles": cycles})
+    assert set(found.status) == {Verdict.OK}
+    np.testing.assert_allclose(found.values["go.angle"], 2.0 * math.pi * cycles, rtol=1e-15)
+
+
 def test_load_that_sags_before_its_clutch_grips__is_caught():
     """ω' = (−L + C t/T)/I up to T, and (C − L)/I then: back, to rest, and forth, in implicit steps by a light shaft."""
     load, capacity, rising, until, motor = 18.0, 4.0, 0.01, 0.1, MOMENTS["dc"]
@@ -348,6 +378,7 @@ def test_steady_motion_through_a_fluid__balances_motor_and_load():
     expected = math.exp(max(rates.real) * 2.0 * math.pi / crank)
     # What steps miss by what the cycles begin apart: 1e-9 over 3e-4.
     assert found["work.multiplier"] == pytest.approx(expected, abs=1e-5)
+    found.covers("work.multiplier", expected)
 
 
 KNOTS, SHARES = [0.0, 0.03, 0.1, 1.0], [0.0, 0.002, 0.005, 0.008]
@@ -452,6 +483,18 @@ def test_steep_fluid_coupling__goes_as_a_stiff_integrator_does():
         assert found.values["work.fluid_heat"][i] == pytest.approx(after[2] - before[2], rel=1e-6)
         assert found.values["work.period"][i] == pytest.approx(after[4] - before[4], rel=1e-7)
     assert np.abs(found.values["work.return_residual"]).max() < 1e-9
+
+
+def test_run_that_ends_after_a_knot__is_covered_by_its_figures():
+    """All walks start anew at a knot; each divides the rest into other steps."""
+    regime = run("dc fan", from_speed=3.0, from_shaft_speed=90.0, time=1.0)
+    scene = behind(slider_crank({"go": regime}), 4e-4, fluid=FLUID | {"slip": KNOTS, "coefficient": SHARES})
+    names, varied = of("go", "final_speed motor_shaft_final_speed"), {"regimes.go.time": np.linspace(0.2, 0.5, 128)}
+    exact, found = (ask(scene, names, varied=varied, accuracy=accuracy) for accuracy in (1e-11, 1e-4))
+    for name, values in found.values.items():
+        beyond = np.abs(values - exact.values[name]) / (found.errors[name] + exact.errors[name])
+        assert (beyond > 1.0).sum() <= 1, beyond.max()
+        assert beyond.max() < 4.0
 
 
 def test_load_beyond_what_a_fluid_drives__stalls():

@@ -4,19 +4,20 @@ import numpy as np
 import pytest
 
 from engine.motion.settled.return_map import returning_speeds
+from engine.stepping.walk_task import LONGEST
 from engine.words.verdicts import Verdict
 
 OK = Verdict.OK
 
 
-def sought(map_of, guess):
+def sought(map_of, guess, longer=1.0):
     """What is found of a map that takes speeds and whose cycles never fail."""
     guess = np.array(guess, float)
 
     def cycle(who, speeds):
         return map_of(speeds), np.full(who.size, OK)
 
-    return returning_speeds(cycle, guess, np.zeros(guess.shape[1], np.uint8))
+    return returning_speeds(cycle, guess, np.zeros(guess.shape[1], np.uint8), longer)
 
 
 @pytest.mark.parametrize("multipliers", [(0.99, 0.3), (0.5, -0.7), (0.0, 0.9999)])
@@ -35,10 +36,12 @@ def test_curved_map__settles_at_the_upper_of_two_speeds_from_any_start_above_the
     def map_of(x):
         return np.sqrt(x**2 + (x**2 - 100.0) * (900.0 - x**2) / 2000.0)
 
-    found = sought(map_of, [[10.5, 12.0, 29.0, 35.0]])
+    found, other = (sought(map_of, [[10.5, 12.0, 29.0, 35.0]], longer) for longer in (1.0, LONGEST))
     assert (found.verdict == OK).all()
     np.testing.assert_allclose(found.speeds, 30.0, rtol=1e-12)
     np.testing.assert_allclose(found.multiplier, 0.6, rtol=1e-6)
+    # Differences twice as wide miss four times as much.
+    assert (np.abs(found.multiplier - 0.6) <= np.abs(other.multiplier - found.multiplier)).all()
 
 
 def test_maps_without_a_fixed_point__get_a_verdict():
