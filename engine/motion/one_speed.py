@@ -171,7 +171,7 @@ def along_angle(mechanics: Mechanics, asked: frozenset[str]) -> tuple[System, Si
         slopes=(steepness,),
         responses=responses,
         guards=tuple(map(guards.get, AngleEnd)),
-        shown=shown_of(inertia, slope / inertia, moments),
+        further=further_nodes(inertia, slope / inertia, moments),
     )
     return system, sizes
 
@@ -200,12 +200,12 @@ def along_time(mechanics: Mechanics, asked: frozenset[str], rubs: bool) -> tuple
         moments.channels["harmful"] += friction_of(mechanics, loads, sizes, speed, unknown[speed])
     total = moments.total
     epsilon = 0.5 * ((total - bias) * inverse)
-    powers, shown = {name: moment * speed for name, moment in moments.channels.items()}, {}
+    powers, further = {name: moment * speed for name, moment in moments.channels.items()}, {}
     if servos is not None:
         powers = moments_of(mechanics, servos.at_true_velocities(), sizes, speed).channels
         of_drives = servos.energy_rate(epsilon) - moments.motors * speed - sum(powers.values(), graph.zero)
         powers["driving"] += of_drives
-        shown = {"energy": servos.energy} | {f"{name} power": power for name, power in powers.items()}
+        further = {"energy": servos.energy} | {f"{name} power": power for name, power in powers.items()}
     known = {"motors": moments.motors * speed, **powers, "squares": moments.motors * moments.motors}
     guards = {
         TimeEnd.ABOVE: sizes.above - speed,
@@ -227,12 +227,12 @@ def along_time(mechanics: Mechanics, asked: frozenset[str], rubs: bool) -> tuple
         gathered=gathered,
         slopes=(steepness,),
         guards=tuple(map(guards.get, TimeEnd)),
-        shown=shown_of(inertia, epsilon, moments) | shown,
+        further=further_nodes(inertia, epsilon, moments) | further,
     )
     return system, sizes
 
 
-def shown_of(inertia: Node, epsilon: Node, moments: StateMoments) -> dict[str, Node]:
+def further_nodes(inertia: Node, epsilon: Node, moments: StateMoments) -> dict[str, Node]:
     """Nodes that are evaluated at single instants, too: inertia, acceleration, and torques by kind of work."""
     return {"inertia": inertia, "acceleration": epsilon, "motors": moments.motors, **moments.channels}
 

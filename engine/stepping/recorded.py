@@ -7,15 +7,15 @@ import numpy as np
 from engine.cycle.panels.chebyshev import PLACES
 from engine.cycle.panels.sampled import tops
 from engine.stepping.records import elements_of_counts
-from engine.stepping.system import SHOWN
+from engine.stepping.system import RECORDED_AT
 
 # Steps recorded at a time.
 RECORDED = 64
 # Lagrange polynomials of the recorded samples, and their derivatives.
-LAGRANGE = [np.polynomial.Polynomial.fit(SHOWN, row, SHOWN.size - 1) for row in np.eye(SHOWN.size)]
+LAGRANGE = [np.polynomial.Polynomial.fit(RECORDED_AT, row, RECORDED_AT.size - 1) for row in np.eye(RECORDED_AT.size)]
 SLOPES = [polynomial.deriv() for polynomial in LAGRANGE]
 # A polynomial exceeds its samples by at most this fraction of their range: half the excess over 1 of the Lebesgue
-# constant of the fractions SHOWN, 2.203.
+# constant of the fractions RECORDED_AT, 2.203.
 EXCEEDS = 0.61
 
 
@@ -27,8 +27,8 @@ class MadeSteps(NamedTuple):
     variant : ndarray (steps,) of int
     begin, length : ndarray (steps,)
         In the independent variable.
-    samples : ndarray (states, SHOWN, steps)
-        States at the fractions SHOWN.
+    samples : ndarray (states, RECORDED_AT, steps)
+        States at the fractions RECORDED_AT.
     errors : ndarray (states, steps)
         Error estimates of the states at the start.
     """
@@ -51,12 +51,12 @@ def made_steps(recorded: np.ndarray, steps: np.ndarray) -> MadeSteps:
     variant, step = elements_of_counts(steps.astype(int))
     # Row by row, since each is contiguous over the variants.
     begin, length, _, *rows = (row[step, variant] for row in recorded.swapaxes(0, 1))
-    samples = np.reshape(rows, (len(rows) // (SHOWN.size + 1), SHOWN.size + 1, variant.size))
+    samples = np.reshape(rows, (len(rows) // (RECORDED_AT.size + 1), RECORDED_AT.size + 1, variant.size))
     return MadeSteps(variant, begin, length, samples[:, :-1], samples[:, -1])
 
 
 def weights_at(share: np.ndarray, slope: bool = False) -> np.ndarray:
-    """Weights of a step's samples in its value, or its slope, at fractions of its length, (SHOWN, …)."""
+    """Weights of a step's samples in its value, or its slope, at fractions of its length, (RECORDED_AT, …)."""
     if slope:
         return np.array([polynomial(share) for polynomial in SLOPES])
     if share.shape[-1] > 1 and (share == share[..., :1]).all():
@@ -64,7 +64,7 @@ def weights_at(share: np.ndarray, slope: bool = False) -> np.ndarray:
     weights = np.array([polynomial(share) for polynomial in LAGRANGE])
     # Exact at the ends.
     for end, row in ((0.0, 0), (1.0, -1)):
-        weights[:, share == end] = np.eye(SHOWN.size)[row][:, None]
+        weights[:, share == end] = np.eye(RECORDED_AT.size)[row][:, None]
     return weights
 
 
@@ -73,15 +73,15 @@ def weighted(weights: np.ndarray, samples: np.ndarray) -> np.ndarray:
 
     Parameters
     ----------
-    weights : ndarray (SHOWN, …)
-    samples : ndarray (states, SHOWN, steps)
+    weights : ndarray (RECORDED_AT, …)
+    samples : ndarray (states, RECORDED_AT, steps)
 
     Returns
     -------
     ndarray (states, …)
         `weights` may have an axis of the steps, or one of length 1 in its place.
     """
-    rows = samples.swapaxes(0, 1).reshape(SHOWN.size, len(samples), *(1,) * (weights.ndim - 2), -1)
+    rows = samples.swapaxes(0, 1).reshape(RECORDED_AT.size, len(samples), *(1,) * (weights.ndim - 2), -1)
     return sum(weight * row for weight, row in zip(weights, rows, strict=True))
 
 
@@ -113,8 +113,8 @@ def tops_in_steps(variant: np.ndarray, samples: np.ndarray, count: int) -> StepT
     ----------
     variant : ndarray (steps,) of int
         As in `MadeSteps`.
-    samples : ndarray (curves, SHOWN, steps)
-        Values at the fractions SHOWN; a step with a NaN is left out.
+    samples : ndarray (curves, RECORDED_AT, steps)
+        Values at the fractions RECORDED_AT; a step with a NaN is left out.
     count : int
         Number of variants.
     """

@@ -29,8 +29,8 @@ from engine.stepping.walk import STEEPEST, StepAddresses, attempt, lay_steps, re
 from engine.stepping.walk_task import WALKS, WalkTask
 
 # Fractions of a step at which its polynomial of degree seven is recorded.
-SHOWN = 0.5 - 0.5 * np.cos(np.pi * np.arange(8) / 7.0)
-SHOWN_PARTS = np.array([part_at(part, SHOWN) for part in range(DENSE_PARTS)]).T
+RECORDED_AT = 0.5 - 0.5 * np.cos(np.pi * np.arange(8) / 7.0)
+RECORDED_PARTS = np.array([part_at(part, RECORDED_AT) for part in range(DENSE_PARTS)]).T
 
 # Edges of a motion that nothing bounds.
 NO_EDGES = np.array([[-1e300], [1e300], [0.0], [0.0]])
@@ -73,8 +73,8 @@ class System(NamedTuple):
         Whether speeds may be negative; else each side faces in its direction of motion.
     scales : tuple of Node
         Scales of the states' errors along time; without them, the states themselves.
-    shown : dict of str to Node
-        Further nodes that `PrintedSystem.at` evaluates.
+    further : dict of str to Node
+        Nodes that only `PrintedSystem.at` evaluates.
     """
 
     along: str
@@ -94,7 +94,7 @@ class System(NamedTuple):
     held: Mapping[Given, Node] = MappingProxyType({})
     signed: bool = False
     scales: tuple[Node, ...] = ()
-    shown: Mapping[str, Node] = MappingProxyType({})
+    further: Mapping[str, Node] = MappingProxyType({})
 
 
 class Start(NamedTuple):
@@ -183,8 +183,8 @@ class PrintedSystem:
     ----------
     names : dict of str to int
         Rows of the integrals, by name; the rows of the states precede them.
-    shown : dict of str to int
-        Rows of the shown nodes, of the steepness and of the slopes among the results of `at`, after those of `names`.
+    rows_of : dict of str to int
+        Rows of the further nodes, of the steepness and of the slopes among the results of `at`, after those of `names`.
     """
 
     def __init__(self, system: System, graph: Graph, first: Node, last: Node) -> None:
@@ -192,7 +192,7 @@ class PrintedSystem:
         self.rates = [*system.rates, *system.gathered.values()]
         size, steepness = (graph.zero if node is None else node for node in (system.size, system.steepness))
         before = system.speed, size, steepness, system.slope
-        behind = *system.scales, *system.shown.values(), *system.held.values(), *system.guards, *system.switches
+        behind = *system.scales, *system.further.values(), *system.held.values(), *system.guards, *system.switches
         self.watched = [*before, *system.responses, *system.slopes, *behind]
         self.last = (*system.states, *system.unknown.values())
         self.functions: Functions = functions_in_motion(graph, first, last, self.rates, self.watched, self.last)
@@ -201,10 +201,10 @@ class PrintedSystem:
         self._rated = len(places_of(self.rates))
         self.names = {name: len(system.states) + i for i, name in enumerate(system.gathered)}
         slope = len(self.rates) + RESPONSES + len(system.responses)
-        first_shown = slope + len(system.slopes) + len(system.scales)
-        self.shown = {name: first_shown + i for i, name in enumerate(system.shown)}
-        self.shown |= {"steepness": len(self.rates) + STEEPNESS}
-        self.shown |= {f"slope {i}": slope + i for i in range(len(system.slopes))}
+        first_further = slope + len(system.slopes) + len(system.scales)
+        self.rows_of = {name: first_further + i for i, name in enumerate(system.further)}
+        self.rows_of |= {"steepness": len(self.rates) + STEEPNESS}
+        self.rows_of |= {f"slope {i}": slope + i for i in range(len(system.slopes))}
 
     def task(self, cycle: float, method: int = EIGHT, **others: bool | float) -> Packed:
         """Settings of a walk, a `WalkTask`.
@@ -261,7 +261,7 @@ class PrintedSystem:
             clock=rows[system.clock] if timed else -1,
             extremes=extremes,
             root=root,
-            shown=np.vstack([SHOWN_PARTS @ made.parts, SHOWN_PARTS[:, -1].max() * made.parts[-1]]),
+            recorded=np.vstack([RECORDED_PARTS @ made.parts, RECORDED_PARTS[:, -1].max() * made.parts[-1]]),
             cycle=cycle,
             held=np.array([rows[node] for node in system.held], int),
             signed=system.signed,
@@ -292,7 +292,7 @@ class PrintedSystem:
             Positions of the input [rad].
         states : sequence of ndarray (…, columns)
         wanted : sequence of int
-            Rows of the results, from `names` and `shown`; the first ones are the rates of the states.
+            Rows of the results, from `names` and `rows_of`; the first ones are the rates of the states.
         clock : ndarray (…, columns), optional
             Time [s].
         who : ndarray (columns,) of int, optional
@@ -334,7 +334,7 @@ class PrintedSystem:
         lanes = ORDINARY | start.lanes
         rows = np.array([np.broadcast_to(lanes[name], (count,)) for name in GIVEN], float)
         parts = (np.require(part, float, "CW") for part in (numbers, edges, instants, rows))
-        kept = np.empty((start.recorded, 3 + (task.states + 1) * (1 + SHOWN.size), count))
+        kept = np.empty((start.recorded, 3 + (task.states + 1) * (1 + RECORDED_AT.size), count))
         ending, found, errors = np.empty_like(states), np.empty((len(FOUND), count)), np.array(errors, float, order="C")
         return WalkBatch(self._printed, *parts, states, errors, ending, found, kept)
 

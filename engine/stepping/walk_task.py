@@ -100,7 +100,7 @@ class WalkTask(NamedTuple):
         Whether steps end at the extremes of the speed.
     root : float
         Relative tolerance of the length of the step to a guard's root.
-    shown : ndarray (fractions + 1, dense stages)
+    recorded : ndarray (fractions + 1, dense stages)
         Weights of the rates in the mean rate up to each fraction of a step at which its polynomial is recorded, and in
         the largest last term of the polynomial.
     cycle : float
@@ -137,7 +137,7 @@ class WalkTask(NamedTuple):
     clock: int
     extremes: bool
     root: float
-    shown: np.ndarray
+    recorded: np.ndarray
     cycle: float
     held: np.ndarray
     signed: bool

@@ -7,11 +7,11 @@ import numpy as np
 from engine.cycle.panels.sampled import weighted_sums
 from engine.elements.elastic_drives.elastic_cycle import GAUSS, ElasticCycle
 from engine.stepping.recorded import tops_in_steps
-from engine.stepping.system import SHOWN
+from engine.stepping.system import RECORDED_AT
 
-# Values at the fractions SHOWN of a step of the polynomial through its points: its ends and the Gauss points.
+# Values at the fractions RECORDED_AT of a step of the polynomial through its points: its ends and the Gauss points.
 _POWERS = np.arange(GAUSS.stages + 2)
-_THROUGH = SHOWN[:, None] ** _POWERS @ np.linalg.inv(np.array([0.0, *GAUSS.nodes, 1.0])[:, None] ** _POWERS)
+_THROUGH = RECORDED_AT[:, None] ** _POWERS @ np.linalg.inv(np.array([0.0, *GAUSS.nodes, 1.0])[:, None] ** _POWERS)
 
 
 # Rounding of a twist, relative to that of a result of 1 [rad]: of 384 drives at most 2.5e-17 rad was seen.

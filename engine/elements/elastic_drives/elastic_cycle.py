@@ -180,7 +180,7 @@ def elastic_cycle(machine: DrivenMachine, given: np.ndarray, guess: np.ndarray) 
     (variants, count), system, states = machine.steps.shape, machine.system, guess.copy()
     slopes, nodes = np.zeros_like(states), np.zeros((variants, STATE, count + 1))
     monodromy, verdict = np.empty((variants, STATE, STATE)), np.empty(variants, np.uint8)
-    rows = [*range(STATE), *(system.shown[f"slope {i}"] for i in range(STATE * STATE))]
+    rows = [*range(STATE), *(system.rows_of[f"slope {i}"] for i in range(STATE * STATE))]
     last, pending = np.zeros(variants, bool), np.arange(variants)
     for _ in range(MOST_ITERATIONS):
         h, before, k, x = (row[pending] for row in (machine.steps, states, slopes, nodes))

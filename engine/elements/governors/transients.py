@@ -23,7 +23,7 @@ from engine.stepping.methods import EIGHT, NINE
 from engine.stepping.recorded import made_steps
 from engine.stepping.records import put, some
 from engine.stepping.runs import WalkedRuns
-from engine.stepping.system import SHOWN, PrintedSystem, Start, System, Walks
+from engine.stepping.system import RECORDED_AT, PrintedSystem, Start, System, Walks
 from engine.stepping.walk import MOST_STEPS
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
@@ -317,5 +317,5 @@ class _Runs(WalkedRuns):
             return
         _, at, length, samples, _ = made_steps(gone.recorded[..., :1], gone.steps[:1])
         seen = Moving(*samples[: len(Moving._fields)])
-        time = self.time[0] + at + length * SHOWN[:, None]
+        time = self.time[0] + at + length * RECORDED_AT[:, None]
         self.recorded.append(np.array([row.T.ravel() for row in (time, seen.position, seen.speed)]))

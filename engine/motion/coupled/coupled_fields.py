@@ -69,7 +69,7 @@ class CoupledMotion:
         Variants, ascending.
     joined : Joined
         (steps,) each.
-    samples : ndarray (6, SHOWN, steps)
+    samples : ndarray (6, RECORDED_AT, steps)
         Time, angles and speeds of both sides, and torque of the coupling, as in `CoupledSnapshots`.
     """
 

@@ -20,7 +20,7 @@ from engine.motion.runs.run_progress import CoupledStanding, Ends, MachineRuns, 
 from engine.stepping.methods import EIGHT, NINE
 from engine.stepping.recorded import EXCEEDS, RECORDED, made_steps, tops_in_steps, weighted, weights_at
 from engine.stepping.records import on_arrays, put, some
-from engine.stepping.system import SHOWN, Start, Walks
+from engine.stepping.system import RECORDED_AT, Start, Walks
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
 
@@ -53,8 +53,8 @@ class Seen(NamedTuple):
     begin, length : ndarray (steps,)
         From the start of the walk [s].
     here : SidesAt
-        States of both sides at the fractions SHOWN, (SHOWN, steps).
-    moment : ndarray (SHOWN, steps)
+        States of both sides at the fractions RECORDED_AT, (RECORDED_AT, steps).
+    moment : ndarray (RECORDED_AT, steps)
         Torque of the coupling on the crank [N·m]; 0 where nothing depends on it.
     """
 
@@ -324,7 +324,7 @@ class CoupledRuns(MachineRuns):
         moving[[CRANK_SPEED, SHAFT_SPEED]] *= np.array(faced_ways(phase))[:, None]
         # Only the coupling is asked per step; the sides stay per variant.
         sides = self.sides._replace(coupling=some(self.sides.coupling, own))
-        here = SidesAt(sides, phase, moving, self.time[own] + begin + SHOWN[:, None] * length)
+        here = SidesAt(sides, phase, moving, self.time[own] + begin + RECORDED_AT[:, None] * length)
         return Seen(column, begin, length, here, self._moments(own, here, column, gone.numbers))
 
     def _passed_over(self, who: np.ndarray, seen: Seen) -> np.ndarray:
@@ -388,7 +388,7 @@ class CoupledRuns(MachineRuns):
             turned[-1] -= ways * crank.break_offset(turned[-1])
             places = self.start[own] + self.variants.direction[own] * turned
             states, clock = (turned, ways * speed, other, ways * shaft_speed), held.joined.clock + held.time
-            found[:, holds] = system.at(numbers, places, states, [system.shown["coupling"]], clock, column[holds])[0]
+            found[:, holds] = system.at(numbers, places, states, [system.rows_of["coupling"]], clock, column[holds])[0]
         return found
 
     # After a walk

@@ -67,8 +67,8 @@ class SidesAt(NamedTuple):
         numbers = system.limited(sides.numbers(joining), sides.joining(joining) | held)
         places = sides.crank.start + sides.crank.variants.direction * turned
         names = ["inertia", "acceleration", "motors", *CHANNELS]
-        wanted = [system.shown[f"{side} {name}"] for side in ("crank", "shaft") for name in names]
-        wanted.append(system.shown["coupling"])
+        wanted = [system.rows_of[f"{side} {name}"] for side in ("crank", "shaft") for name in names]
+        wanted.append(system.rows_of["coupling"])
         states = turned, faced[0] * w1, other, faced[1] * w2
         *found, moment = system.at(numbers, places, states, wanted, joining.clock + self.time)
         crank, shaft = (

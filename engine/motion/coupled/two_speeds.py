@@ -27,9 +27,9 @@ from engine.motion.one_speed import (
     Sizes,
     TimeEnd,
     friction_of,
+    further_nodes,
     inertia_with_flywheel,
     moments_of,
-    shown_of,
     sizes_of,
 )
 from engine.parts.couplings import Coupling, FluidCoupling
@@ -275,9 +275,9 @@ def at_two_speeds(
     gathered = dict(zip(GATHERED, (moving.torque * slip, abs(slip), motors * motors, power), strict=True))
     if works:
         gathered |= {n: of_crank.channels[n] * speed + of_shaft.channels[n] * shaft_speed for n in CHANNELS}
-    shown = {"coupling": moving.torque}
+    further = {"coupling": moving.torque}
     for side, rise, moments in (("crank", moving.rise, of_crank), ("shaft", moving.shaft_rise, of_shaft)):
-        shown |= {f"{side} {name}": node for name, node in shown_of(inertia, rise, moments).items()}
+        further |= {f"{side} {name}": node for name, node in further_nodes(inertia, rise, moments).items()}
     system = System(
         "time",
         states=states,
@@ -293,7 +293,7 @@ def at_two_speeds(
         guards=(crank.above - speed, speed - crank.below, *others),
         switches=joint.switches(*accelerations),
         held=joint.held,
-        shown=shown,
+        further=further,
     )
     return system, TwoSizes(crank, shaft, joining)
 

@@ -10,7 +10,7 @@ import numpy as np
 from engine.motion.moments.breaks import GAP
 from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.stepping.recorded import weighted, weights_at
-from engine.stepping.system import SHOWN
+from engine.stepping.system import RECORDED_AT
 
 TIME, TURNED, DRIVE = range(3)
 
@@ -47,8 +47,8 @@ class RecordedMotion(Protocol):
     ----------
     who : ndarray (steps,) of int
         Variants, ascending.
-    samples : ndarray (states, SHOWN, steps)
-        Time and angle turned from the start of the run [s], [rad], and other states at the fractions SHOWN.
+    samples : ndarray (states, RECORDED_AT, steps)
+        Time and angle turned from the start of the run [s], [rad], and other states at the fractions RECORDED_AT.
     over_angle : bool
         Whether the angle turned is linear in the fraction, not the time.
     """
@@ -82,7 +82,7 @@ class OneSpeedMotion:
         Variants, ascending.
     facing : ndarray (steps,)
         +1 or −1: direction of motion.
-    samples : ndarray (3, SHOWN, steps)
+    samples : ndarray (3, RECORDED_AT, steps)
         Time [s] and angle turned [rad] from the start of the run; the magnitude of the speed [rad/s] or, of steps over
         the angle, the kinetic energy [J].
     lengths : ndarray (steps,), optional
@@ -134,7 +134,7 @@ def inward(share: np.ndarray, turned: np.ndarray) -> np.ndarray:
     Parameters
     ----------
     share : ndarray (instants, columns)
-    turned : ndarray (SHOWN, columns)
+    turned : ndarray (RECORDED_AT, columns)
         Angle turned [rad].
     """
     long = np.abs(turned[-1] - turned[0]) > GAP
@@ -161,5 +161,5 @@ def turn_inwards(turned: np.ndarray, inwards: np.ndarray, equation: EquationOfMo
 def at_instant(equation: EquationOfMotion, time: np.ndarray, turned: np.ndarray, omega: np.ndarray) -> OneSpeedMotion:
     """States of all variants at one instant, as a step without length; (variants,) each."""
     every, facing = np.arange(time.size), np.where(omega < 0.0, -1.0, 1.0)
-    samples = np.repeat(np.array([time, turned, np.abs(omega)])[:, None], SHOWN.size, axis=1)
+    samples = np.repeat(np.array([time, turned, np.abs(omega)])[:, None], RECORDED_AT.size, axis=1)
     return OneSpeedMotion(equation, every, facing, samples)

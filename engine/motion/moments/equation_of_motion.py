@@ -126,7 +126,7 @@ class EquationOfMotion:
         places = self.start[who] + variants.direction[who] * turned
         speed = facing * omega
         states = (turned, speed) if in_time else (0.5 * dynamics.inertia(variants, places, who) * speed**2,)
-        found = system.at(numbers, places, states, [system.shown[name] for name in names], time, columns)
+        found = system.at(numbers, places, states, [system.rows_of[name] for name in names], time, columns)
         for row, name in zip(found, names, strict=True):
             if name in ("acceleration", "motors", *CHANNELS):
                 row *= facing

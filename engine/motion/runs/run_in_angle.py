@@ -10,7 +10,7 @@ from engine.motion.runs.settled_runs import pass_mark
 from engine.stepping.methods import EIGHT, FOUR, NINE
 from engine.stepping.recorded import RECORDED, made_steps
 from engine.stepping.records import variant_columns
-from engine.stepping.system import SHOWN, Start, Walks
+from engine.stepping.system import RECORDED_AT, Start, Walks
 from engine.stepping.walk_task import WALKS, Why
 
 # Relative energy change per radian above which the energy form is abandoned: near rest 1/ω is singular as the inverse
@@ -127,6 +127,6 @@ def _seen(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks, impli
     """The recorded steps of walks; of a comparison run, with their error estimates."""
     made = made_steps(gone.recorded, gone.steps)
     variant, states = made.variant, made.samples + (made.errors[:, None] if runs.longer > 1.0 else 0.0)
-    turned = before.turned[variant] + made.begin + SHOWN[:, None] * made.length
+    turned = before.turned[variant] + made.begin + RECORDED_AT[:, None] * made.length
     samples = np.array([before.time[variant] + states[TIME], turned, states[ENERGY]])
     return OneSpeedMotion(runs.form, who[variant], np.ones(variant.size), samples, made.length, implicit)

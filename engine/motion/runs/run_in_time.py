@@ -10,7 +10,7 @@ from engine.motion.runs.run_in_angle import TIMES_TO_THE_END
 from engine.motion.runs.run_progress import State
 from engine.motion.runs.settled_runs import pass_mark
 from engine.stepping.recorded import RECORDED, made_steps
-from engine.stepping.system import SHOWN, Start, Walks
+from engine.stepping.system import RECORDED_AT, Start, Walks
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
 
@@ -273,6 +273,6 @@ def _end_swings(runs: OneSpeedRuns, who: np.ndarray, back: np.ndarray) -> None:
 def _seen(runs: OneSpeedRuns, who: np.ndarray, before: State, gone: Walks) -> OneSpeedMotion:
     """The recorded steps of walks."""
     variant, begin, length, samples, _ = made_steps(gone.recorded, gone.steps)
-    time = before.time[variant] + begin + SHOWN[:, None] * length
+    time = before.time[variant] + begin + RECORDED_AT[:, None] * length
     states = np.array([time, samples[TURNED], samples[SPEED]])
     return OneSpeedMotion(runs.form, who[variant], runs.facing[who[variant]], states)

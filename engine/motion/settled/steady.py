@@ -22,7 +22,7 @@ from engine.stepping.closed_cycle import TOO_STEEP
 from engine.stepping.methods import EIGHT, NINE
 from engine.stepping.recorded import RECORDED, made_steps
 from engine.stepping.records import put, some
-from engine.stepping.system import SHOWN, Closed, Start, Walks
+from engine.stepping.system import RECORDED_AT, Closed, Start, Walks
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
 
@@ -223,7 +223,7 @@ class _Motion:
         variants = self.variants
         equation = EquationOfMotion(self.dynamics, variants, np.zeros(variants.count))
         steep = (-gone.states[self.system.names["fading"]] > STEEP * gone.steps)[made.variant]
-        turned, way = made.begin + SHOWN[:, None] * made.length, np.ones(made.variant.size)
+        turned, way = made.begin + RECORDED_AT[:, None] * made.length, np.ones(made.variant.size)
         for seers, off in zip(observers, (0.0, made.errors[:, None]), strict=True):
             states = made.samples + off
             samples = np.array([states[TIME], turned, states[ENERGY]])

@@ -125,10 +125,10 @@ def keep_place(stage: int, task: WalkTask, room: Room) -> None:
 
 @routine
 def record(first: int, printed: Printed, recorded: np.ndarray, task: WalkTask, room: Room) -> None:
-    """Record accepted steps: start, length, direction, and polynomials at the fractions `shown`."""
+    """Record accepted steps: start, length, direction, and polynomials at the fractions RECORDED_AT."""
     own, k, begin = room.lane, in_lanes(room.rates), room.begin
     state, dense = in_lanes(room.numbers[task.first_place + task.places :]), task.nodes.shape[0]
-    carried_errors, shown, last = room.carried_errors, task.shown, task.shown.shape[0] - 1
+    carried_errors, weights, last = room.carried_errors, task.recorded, task.recorded.shape[0] - 1
     for s in range(task.stages, dense):
         at_stage(task.method, s, task.states, task.width, begin, own.length, k, state)
         set_position(task.nodes[s], s, -1, printed, task, room)
@@ -145,7 +145,7 @@ def record(first: int, printed: Printed, recorded: np.ndarray, task: WalkTask, r
                 mean[lane] = 0.0
             for s in range(dense):
                 for lane in range(LANES):
-                    mean[lane] += shown[j, s] * k[s * task.width + q, lane]
+                    mean[lane] += weights[j, s] * k[s * task.width + q, lane]
             for lane in range(LANES):
                 if own.taken[lane] > 0.0 and first + lane < recorded.shape[2]:
                     # Between the ends of the step the polynomial is off by its last term, as one of a lower degree

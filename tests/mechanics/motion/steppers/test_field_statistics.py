@@ -11,7 +11,7 @@ from scipy.special import ellipe, iv
 from engine.motion.fields.field_statistics import ROUNDED, FieldStatistics
 from engine.motion.fields.recorded_motion import Snapshots
 from engine.motion.quantities import Asked
-from engine.stepping.system import SHOWN
+from engine.stepping.system import RECORDED_AT
 
 TURN = 2 * math.pi
 STATISTICS = ("min", "max", "min_at", "max_at", "mean", "rms", "range", "peak")
@@ -22,7 +22,7 @@ class Turning:
 
     def __init__(self, edges: np.ndarray) -> None:
         self.who, self.length, self.begin = np.zeros(edges.size - 1, int), np.diff(edges), edges[:-1]
-        turned = self.begin + SHOWN[:, None] * self.length
+        turned = self.begin + RECORDED_AT[:, None] * self.length
         self.samples = np.array([turned, turned, np.ones_like(turned)])
 
     def at(self, step: np.ndarray, share: np.ndarray) -> Snapshots:
