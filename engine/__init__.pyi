@@ -61,7 +61,7 @@ from engine.laws.tables import TableError
 from engine.machine.asked_quantities import ACCURACY_REACHED, POSITIONS_USED
 from engine.machine.asked_quantities import OF_ACCURACY as ACCURACY_SUMMARIES
 from engine.machine.balancing.counterweights import BalancedMachine, BalanceError, CounterweightPlace, balance
-from engine.machine.checks import full_names, given_numbers, names_of, outside_limits
+from engine.machine.checks import check_scene, full_names, given_numbers, names_of, outside_limits
 from engine.machine.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
 from engine.machine.derivatives import PLACES as PLACE_STATISTICS
 from engine.machine.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
@@ -287,6 +287,7 @@ __all__ = [
     "body_ellipsoid",
     "boxer_engine",
     "cam_curves",
+    "check_scene",
     "check_yields",
     "column_in_text",
     "comma_advice",

@@ -55,7 +55,7 @@ deg = {_TWO_PI} / 360 rad
 gon = {_TWO_PI} / 400 rad
 arcmin = {_TWO_PI} / 21600 rad
 arcsec = {_TWO_PI} / 1296000 rad
-s us ms = [time]
+s us ms sec = [time]
 min = 60 s
 h = 3600 s
 Hz kHz = 1 / s
@@ -114,7 +114,7 @@ _OF_NUMBERS = frozenset("0123456789+-.eE \t")
 _AS_FORCES = {"lb": "lbf", "lbs": "lbf", "oz": "ozf"}
 _HYPHEN = re.compile(r"(?<=[A-Za-z0-9])-(?=[A-Za-z])")
 _FOOT_POUND = re.compile(r"\b(?:(ft|in)-lbs?|lbs?-(ft|in))(?![\w^*²³-])")
-_REVOLUTIONS = re.compile(r"\br ?/ ?(?=min\b|s\b)")
+_REVOLUTIONS = re.compile(r"\b[rU] ?/ ?(?=min\b|s\b)")
 _TON = (
     "{!r} is ambiguous: the short ton is 2000 lb, the long ton 2240 lb, the metric ton 1000 kg, '1 t'; of force they "
     "are 2000 lbf ('1 tonf'), 2240 lbf and 9.80665 kN"

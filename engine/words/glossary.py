@@ -55,6 +55,7 @@ GLOSSARY = _by_term(
         "least": ("min",),
         "minimum": ("min",),
         "startup start-up": ("run",),
+        "critical whirling vibration": ("natural frequenc", "resonance"),
     }
 )
 

@@ -62,10 +62,10 @@ def show(asked: shared.Options) -> None:
     shared.tell(needed.contents_text(result))
     # The answer lists a single machine.
     if result.file.variants > 1 or asked.where or names:
-        shared.tell(needed.meeting_text(result, condition) + (f"; the first {chosen.size}:" if chosen.size else ""))
+        shared.tell(needed.meeting_text(result, condition, chosen.size))
         if chosen.size:
             shared.tell(needed.variants_text(result, chosen, names, asked.every))
-    if not asked.where:
+    if not asked.where and (result.file.variants > 1 or not names):
         shared.tell((needed.optimum_text if needed.is_search(result) else needed.answer_text)(result, asked.every))
         shared.tell_warnings(result)
         shared.stop_without_answer(result)

@@ -137,7 +137,7 @@ def _ranks(digest: Digest) -> list[tuple[str, str]]:
         if works.sum() > 10 and all(np.ptp(values) > 0 for values in pair):
             found[name] = float(spearmanr(*pair).statistic)
     ordered = sorted(found.items(), key=lambda pair: -abs(pair[1]))
-    return [(name, f"{rank:+.2f}".replace("-", "\N{MINUS SIGN}")) for name, rank in ordered]
+    return [(name, f"{rank:+z.2f}".replace("-", "\N{MINUS SIGN}")) for name, rank in ordered]
 
 
 # Tables of all variants

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from engine import Scene, names_of, show_system
+from engine import AskError, Outcome, Scene, check_scene, names_of, show_system
 from sweeps.pictures.drawing import picture
 from sweeps.pictures.machine.cycle_sheets import POSITIONS, field_curves
 from sweeps.pictures.machine.diagrams import diagrams
@@ -48,10 +48,12 @@ def plot_mechanism(
 
     Raises
     ------
+    AskError
+        `scene` isn't one.
     PictureError
         The scene has no mechanism, a position can't be drawn, or a point of `paths` doesn't exist.
     """
-    show_system(scene.units)
+    _show_units_of(scene)
     return picture(with_values(scene, values or {}), np.atleast_1d(at).tolist(), names_of(paths), names_of(shown))
 
 
@@ -66,11 +68,13 @@ def plot_diagrams(scene: Scene, values: Mapping[str, float] | None = None) -> Fi
 
     Raises
     ------
+    AskError
+        `scene` isn't one.
     PictureError
         The scene has no mechanism, or the machine can't be computed.
     """
+    _show_units_of(scene)
     need_mechanism(scene)
-    show_system(scene.units)
     return diagrams(with_values(scene, values or {}))
 
 
@@ -89,9 +93,9 @@ def plot_fields(scene: Scene, names: str | Sequence[str], x: str | None = None, 
     Raises
     ------
     PictureError, AskError
-        The scene has no mechanism or no such field, or a field has no finite values.
+        `scene` isn't one, has no mechanism or no such field, or a field has no finite values.
     """
-    show_system(scene.units)
+    _show_units_of(scene)
     return field_curves(scene, names_of(names), x, positions)
 
 
@@ -105,12 +109,14 @@ def plot_history(scene: Scene) -> Figure:
 
     Raises
     ------
+    AskError
+        `scene` isn't one.
     PictureError
         The scene has no regimes.
     """
+    _show_units_of(scene)
     if not scene.regimes:
         raise PictureError('the scene has no regimes: add [regimes.NAME] with type = "run" or "steady"')
-    show_system(scene.units)
     return next(motion_sheets(scene))[1]
 
 
@@ -131,16 +137,25 @@ def plot_sweep(
 
     Raises
     ------
+    AskError
+        It is an outcome.
     PictureError
         No such column, or nothing to show.
     StoreError
         The file can't be read.
     """
+    if isinstance(result, Outcome):
+        raise AskError("an outcome lacks its variants' numbers: plot_sweep(to_xarray(outcome, machine, values))")
     if not isinstance(result, (str, Path)):
         return plot_result(_data_of(result), x, y, colour)
     found = SweepResult(Path(result))
     found.show_own_units()
     return sweep_figure(found, x, y, colour, found.best())
+
+
+def _show_units_of(scene: Scene) -> None:
+    check_scene(scene)
+    show_system(scene.units)
 
 
 def _data_of(data: "xarray.Dataset") -> SweepData:

@@ -1,5 +1,7 @@
 """Report on what a study will compute, what is skipped, and the cost."""
 
+import cmath
+import math
 import shutil
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -11,6 +13,7 @@ import engine
 from sweeps.report import accuracy_words
 from sweeps.report.answers.shown_results import answers_among, lacks_lines, names_in_conditions
 from sweeps.report.answers.unmet_conditions import drop_lines, outside_lines
+from sweeps.report.readings import readings_at
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, part_words, regime_words
 from sweeps.report.variant_warnings import known_summaries, machine_warnings
 from sweeps.run.blocks import LARGEST_BLOCK, block_size, bytes_of_fields
@@ -117,14 +120,58 @@ def nominal_text(study: Study, machine: ReadyMachine) -> str:
         lines.append(assembly_text(machine))
     part = part_words(machine.groups[outcome.status_group[0]]) if outcome.status_group[0] >= 0 else ""
     if part and np.isfinite(outcome.status_at[0]):
-        place = engine.quantity_text(float(outcome.status_at[0]), engine.InputUnits.of(study.scene).q)
-        lines.append(f"{part} fails first, at {place}")
+        at = float(outcome.status_at[0])
+        place = engine.quantity_text(at, engine.InputUnits.of(study.scene).q)
+        gap = gap_text(study.scene, machine.groups[outcome.status_group[0]], at)
+        lines.append(f"{part} fails first, at {place}{gap and f': {gap}'}")
     if verdict not in (engine.Verdict.OK, engine.Verdict.CANNOT_ASSEMBLE) or alone:
         lines.append(": ".join(filter(None, (part, verdict.sentence))))
     if verdict == engine.Verdict.NOT_FINITE:
         lacking = [name for name in wanted if not np.isfinite(outcome.summaries[name][0])]
         lines += lacks_lines(lacking) if alone else _undefined_loads(study.scene)
     return "\n".join([*lines, table(rows)] if rows else lines)
+
+
+def gap_text(scene: engine.Scene, name: str, at: float) -> str:
+    """Distance that the bars of a dyad have to span at an input position, and their reach; "" if not known.
+
+    Parameters
+    ----------
+    scene : Scene
+    name : str
+        A group, or a part that has no such distance.
+    at : float
+        [rad] or [m].
+    """
+    group = scene.groups.get(name)
+    if group is None or group.type not in ("RRR", "RRP"):
+        return ""
+    joint, length = group.first.joint, group.first.length
+    begin = _point_at(scene, joint, at)
+    if group.type == "RRR":
+        other, second = group.second.joint, group.second.length
+        words, gap = f"joints {joint} and {other} are {{}} apart", abs(_point_at(scene, other, at) - begin)
+        reach = f"its bars span {_length_text(abs(length - second))} … {_length_text(length + second)}"
+    elif (guide := scene.guides[group.second.guide]).link == engine.FRAME:
+        across = ((begin - complex(guide.x, guide.y)) * cmath.exp(-1j * guide.angle)).imag
+        words, gap = f"joint {joint} is {{}} from the line of joint {group.inner}", abs(across - group.second.offset)
+        reach = f"its rod spans {_length_text(length)}"
+    else:
+        return ""
+    return f"{words.format(_length_text(gap))}, {reach}" if math.isfinite(gap) else ""
+
+
+def _point_at(scene: engine.Scene, name: str, at: float) -> complex:
+    """A point at an input position."""
+    point = scene.points.get(name)
+    if point is not None and point.link == engine.FRAME:
+        return complex(point.x, point.y)
+    x, y = (float(row[0]) for row in readings_at(scene, [at], [f"{name}.x", f"{name}.y"]).values.values())
+    return complex(x, y)
+
+
+def _length_text(length: float) -> str:
+    return engine.quantity_text(length, "m")
 
 
 def _undefined_loads(scene: engine.Scene) -> list[str]:

@@ -49,7 +49,11 @@ def _begin(scene: Scene, name: str, regime: RunRegime) -> str:
     if regime.from_shaft_speed is not None:
         shaft = next(iter(scene.couplings.values())).shaft
         begin += f", {shaft} from {quantity_text(regime.from_shaft_speed, 'rad s-1')}"
-    return begin + ("" if place is None else f" at {units.symbols[0]} = {quantity_text(place, units.q)}")
+    if place is None:
+        return begin
+    at = f"{units.symbols[0]} = {quantity_text(place, units.q)}"
+    # Only the position is given: the speed stays that at the end of the cycle or run, not that at this position.
+    return f"{at} with the final speed of {before[-1]}" if before and speed is None else f"{begin} at {at}"
 
 
 def _end(scene: Scene, regime: RunRegime) -> str:

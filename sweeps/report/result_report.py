@@ -35,12 +35,21 @@ def contents_text(result: SweepResult) -> str:
     return "\n".join([*lines, counts_text(result)])
 
 
-def meeting_text(result: SweepResult, where: Where) -> str:
-    """Number of variants that meet a condition, and of undecided ones; without one, of those that work."""
+def meeting_text(result: SweepResult, where: Where, listed: int = 0) -> str:
+    """Number of variants that meet a condition, and of undecided ones; without one, of those that work.
+
+    Parameters
+    ----------
+    result : SweepResult
+    where : Where
+    listed : int
+        Number of those that are listed below this text.
+    """
     count = result.count_meeting(where)
     verb = "meet" if where else "work"
     words = f"variant {verb}s" if count == 1 else f"variants {verb}"
-    return f"{count} {words}{' the condition' if where else ''}{undecided_text(result, where)}"
+    below = ":" if listed == count else f"; the first {listed}:"
+    return f"{count} {words}{' the condition' if where else ''}{undecided_text(result, where)}{below if listed else ''}"
 
 
 def counts_text(result: SweepResult) -> str:

@@ -15,12 +15,12 @@ from sweeps.study.study_text import Best
 from sweeps.text.conditions import Condition, Judgement, Values, Where, all_of, parts_of
 from sweeps.text.input_files import InputError
 
-# Closer to an end of a range than this share of it counts as at the end.
-AT_END = 1e-6
+# Closer to an end of a range than this share of it counts as at the end; samples hardly ever hit it exactly.
+AT_END, NEAR_END = 1e-6, 0.01
 
 
 class RangeEnd(NamedTuple):
-    """The end of a variable's range, "minimum" or "maximum", and the range."""
+    """The end of a variable's range, "minimum" or "maximum", of a sample perhaps "near the maximum", and the range."""
 
     word: str
     low: float
@@ -239,11 +239,14 @@ class SweepResult(ResultFile):
         """
         parts = parts_of(self.aim.where if self.aim else None)
         fixed = {name for part in parts if part.is_equality for name in part.names}
+        axes = [] if "search" in self.record else self.record["vary"]
+        sampled = {name for axis in axes if axis["kind"] == "Sampled" for name in axis["names"]}
         found = {}
         for name, (low, high) in self.ranges.items():
-            value, near = float(self.columns[name][variant]), AT_END * (high - low)
-            if name not in fixed and low < high and (value - low <= near or high - value <= near):
-                found[name] = RangeEnd("minimum" if value - low <= near else "maximum", low, high)
+            value = float(self.columns[name][variant])
+            word, gap = min(("minimum", value - low), ("maximum", high - value), key=lambda end: end[1])
+            if name not in fixed and low < high and gap <= (NEAR_END if name in sampled else AT_END) * (high - low):
+                found[name] = RangeEnd(word if gap <= AT_END * (high - low) else f"near the {word}", low, high)
         return found
 
     def deciding(self, variant: int) -> frozenset[str]:

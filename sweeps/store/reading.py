@@ -442,6 +442,6 @@ def _existing(path: Path) -> Path:
         start = file.read(len(HDF5_SIGNATURE))
     if start != HDF5_SIGNATURE:
         found = "it is not an HDF5 file" if start else "it is empty"
-        mend = "For scenes and studies use `sweeps check`." if path.suffix == ".toml" else _MADE_BY
+        mend = f"`sweeps run {path}` computes its numbers, into a result file." if path.suffix == ".toml" else _MADE_BY
         raise StoreError(f"cannot read {path}: {found}, so not a sweep result. {mend}")
     return path

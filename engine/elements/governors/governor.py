@@ -50,6 +50,8 @@ ARMS = ("upper_arm", "lower_arm", "upper_pivot", "lower_pivot")
 OF_ARMS = 3.0
 # Margins this close to 0 are drawn as stable: a plotted line can't show the difference.
 _FLAT = 1e-12
+# Speeds whose relative difference is below this share a label: their rays would end within its height.
+_APART = 0.03
 # Number of positions of the curves; their extent beyond the stops, as a fraction of the range between them.
 _POSITIONS, BEYOND = 401, 0.25
 
@@ -237,10 +239,11 @@ def _characteristic(found: States, between: np.ndarray, stops: np.ndarray, title
     inside = found.speed[between]
     mass = np.nanmean(found.force / (found.radius * found.speed**2))
     along = np.array([0.0, stops[1] + 0.3 * (stops[1] - stops[0])])
-    rays = [
-        Curve(f"{speed * 30.0 / math.pi:.4g} rpm", mass * speed**2 * along, True, along)
-        for speed in sorted({float(np.nanmin(inside)), float(np.nanmax(inside))})
-    ]
+    speeds = sorted({float(np.nanmin(inside)), float(np.nanmax(inside))})
+    texts = [f"{speed * 30.0 / math.pi:.4g} rpm" for speed in speeds]
+    if len(speeds) == 2 and speeds[1] - speeds[0] < _APART * speeds[1]:
+        texts = ["", f"{speeds[0] * 30.0 / math.pi:.4g}, {texts[1]}"]
+    rays = [Curve(text, mass * speed**2 * along, True, along) for text, speed in zip(texts, speeds, strict=True)]
     curves = [*_parts(found, between, found.force), Curve("", found.force, True), *rays]
     marks = [Mark(words, stop, None) for words, stop in zip(("stops", ""), stops, strict=True)]
     x, y = PanelAxis("radius of the balls", "m", "r"), PanelAxis("controlling force of one ball", "N", "F")

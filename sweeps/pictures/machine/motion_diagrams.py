@@ -210,7 +210,7 @@ def cycle_diagrams(scene: Scene, part: _Course) -> Figure:
             (title, engine.PanelAxis("", "rad s-1", "ω"), {"speed": part.rows["speed"]["speed"]}, marks),
             ("Torques on the crank", engine.PanelAxis("", "N m", "M"), _above_rounding(part.rows["moments"]), ()),
             ("Angular acceleration", engine.PanelAxis("", "rad s-2", "ε"), part.rows["acceleration"], ()),
-            ("Power", engine.PanelAxis("", "W", "P"), part.rows["powers"], ()),
+            ("Power", engine.PanelAxis("", "W", "P"), _above_rounding(part.rows["powers"]), ()),
         )
         for ax, (title, axis, rows, marks) in zip(axes.flat, panels, strict=True):
             colours, words = zip(*(_LOOKS.get(key, _PLAIN) for key in rows), strict=True)

@@ -77,7 +77,7 @@ def bearing_load(motion: DrawnMotion, pair: str, axes: str = FRAME) -> BearingLo
         No such pair, or it isn't revolute or loaded.
     """
     known = {name: p for name, p in motion.pairs.items() if p.kind == "revolute"}
-    pair = full_names(motion.scene, f"{pair}.reaction").removesuffix(".reaction")
+    pair = full_names(motion.scene, f"{pair.removesuffix('.reaction')}.reaction").removesuffix(".reaction")
     if pair not in known:
         raise PictureError(f"bearing load: {pair!r} is not a revolute pair of this scene; {did_you_mean(pair, known)}")
     found = known[pair]

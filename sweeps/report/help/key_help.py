@@ -13,12 +13,14 @@ from pydantic.fields import FieldInfo
 
 import engine
 from sweeps.guide.chapters import SUBJECTS, chapters
+from sweeps.study.bundled import questions
 from sweeps.study.study_text import StudyText
 from sweeps.text.input_files import InputError
 from sweeps.text.tables import table
+from sweeps.text.templates import templates
 
 # Maximum numbers of keys and chapters in the answer to a search.
-MOST_KEYS, MOST_CHAPTERS = 12, 3
+MOST_KEYS, MOST_CHAPTERS, MOST_EXAMPLES = 12, 3, 3
 # Chapters of the guide that aren't searched.
 NO_SUBJECTS = (*SUBJECTS["tutorial"], "developers", "words")
 # Placeholder in a path for user-defined names.
@@ -107,7 +109,7 @@ def key_texts() -> dict[str, str]:
 
 
 def _about(words: Sequence[str]) -> str:
-    """Keys, and chapters of the guide, that speak of all of some words; "" if none do."""
+    """Keys, chapters, bundled studies and templates that speak of all of some words; "" if none do."""
     words = [word for word in words if word not in ("a", "of", "the")]
     rows: dict[str, str] = {}
     for key in _keys():
@@ -124,8 +126,15 @@ def _about(words: Sequence[str]) -> str:
         parts += ["Keys (`sweeps help KEY`):", table(nearest[:MOST_KEYS], "  ")]
     if guide:
         parts.append(f"Guide: {', '.join(f'`sweeps guide {name}`' for name in guide)}")
+    texts = {f"sweeps run {name}": f"{name}: {asked}" for name, asked in questions().items()}
+    texts |= {f"sweeps new {name}": f"{name}: {title}" for name, title in templates().items()}
+    # Those with the words themselves come before those with synonyms.
+    times = {command: _mentions(text.replace("_", " "), words) for command, text in texts.items()}
+    found = [command for command in sorted(times, key=times.get, reverse=True) if any(times[command])]
+    if examples := found[:MOST_EXAMPLES]:
+        parts.append(f"Examples: {', '.join(f'`{command}`' for command in examples)}")
     parts.append(f"Quantities: `sweeps quantities SCENE {' '.join(words)}`")
-    return "\n".join(parts) if rows or guide else ""
+    return "\n".join(parts) if rows or guide or examples else ""
 
 
 def _mentions(text: str, words: Sequence[str]) -> tuple[int, int]:

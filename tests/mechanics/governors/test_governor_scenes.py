@@ -117,6 +117,11 @@ def test_sheet__shows_what_is_computed():
     assert speed.get_xlabel() == "lift of the sleeve s, mm"
 
 
+def test_speeds_that_hardly_differ__share_a_label():
+    force = element_sheet(element(PROELL | {"least_radius": 0.17, "greatest_radius": 0.172})).axes[0]
+    assert [text.get_text().count("rpm") for text in force.texts if text.get_text()] == [1]
+
+
 def test_no_oscillation__is_shown_where_the_discriminant_says():
     from engine.laws.governors.stability import oscillates
 

@@ -90,7 +90,9 @@ def test_check_of_a_machine_that_nowhere_assembles__says_so(press_folder):
     Path("press.toml").write_text(text)
     answer = done("check", "press.toml")
     assert "can't be assembled at any input position" in answer
-    assert "group slide fails first, at 0 °" in answer
+    # The crankpin is at x = 50 mm, the wrist pin would move along x = 2 m.
+    gap = "joint A is 1950 mm from the line of joint B, its rod spans 200 mm"
+    assert f"group slide fails first, at 0 °: {gap}" in answer
     # None of its numbers is known.
     assert "more with" not in said("run", "press.toml", "--no-plots").stdout
 
@@ -147,6 +149,26 @@ def test_show_variant__lists_its_numbers(press_result):
     # In line, the stroke is twice the crank.
     assert rows["ram.stroke"] == ["→", "120", "mm"]
     assert "variant: 8 is not one of 0 … 7" in refused("show", press_result, "--variant", "8")
+
+
+def test_two_bars_that_do_not_reach__are_told_with_distance_and_span(folder):
+    # At 0° the crankpin is at (−345, 500) mm, C at (0, 800) mm: 345² + 300² = 457.19².
+    Path("toggle.toml").write_text(
+        """points = { O = { x = "-400 mm", y = "500 mm" }, C = { x = 0, y = "800 mm" } }
+        input = { type = "crank", pivot = "O", pin = "A", length = "55 mm", speed = "60 rpm" }
+        [groups.toggle]
+        type = "RRR"
+        inner = "B"
+        first = { link = "rod", joint = "A", length = "34 mm" }
+        second = { link = "upper", joint = "C", length = "300 mm" }"""
+    )
+    assert "at 0 °: joints A and C are 457.19 mm apart, its bars span 266 mm … 334 mm" in done("check", "toggle.toml")
+
+
+def test_columns_of_one_machine__are_all_that_is_shown(press_folder):
+    done("run", "press.toml", "--no-plots")
+    answer = done("show", "results/press.h5", "--columns", "ram.stroke")
+    assert answer.splitlines()[2:] == ["1 variant works:", "variant  ram.stroke", "         mm", "0        100"]
 
 
 def test_show_where_sort_limit_and_columns__choose(press_result):

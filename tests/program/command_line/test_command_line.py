@@ -21,7 +21,7 @@ KINDS = [
     ("run check plot animate", "empty", "is empty; `sweeps new slider_crank` writes a scene"),
     ("show", "empty", "it is empty, so not a sweep result"),
     ("run check plot animate", "text.toml", "scene: is missing"),
-    ("show", "text.toml", "it is not an HDF5 file, so not a sweep result. For scenes and studies use"),
+    ("show", "text.toml", "it is not an HDF5 file, so not a sweep result. `sweeps run text.toml` computes"),
     ("run check plot animate", "random", "is not UTF-8 text"),
     ("show", "random", "it is not an HDF5 file"),
     ("run check", "damaged.h5", "is a result file (HDF5), not a text; use `sweeps show`"),

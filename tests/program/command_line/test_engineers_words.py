@@ -54,6 +54,11 @@ def test_word__finds_the_quantity(scene, words, name):
         ("counterweight", "`sweeps guide balancing`"),
         ("units", 'value: "mm" or "SI" or "US"'),
         ("dwell", 'type = "dwell"'),
+        ("toggle", "`sweeps run toggle_press`"),
+        ("emergency stop", "`sweeps run emergency_stop`"),
+        ("slider crank", "`sweeps new slider_crank`"),
+        ("critical speed", "`sweeps guide elastic`"),
+        ("torsional vibration", "`sweeps guide elastic`"),
     ],
 )
 def test_help__searches_keys_and_guide_for_words(words, found):

@@ -35,6 +35,11 @@ HOSTS = {
     "gears": [AXIS, "", "", "", AXIS, AXIS, AXIS],
     "inputs": ["", AXIS + "\n[input]\nrevolutions = 15", ""],
     "motion": [
+        """[moments]
+        motor = { type = "dc_motor", on = "crank", stall_moment = "200 N m", no_load_speed = "310 rpm" }
+        brake = { type = "block_brake", on = "crank", force = "1 kN", friction = 0.35, radius = "150 mm" }
+        [regimes]
+        work = { type = "steady", off = ["brake"] }""",
         """[input]
         start = "20 deg"
         stop = "160 deg"

@@ -13,7 +13,7 @@ from commands import done, ran
 from matplotlib.figure import Figure
 
 import sweeps
-from engine import Machine, Scene
+from engine import AskError, Machine, Scene
 from sweeps.pictures.picture_error import PictureError
 
 CRANKS = np.array([0.04, 0.05, 0.06, 0.25])
@@ -137,8 +137,12 @@ def test_figures_of_nothing__are_refused(machine, data):
     for plot in (sweeps.plot_mechanism, sweeps.plot_diagrams):
         with pytest.raises(PictureError, match="only machine elements"):
             plot(alone)
+        with pytest.raises(AskError, match="is not a scene"):
+            plot("press.toml")
     with pytest.raises(PictureError, match="no variants"):
         sweeps.plot_sweep(data.drop_vars("status"))
+    with pytest.raises(AskError, match=r"to_xarray\(outcome, machine, values\)"):
+        sweeps.plot_sweep(machine.evaluate({"input.length": ["50 mm"]}))
 
 
 # How things show themselves

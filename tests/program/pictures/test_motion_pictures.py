@@ -120,6 +120,8 @@ def test_cycle_sheet__marks_mean_speed_and_fluctuation():
     # Extremes lie between nodes: h²/8·ω″ with h = 0.017 rad is 4e-5 of the range.
     assert [speed.min(), speed.max()] == pytest.approx([low[0], high[0]], abs=1e-3 * np.ptp(speed))
     assert axes[0].lines[0].get_xdata()[[0, -1]] == pytest.approx([0, 360])
+    # The brake is off.
+    assert {"motors", "brakes"} & {*lines_of(axes[3])} == {"motors"}
 
 
 def test_machine_that_does_not_start__is_a_page_that_says_why():

@@ -50,7 +50,7 @@ def test_peak_of_a_bearing__is_that_of_the_results():
 
 def test_load_of_a_heavy_wheel__stands_in_the_frame_and_turns_in_the_shaft():
     motion = DrawnMotion(heavy_crank())
-    frame, shaft = bearing_load(motion, "input"), bearing_load(motion, "input", "crank")
+    frame, shaft = bearing_load(motion, "input.reaction"), bearing_load(motion, "input", "crank")
     assert np.allclose(frame.force, 30j, rtol=0, atol=1e-10)
     assert np.allclose(shaft.force, 30j * np.exp(-1j * motion.q), rtol=0, atol=1e-10)
     assert shares(frame)[90] == 1.0

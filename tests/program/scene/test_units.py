@@ -33,7 +33,7 @@ FACTORS = {
     "length": {"m": 1, "mm": "1e-3", "cm": "0.01", "dm": "0.1", "um": "1e-6", "µm": "1e-6", "km": 1000}
     | {"in": INCH, "inch": INCH, "mil": INCH / 1000, "ft": FOOT, "yd": 3 * FOOT},
     "angle": {"rad": 1, "mrad": "1e-3", "deg": PI / 180, "°": PI / 180, "rev": 2 * PI},
-    "time": {"s": 1, "ms": "1e-3", "us": "1e-6", "min": 60, "h": 3600},
+    "time": {"s": 1, "sec": 1, "ms": "1e-3", "us": "1e-6", "min": 60, "h": 3600},
     "mass": {"kg": 1, "g": "1e-3", "mg": "1e-6", "t": 1000, "lb": POUND, "oz": POUND / 16, "slug": LBF / FOOT},
     "force": {"N": 1, "mN": "1e-3", "kN": 1000, "MN": 10**6}
     | {"lbf": LBF, "kip": 1000 * LBF, "ozf": LBF / 16, "kgf": GRAVITY, "kp": GRAVITY},
@@ -43,7 +43,7 @@ FACTORS = {
     "energy": {"J": 1, "kJ": 1000, "MJ": 10**6, "kWh": 3_600_000},
     "volume": {"l": "1e-3", "L": "1e-3", "gal": 231 * INCH**3},
     "speed": {"mph": 5280 * FOOT / 3600},
-    "angular_speed": dict.fromkeys(("rpm", "RPM", "spm", "1/min", "min-1", "r/min", "rev/min"), 2 * PI / 60),
+    "angular_speed": dict.fromkeys(("rpm", "RPM", "spm", "1/min", "min-1", "r/min", "U/min", "rev/min"), 2 * PI / 60),
     "number": {"%": "0.01"},
 }
 FACTORS = {name: {unit: Fraction(factor) for unit, factor in units.items()} for name, units in FACTORS.items()}

@@ -272,7 +272,7 @@ no such file | run nope.toml | nope.toml | there is no such file
 name without its ending | check press | press | did you mean 'press.toml'?
 ending of a result | run press.toml --out a.txt | a.txt | --out: results are HDF5: give a file that ends in .h5
 folder for a result | show . | this is a folder | There is r.h5.
-scene for a result | show press.toml | press.toml | For scenes and studies use `sweeps check`
+scene for a result | show press.toml | press.toml | `sweeps run press.toml` computes its numbers
 misspelt command | chekc press.toml | chekc | did you mean 'check'?
 no command | frobnicate | frobnicate | known are animate, balance, check
 no value | check press.toml --set input.length | --set | write PATH=VALUE, such as input.length='55 mm'

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from commands import done, said
+from each_case import each
 
 from sweeps.report.sweep_result import SweepResult
 
@@ -189,3 +190,20 @@ def test_best_at_the_end_of_a_range__is_reported(jack):
     assert end in done("show", "r.h5")
     assert "At the end" not in jack("30 mm", "elements.jack.load == '10 kN'")
     assert "At the end" not in jack("30 mm", "elements.jack.load > '15 kN'")
+
+
+@each("least, end", [("10.1 kN", " (near the minimum of "), ("10.5 kN", "")])
+def test_best_of_a_sample__is_reported_within_a_hundredth_of_its_range(jack, least, end):
+    # The torque grows with the load, so the best is the first above the limit: of 1024 samples of 20 kN one every
+    # 0.02 kN, and 1 % of the range is 0.2 kN.
+    jack("30 mm", "jack.raise_moment > '1 N m'")
+    Path("sample.toml").write_text(
+        f"""scene = "jack.toml"
+        vary = {{ "elements.jack.load" = {{ low = "10 kN", high = "30 kN" }} }}
+        sampling = {{ method = "sobol", count = 1024 }}
+        outputs = {{ summaries = ["jack.raise_moment"] }}
+        best = {{ minimise = "jack.raise_moment", where = "elements.jack.load >= '{least}'" }}"""
+    )
+    text = done("run", "sample.toml", "--no-plots")
+    assert ("At the end of its range: elements.jack.load = 10.1" in text) == bool(end)
+    assert end in text

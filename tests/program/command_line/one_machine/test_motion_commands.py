@@ -291,7 +291,7 @@ def test_regime_words__tell_begin_end_and_what_is_off(folder):
     )
     assert [regime_words(scene, name) for name in scene.regimes] == [
         "run from rest for 1 cycle",
-        "run from where a ended at φ = 90 ° for 2.5 cycles",
+        "run from φ = 90 ° with the final speed of a for 2.5 cycles",
         "run from rest for 3 s; off: gravity",
         "run from 30 rpm until 60 rpm",
     ]
