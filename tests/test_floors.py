@@ -22,7 +22,7 @@ FILES = {
     for path in sorted((ROOT / package).rglob("*.py"))
 }
 # What mechanics needs no more than arithmetic does.
-NOT_IN_ENGINE = ("sweeps", "h5py", "matplotlib", "click", "tomllib", "tomli_w", "xarray", "csv", "argparse")
+NOT_IN_ENGINE = ("sweeps", "h5py", "matplotlib", "click", "tqdm", "tomllib", "tomli_w", "xarray", "csv", "argparse")
 # Of these, other packages load the standard library's for themselves.
 STANDARD = ("csv", "argparse", "tomllib")
 

@@ -1,13 +1,11 @@
 """Progress on standard error: a bar on a terminal, else a line every 30 s."""
 
-import shutil
 import sys
 import time
 
 import click
 
 LINE_EVERY = 30.0
-BAR_WIDTH = 20
 
 
 class ProgressBar:
@@ -28,11 +26,11 @@ class ProgressBar:
     def __init__(self, total: int, quiet: bool, unit: str = "variants", kept: int = 0) -> None:
         self.total, self.quiet, self.unit = total, quiet, unit
         self.kept = kept
+        self.bar = None
         # Unknown until earlier results are checked.
         self.done: int | None = None
         self.said = time.monotonic()
         self.first: tuple[int, float] | None = None
-        self.is_drawn = False
 
     def update(self, done: int, before: int, words: str = "") -> None:
         """Show the number done, `before` of them in earlier runs, and a remark.
@@ -42,22 +40,32 @@ class ProgressBar:
         self.done = done
         if self.quiet:
             return
+        is_first = self.first is None and done > before
+        if is_first:
+            self.first = done, time.monotonic()
+        if not sys.stderr.isatty():
+            self._line(done, words)
+            return
+        if self.bar is None:
+            from tqdm import tqdm
+
+            self.bar = tqdm(total=self.total, initial=before, unit=f" {self.unit}", unit_scale=True, file=sys.stderr)
+        if words:
+            self.bar.set_postfix_str(words, refresh=False)
+        if is_first:
+            self.bar.reset()
+            self.bar.initial = self.bar.n = self.bar.last_print_n = done
+            self.bar.refresh()
+        self.bar.update(done - self.bar.n)
+
+    def _line(self, done: int, words: str) -> None:
         now = time.monotonic()
-        if self.first is None and done > before:
-            self.first = done, now
-        text = f"{done} of {self.total} {self.unit}"
-        is_timed = self.first is not None and done > self.first[0] and now > self.first[1]
-        if is_timed:
-            rate = (done - self.first[0]) / (now - self.first[1])
-            text += f", {rate:.3g} per second, {(self.total - done) / rate:.0f} s left"
-        text += f"; {words}" if words else ""
-        if sys.stderr.isatty():
-            self.is_drawn = True
-            line = f"[{'#' * (BAR_WIDTH * done // self.total):{BAR_WIDTH}}] {text}"
-            click.echo(f"\r\x1b[K{line[: shutil.get_terminal_size().columns - 1]}", nl=False, err=True)
-        elif is_timed and now - self.said >= LINE_EVERY:
+        if now - self.said >= LINE_EVERY and self.first and done > self.first[0] and now > self.first[1]:
             self.said = now
-            click.echo(text, err=True)
+            rate = (done - self.first[0]) / (now - self.first[1])
+            left = (self.total - done) / rate
+            found = f"; {words}" if words else ""
+            click.echo(f"{done} of {self.total} {self.unit}, {rate:.3g} per second, {left:.0f} s left{found}", err=True)
 
     def kept_text(self) -> str:
         """What is kept, as text.
@@ -72,7 +80,7 @@ class ProgressBar:
         return f"{self.done} of {self.total} {self.unit} are done and kept"
 
     def close(self) -> None:
-        """End the bar's line."""
+        """Close the bar."""
         self.done = self.total
-        if self.is_drawn:
-            click.echo(err=True)
+        if self.bar is not None:
+            self.bar.close()
