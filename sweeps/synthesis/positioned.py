@@ -165,4 +165,6 @@ def least_transmission(
     apart = [abs(frame - cmath.rect(crank, angle)) for angle in (low, high, *(base + math.pi * t for t in turns))]
     if min(apart) <= abs(coupler - rocker) or max(apart) >= coupler + rocker:
         return None
-    return min(math.acos(abs(coupler * coupler + rocker * rocker - d * d) / (2.0 * coupler * rocker)) for d in apart)
+    # At a change point, rounding may exceed 1.
+    cosines = (abs(coupler * coupler + rocker * rocker - d * d) / (2.0 * coupler * rocker) for d in apart)
+    return min(math.acos(min(1.0, cosine)) for cosine in cosines)
