@@ -29,8 +29,8 @@ from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
 
 # Step tolerance, as a fraction of the range and of SPEED_SCALE times the speed, since governors work within a few
-# hundredths of it; largest step, as an angle of the engine if that is a mechanism, else of a swing of the sleeve [rad].
-TOLERANCE, SPEED_SCALE, FARTHEST_TURN, FARTHEST_SWING = 1e-7, 0.01, 0.25 * math.pi, 2.0
+# hundredths of it; largest angle of a step if the engine is a mechanism [rad].
+TOLERANCE, SPEED_SCALE, FARTHEST_TURN = 1e-7, 0.01, 0.25 * math.pi
 # Start of the last part of a run, in which the swing is measured, as a fraction of the run.
 LAST_PART = 0.75
 # Minimum number of steps of a recorded run.
@@ -223,8 +223,7 @@ class _Runs(WalkedRuns):
         system, graph, held = _governed_system(g.governor, machine)
         self.system = PrintedSystem(system, graph, graph.zero, graph.zero)
         swift = width * np.sqrt(half.sleeve / (half.mass * outer.lift))
-        # Without a mechanism, a step is long or short compared with a swing of the sleeve.
-        self.farthest = self.longer * (FARTHEST_TURN + still if machine else FARTHEST_SWING * speed * width / swift)
+        self.farthest = FARTHEST_TURN * self.longer if machine else math.inf
         self.implicit = np.zeros(count, bool)
         given = n | {
             "inner": low,
@@ -291,7 +290,7 @@ class _Runs(WalkedRuns):
         early = time < LAST_PART * duration
         mark = np.where(early, LAST_PART, 1.0) * duration
         longest = duration / LEAST_RECORDED if self.records else np.inf
-        lanes = {"goal": mark - time, "tolerance": self.tolerance, "farthest": self.farthest[who], "longest": longest}
+        lanes = {"goal": mark - time, "tolerance": self.tolerance, "farthest": self.farthest, "longest": longest}
         lanes |= {"turned": self.state.turned[who], "pace": self.pace[who], "clock": time}
         task = self.system.task(math.inf, method, extremes=True, longer=self.longer, root=ROOT)
         state, numbers = np.array(some(self.state, who)), self.numbers.take(who, axis=1)

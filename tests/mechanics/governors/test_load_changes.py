@@ -243,3 +243,12 @@ def test_dashpot_that_all_but_holds_the_sleeve__is_followed():
     assert found["highest_speed"] == pytest.approx(risen, rel=0.01)
     # The balls add less than 1 % to the inertia.
     assert found["highest_speed"][-1] == pytest.approx(risen, rel=3e-5)
+
+
+def test_sleeve_that_rests_for_hours__limits_no_steps():
+    engine = FOLLOWED | {"duration": 36e3, "self_regulation": 20.0}
+    found, _, status = results(PORTER | {"friction": 200.0, "engine": engine})
+    assert status[0] == Verdict.OK
+    # Friction holds the sleeve: the speed approaches its new value, by ΔM/s above the former.
+    before = (found["working_speed"] - found["steady_speed_change"])[0]
+    assert found["highest_speed"][0] == pytest.approx(before + 100 / 20, rel=1e-6)
