@@ -199,7 +199,7 @@ def decide_steps(task: WalkTask, room: Room) -> bool:
             if not own.missed[lane] <= 1.0 and not is_rounding(lane, room):
                 shorten(lane, task, room)
             elif hides_top(lane, task, room):
-                own.pace[lane] = SAFETY / steepness(lane, room)
+                own.pace[lane] = SAFETY / steepness(lane, task, room)
             elif hides_two(lane, task, room):
                 own.pace[lane] = 0.5 * own.length[lane]
             elif own.fired[lane] == 0.0 and own.trials[lane] == 0.0:
@@ -297,6 +297,7 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
         else:
             share = SAFETY / math.sqrt(math.sqrt(math.sqrt(own.missed[lane])))
             most = GROW * task.longer * task.longer
+            own.exact[lane] = 1.0 if share > most else 0.0
             ahead = own.length[lane] * (share if share < most else most)
             own.pace[lane] = ahead if ahead > own.pace[lane] else own.pace[lane]
 
@@ -425,7 +426,8 @@ def take_in(first: int, batch: WalkBatch, task: WalkTask, room: Room) -> None:
         own.slowest[lane], own.fastest[lane], own.slope[lane] = math.inf, -math.inf, math.nan
         own.slow_off[lane], own.fast_off[lane] = math.nan, math.nan
         own.steps[lane], own.scale[lane], own.trials[lane], own.free[lane] = 0.0, 0.0, 0.0, -math.inf
-        own.begins[lane], own.ends[lane], own.refused[lane], own.alone[lane] = -math.inf, math.inf, math.inf, 1.0
+        own.begins[lane], own.ends[lane], own.refused[lane] = -math.inf, math.inf, math.inf
+        own.alone[lane], own.exact[lane] = 1.0, 0.0
         own.why[lane] = GOING if lane < last and own.at[lane] < own.goal[lane] else GOAL
         find_edge(lane, edges, task, room)
         look_ahead(lane, edges, room)

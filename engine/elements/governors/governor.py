@@ -20,7 +20,7 @@ from engine.elements.governors.equilibria import (
 )
 from engine.elements.governors.governed_engine import FullAndShutThrottle, GovernedEngine
 from engine.elements.governors.governor_forces import Linkage, States, along_axis, numbers
-from engine.elements.governors.transients import TOLERANCE, follow_changes
+from engine.elements.governors.transients import SPEED_SCALE, TOLERANCE, follow_changes
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.graph.nodes import Graph, Node
 from engine.laws.tables import Table
@@ -120,9 +120,12 @@ class Governor(Element):
         if self.is_followed:
             cycle = np.array([n[key] for key in n if key.startswith(CYCLE)]).reshape(-1, verdicts.size)
             changes = [follow_changes(g, marks, verdicts, cycle, longer) for longer in WALKS]
-            for result, *rows in zip(_TRANSIENT, *(each.answers for each in changes), strict=True):
+            highest, lowest, _, settled, *_ = changes[0].answers
+            # All walks may share an error of some tolerances of a step; settled engines still change by less than one.
+            scales = SPEED_SCALE * highest, SPEED_SCALE * lowest, SPEED_SCALE, settled, 2.0 * SPEED_SCALE, 0.0, 0.0
+            for result, scale, *rows in zip(_TRANSIENT, scales, *(each.answers for each in changes), strict=True):
                 found[result.name] = rows[0]
-                errors[result.name] = range_of_walks(rows) + ROUNDING * np.abs(rows[0]) * TOLERANCE
+                errors[result.name] = range_of_walks(rows) + ROUNDING * TOLERANCE * scale
             for each in changes:
                 verdicts = np.where(verdicts == Verdict.OK, each.verdict, verdicts)
         well = verdicts == Verdict.OK

@@ -2,7 +2,8 @@
 
 Friction and stops hold the sleeve or let it go, a valve switches, and the engine's speed enters or leaves its band
 where a guard changes what is held. A stop absorbs all of the sleeve's velocity. Steps also end at extremes of that
-velocity, so that no reversal within one is missed. Error estimates come from further runs with longer steps, and with
+velocity, so that no reversal within one is missed. Where a dashpot makes the motion stiff, steps are implicit. A run is
+over once the engine has settled. Error estimates come from further runs with longer steps, and with
 every second position of the curves if the engine is a mechanism.
 """
 
@@ -46,6 +47,9 @@ BEHIND, TURNED, SURELY = 1e-15, 1e-4, 1e-12
 BELOW_SWITCH = 0.99
 # Relative tolerance of event times in a step: the speed, exact to rounding, allows no smaller one.
 ROOT = 1e-12
+# A run is over once its states are within this fraction of the tolerance of the equilibrium without friction: what
+# moves them then is the errors of steps.
+SETTLED = 0.1
 
 
 class Moving(NamedTuple):
@@ -92,7 +96,8 @@ def _governed_system(governor: Element, machine: bool) -> tuple[System, Graph, G
     clock = graph.given("time", Stage.STATE)
     keys = ("ball_mass", "sleeve_mass", "engine.ratio", "damping", "friction", "engine.self_regulation")
     ball, sleeve, ratio, damping, friction, regulation = numbers(graph, *keys)
-    steady, band, swift, width, *stops = numbers(graph, "steady", "band", "swift", "width", "inner", "outer")
+    steady, rest, band, swift, width = numbers(graph, "steady", "rest", "band", "swift", "width")
+    near, *stops = numbers(graph, "settled", "inner", "outer")
     x = stops[0] + position
     there, rates = equilibrium_nodes(governor, graph, x, stops, held.opens), governor.linkage(graph, x).rates(x)
     change, change_slope, share, other = graph.zero, graph.zero, graph.one, graph.zero
@@ -133,6 +138,10 @@ def _governed_system(governor: Element, machine: bool) -> tuple[System, Graph, G
     moves = held.sense * held.sense
     rises = rise, moves * acceleration
     slopes = [[derivative(each, {by: graph.one}) for by in (speed, velocity)] for each in rises]
+    scales = SPEED_SCALE * steady, width, swift
+    away = zip((speed - steady, position - rest, velocity), scales, strict=True)
+    # The engine never runs steadily on a mechanism or a valve.
+    settling = () if machine or governor.has_valve else (sum(abs(each) / scale for each, scale in away) - near,)
     system = System(
         along="time",
         states=states,
@@ -141,12 +150,12 @@ def _governed_system(governor: Element, machine: bool) -> tuple[System, Graph, G
         slope=rise,
         steepness=graph.apply(greater, *(abs(row[i]) for i, row in enumerate(slopes))),
         slopes=(*slopes[0], *slopes[1]),
-        guards=(speed,),
+        guards=(speed, *settling),
         switches=tuple(switches),
         clock=clock,
         held=changed,
         signed=True,
-        scales=(graph.one, SPEED_SCALE * steady, width, swift),
+        scales=(graph.one, *scales),
     )
     return system, graph, held
 
@@ -230,6 +239,8 @@ class _Runs(WalkedRuns):
             "outer": marks.outer,
             "mean speed": marks.mean_speed / ratio,
             "steady": self.steady,
+            "rest": marks.after - low,
+            "settled": np.full(count, SETTLED * self.tolerance),
             "band": band,
             "swift": swift,
             "width": width,
@@ -303,8 +314,12 @@ class _Runs(WalkedRuns):
             seen[1, who[own]] = np.max([seen[1, who[own]], gone.fastest[own], speed[own]], axis=0)
         put(self.state, who, Moving(*gone.states))
         self.numbers[:, who], self.pace[who] = gone.numbers, gone.pace
-        self.time[who] = np.where(why == Why.GOAL, mark, time + gone.at)
-        self.done[who] = (why == Why.GOAL) & ~early
+        settled = why == Why.GUARD + 1
+        self.time[who] = np.where(settled, duration, np.where(why == Why.GOAL, mark, time + gone.at))
+        self.done[who] = settled | (why == Why.GOAL) & ~early
+        if self.records and settled[0]:
+            self.recorded.append(np.array([duration[:1], self.state.position[:1], self.state.speed[:1]]))
+        self.late[:, who] = np.where(settled & early, gone.states[1], self.late[:, who])
         self.implicit[who] |= why == Why.STEEP
         self.give_up(who[why == Why.GUARD], Verdict.STALLS)
         self.give_up(who[why == Why.LOST], Verdict.NOT_FINITE)

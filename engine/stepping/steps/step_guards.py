@@ -85,10 +85,10 @@ def guard(g: int, lane: int, end: int, task: WalkTask, room: Room) -> float:
             return (own.other_goal[lane] - states[0, lane]) * own.facing[lane]
         return own.other_goal[lane] - states[task.states, lane]
     if g == RISE:
-        slope, last = watched[SLOPE, lane], task.states - 1
+        slope, own_state = watched[SLOPE, lane], 1 if task.along_time else 0
         # In a motion in balance the slope's sign is rounding.
-        off = FOUND_TO * abs(room.begin[last, lane])
-        unsure = ROUNDED * watched[SIZE, lane] + abs(watched[STEEPNESS, lane]) * off
+        off = FOUND_TO * abs(room.begin[own_state, lane])
+        unsure = ROUNDED * watched[SIZE, lane] + steepness(lane, task, room) * off
         sense = math.copysign(1.0, slope) if abs(slope) > unsure else 0.0
         return sense * speed_slope(lane, end, task, room) if task.extremes else 1.0
     return watched[row + task.watched - task.guards + g - FIRST, lane]
@@ -127,21 +127,21 @@ def fires(rises: bool, task: WalkTask, room: Room) -> None:
             # The sign of a steep machine's slope is that of an error within the tolerance.
             off = own.missed[lane] * own.tolerance[lane] * watched[task.watched + SPEED, lane]
             off *= 1.0 if task.along_time else 0.5 * own.work[lane] / room.after[0, lane]
-            comes -= steepness(lane, room) * off
+            comes -= steepness(lane, task, room) * off
         if passes_zero(leaves, comes, task) and (own.trials[lane] > 0.0 or may_exceed(lane, task, room)):
             own.fired[lane] = 1.0
 
 
 @inlined
-def steepness(lane: int, room: Room) -> float:
-    """Magnitude of ∂f/∂y at the start of a step, the inverse of the length in which the speed settles."""
-    return abs(in_lanes(room.watched)[STEEPNESS, lane])
+def steepness(lane: int, task: WalkTask, room: Room) -> float:
+    """Magnitude of the speed's own ∂f/∂y at the start of a step, the inverse of the length in which it settles."""
+    return abs(in_lanes(room.watched)[task.slopes if task.solved > 0 else STEEPNESS, lane])
 
 
 @inlined
 def settles(lane: int, task: WalkTask, room: Room) -> float:
     """Change of the speed while it settles within an implicit step, unresolved by its stages; 0 if it doesn't."""
-    steep = steepness(lane, room)
+    steep = steepness(lane, task, room)
     within = task.implicit and steep * room.lane.length[lane] > 1.0
     return speed_slope(lane, 0, task, room) / steep if within else 0.0
 

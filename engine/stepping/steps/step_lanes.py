@@ -89,6 +89,8 @@ class Lane(NamedTuple):
         Error estimate, relative to the tolerance, of the last rejected step; infinite if none since an accepted step.
     alone : row
         1 if the step starts where all walks do: at their start, an edge, a switch or an instant.
+    exact : row
+        1 if the last accepted step was so exact that the next one may be longer by the largest factor.
     """
 
     start: Row
@@ -143,6 +145,7 @@ class Lane(NamedTuple):
     settled: Row
     refused: Row
     alone: Row
+    exact: Row
 
 
 _FIRST_ROWS = Lane._fields[: Lane._fields.index("steps") + 1]
