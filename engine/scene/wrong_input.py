@@ -53,7 +53,7 @@ def wrong_input(model: type[BaseModel], data: object, error: ValidationError) ->
     Parameters
     ----------
     model : type of BaseModel
-        May have `hints`, for keys that are missing or misplaced.
+        May have `hints`, for keys that are misplaced, or missing: "key", or "table.key" at any depth.
     data : object
         The data refused.
     error : ValidationError
@@ -103,7 +103,8 @@ def _message(model: type[BaseModel], error: dict, keys: list[str | int]) -> str:
         case "missing" if isinstance(error["loc"][-1], str):
             choices = bare_annotation(_annotation_at(model, error["loc"]))
             words = f"add one of {', '.join(get_args(choices))}" if get_origin(choices) is Literal else "add it"
-            return f"is missing: {hints.get('.'.join(map(str, keys)), words)}"
+            hint = hints.get(f"{keys[0]}.{last}" if len(keys) > 1 else last, words)
+            return f"is missing: {hint}"
         case "missing":
             return "has too few entries"
         case "union_tag_invalid":

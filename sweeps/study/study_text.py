@@ -206,6 +206,7 @@ class StudyText(ScenePart):
         "where": "where belongs to [best] or [optimise]; require, above the first table, drops variants before they "
         "are computed",
         "require": "require stands above the first table: it drops variants before they are computed",
+        "vary.count": "add it; a range that [sampling] samples has low and high in place of from and to",
         "count": "count belongs to from and to, or to [sampling] for all ranges of low and high",
     }
     title: PlainText = ""

@@ -218,6 +218,8 @@ low without sampling | count = 3 | count = 3}\n"gravity" = {low = "0 m/s2", high
     | [sampling] | method and count
 low with a count | count = 3 | count = 3}\n"gravity" = {low = "0 m/s2", high = "9 m/s2", count = 4
     | 8: vary.gravity.count | count belongs to from and to, or to [sampling]
+range without a count | from = "40 mm", to = "60 mm", count = 3 | from = "40 mm", to = "60 mm"
+    | 7: vary.input.length.count | is missing: add it; a range that [sampling] samples
 absent number | "input.length" = | "input.start" = | 7: vary.input.start | the scene gives; give it there first
 misspelt statistic | ["ram.stroke", | ["ram.velocity.peek", | 14: outputs | did you mean 'ram.velocity.peak'
 range downwards | count = 3 | count = 3}\n"gravity" = {low = "9 m/s2", high = "1 m/s2" | 8: vary.gravity
