@@ -47,7 +47,7 @@ CASES = {
 
 def panels_over_time(governor, **given):
     """Time and speed of the engine as drawn."""
-    speeds = next(panel for panel in governor.panels(given) if panel.x.symbol == "t")
+    speeds = next(panel for panel in governor.panels(**given) if panel.x.symbol == "t")
     return speeds.places, speeds.curves[0].values
 
 
