@@ -469,55 +469,42 @@ class CoupledRuns(MachineRuns):
         self.give_up(who[(whole | ~moves) & (moves == before.moves) & (same | parts)])
         count = np.round(np.abs(cycles)).astype(int)
         tested = whole & (count & (count - 1) == 0) & (crank_speed > 0.0) & held & ~self.done[who]
-        if self.ends.lock_up | self.ends.standing:
+        if tested.any() and (self.ends.lock_up | self.ends.standing):
             slipping = who[tested & slips]
-            endless = np.concatenate([slipping[self._parted(slipping)], who[tested & (mode == TOGETHER)]])
-            self.give_up(endless if self.ends.lock_up else endless[self._turns_on(endless)])
+            parted = np.any([self._parts(slipping, *between) for between in BETWEEN], axis=0)
+            endless = np.concatenate([slipping[parted], who[tested & (mode == TOGETHER)]])
+            if not self.ends.lock_up:
+                endless = endless[np.any([self._turns_on(endless, share) for share in NOT_FASTER], axis=0)]
+            self.give_up(endless)
 
     # While a clutch slips at a constant torque, each side moves on its own; while it holds, both move as one. Speeds of
     # two motions of a machine over the crank angle never cross.
 
-    def _parted(self, who: np.ndarray) -> np.ndarray:
-        """Whether clutches slip for ever: if two other motions, with speeds between, slip for a cycle and part."""
-        parted = np.zeros(who.size, bool)
-        for near, far in BETWEEN:
-            left = who[~parted]
-            if not left.size:
-                break
-            way, (crank, shaft) = np.sign(self.joined.mode[left]), self._speeds(left)
-            begin = crank + near * (shaft - crank), crank + far * (shaft - crank)
-            other = self._cycle_from(left, *begin)
-            leave = (way * (other.omega - begin[0]) <= 0.0) & (way * (other.shaft_omega - begin[1]) >= 0.0)
-            apart = np.where(way > 0.0, other.highs[0] < other.lows[1], other.lows[0] > other.highs[1])
-            parted[~parted] = (
-                (other.slip_time >= other.time * (1.0 - NEARLY)) & leave & apart & (other.verdict == Verdict.OK)
-            )
-        return parted
+    def _parts(self, who: np.ndarray, near: float, far: float) -> np.ndarray:
+        """Whether clutches slip for ever: if another motion, with speeds between, slips for a cycle and parts."""
+        way, (crank, shaft) = np.sign(self.joined.mode[who]), self._speeds(who)
+        begin = crank + near * (shaft - crank), crank + far * (shaft - crank)
+        other = self._beside(who, *begin)
+        leave = (way * (other.omega - begin[0]) <= 0.0) & (way * (other.shaft_omega - begin[1]) >= 0.0)
+        apart = np.where(way > 0.0, other.highs[0] < other.lows[1], other.lows[0] > other.highs[1])
+        slips = other.slip_time >= other.time * (1.0 - NEARLY)
+        return (other.verdict == Verdict.OK) & slips & leave & apart
 
-    def _turns_on(self, who: np.ndarray) -> np.ndarray:
-        """Whether machines never stop: if their motion, or a slower one, isn't slower after a cycle."""
-        turns_on = np.zeros(who.size, bool)
-        for share in NOT_FASTER:
-            left = who[~turns_on]
-            if not left.size:
-                break
-            (crank, shaft), holds = self._speeds(left), self.joined.mode[left] == TOGETHER
-            other = self._cycle_from(left, share * crank, np.where(holds, share, 1.0) * shaft)
-            alike = np.where(holds, other.slip_time == 0.0, other.slip_time >= other.time * (1.0 - NEARLY))
-            turns_on[~turns_on] = (other.verdict == Verdict.OK) & alike & (other.omega >= share * crank)
-        return turns_on
+    def _turns_on(self, who: np.ndarray, share: float) -> np.ndarray:
+        """Whether machines never stop: if their motion, slowed down to a fraction, isn't slower after a cycle."""
+        (crank, shaft), holds = self._speeds(who), self.joined.mode[who] == TOGETHER
+        other = self._beside(who, share * crank, np.where(holds, share, 1.0) * shaft)
+        alike = np.where(holds, other.slip_time == 0.0, other.slip_time >= other.time * (1.0 - NEARLY))
+        return (other.verdict == Verdict.OK) & alike & (other.omega >= share * crank)
 
     def _speeds(self, who: np.ndarray) -> np.ndarray:
         """Speeds of the crank and the shaft."""
         return self.state[[CRANK_SPEED, SHAFT_SPEED]][:, who]
 
-    def _cycle_from(self, who: np.ndarray, crank: np.ndarray, shaft: np.ndarray) -> "CoupledRuns":
-        """A run over a cycle from other speeds than now, at the beginning of one."""
+    def _beside(self, who: np.ndarray, crank: np.ndarray, shaft: np.ndarray) -> "CoupledRuns":
+        """Runs over a cycle from other speeds than now."""
         coupled = CoupledStanding(shaft, self.joined.engaged[who] + self.time[who])
-        clock, unspoilt = self.clock[who] + self.time[who], np.zeros(who.size, np.uint8)
-        ends = Ends.never(who.size, turned=np.full(who.size, self.cycle))
-        stepping = self.stepping._replace(extremes=True, peaks=False)
-        begin = Standing(self.start[who], crank, clock, unspoilt, coupled)
-        other = CoupledRuns(self.sides.some(who), begin, ends, stepping, ())
-        other.go_to_end()
-        return other
+        return self.beside(who, Ends.never(who.size), crank, coupled)
+
+    def _others(self, who: np.ndarray, *given: Standing | Ends | Stepping) -> "CoupledRuns":
+        return CoupledRuns(self.sides.some(who), *given, ())

@@ -104,6 +104,9 @@ class OneSpeedRuns(MachineRuns):
         self.marks = np.zeros(count, int)
         self.arrive(np.flatnonzero((self.facing != 0.0) & (self.ahead(np.arange(count)) <= 0.0)))
 
+    def _others(self, who: np.ndarray, standing: Standing, ends: Ends, stepping: Stepping) -> "OneSpeedRuns":
+        return type(self)(self.dynamics, self.variants.some(who), standing, ends, self.steps, stepping)
+
     @property
     def finds_extremes(self) -> bool:
         """Whether steps end at the extremes of the speed: a speed may be reached within a step and left again."""
