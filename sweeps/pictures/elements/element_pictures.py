@@ -72,14 +72,14 @@ def element_sheet(element: Element, title: str = "", **given: np.ndarray) -> Fig
 
 def element_tables(scene: Scene) -> str:
     """Tables of engine orders, torsional modes and gear shafts; "" if there are none."""
-    told = []
+    tables = []
     for name, element in scene.elements.items():
         match element:
             case EngineElement():
-                told.append(f"{name}: orders of the crank\n{engine_table(element)}")
+                tables.append(f"{name}: orders of the crank\n{engine_table(element)}")
             case TorsionalTrain():
                 rows = train_table(element, numbers_of_machine(scene, name))
-                told.append(f"{name}: Holzer's table, reduced to {element.layout.masses[0]}\n{rows}")
+                tables.append(f"{name}: Holzer's table, reduced to {element.layout.masses[0]}\n{rows}")
             case GearTrain():
-                told.append(f"{name}: {gear_table(element)}")
-    return "\n".join(told)
+                tables.append(f"{name}: {gear_table(element)}")
+    return "\n".join(tables)
