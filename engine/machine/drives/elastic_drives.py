@@ -468,11 +468,10 @@ def _machine_over_cycle(ready: Ready, count: int) -> tuple[DrivenMachine, np.nda
     rigid = RigidCycle(points(rigid_moment), points(omega), moment_error)
     moment, speed, inertia = rigid.moment[..., 1:-1], rigid.speed[..., 1:-1], points(inertia)
     guess = np.stack([moment, speed, 0.5 * inertia[..., 1:-1] * speed**2], axis=1)
-    sizes, way = ready.system.sizes, bare.direction
+    sizes, direction = ready.system.sizes, bare.direction
     given = dict(zip((sizes.stiffness, sizes.damping, sizes.motor_inertia), ready.given.T, strict=True))
-    for side in (sizes.machine, sizes.motors):
-        given |= dynamics.sized(side, bare.numbers, way) | {side.wheel: bare.flywheel, side.way: way, side.facing: 1.0}
-    numbers = ready.system.tabulation.parameters(bare.numbers, way, bare.ends | given)
-    places = (way * every[:-1]).reshape(-1, STAGES + 1, variants)[:, 1:].reshape(-1, variants)
+    given |= dynamics.sized(sizes.machine, bare) | dynamics.sized(sizes.motors, bare)
+    numbers = ready.system.tabulation.parameters(bare.numbers, direction, bare.ends | given)
+    places = (direction * every[:-1]).reshape(-1, STAGES + 1, variants)[:, 1:].reshape(-1, variants)
     machine = DrivenMachine(np.ascontiguousarray(steps.T), places, inertia, ready.system, numbers)
     return machine, guess, rigid

@@ -194,14 +194,14 @@ def _reversals(mechanics: Mechanics) -> list[Load]:
         if pair.name in rubbing:
             rate, slope = relative_motion(mechanics.kinematics, pair)
             graph.switches(rate, slope)
-            way = graph.held(graph.apply(sense, rate))
+            direction = graph.held(graph.apply(sense, rate))
             grip = Grip(pair.link, None, None)
-            found.append(Load(IN_PAIRS, graph.one, way, grip, graph.one, way, "harmful", 0))
+            found.append(Load(IN_PAIRS, graph.one, direction, grip, graph.one, direction, "harmful", 0))
     for name in lossy_meshes(mechanics.scene):
         rate, slope = rolling_rate(mechanics.kinematics, name)
         graph.switches(rate, slope)
-        way = graph.held(graph.apply(sense, rate))
-        found.append(Load(IN_PAIRS, graph.one, way, Grip(name, None, None), graph.one, way, "harmful", 0))
+        direction = graph.held(graph.apply(sense, rate))
+        found.append(Load(IN_PAIRS, graph.one, direction, Grip(name, None, None), graph.one, direction, "harmful", 0))
     return found
 
 
@@ -297,24 +297,20 @@ class Dynamics:
         """
         key = system.system.along, facing
         if key not in variants.kept:
-            numbers, way = variants.numbers, facing * variants.direction
-            sizes = system.sizes
-            given = self.sized(sizes, numbers, way) | {
-                sizes.wheel: variants.flywheel,
-                sizes.way: way,
-                sizes.facing: facing,
-            }
             # Only forward motion can return to the form over the angle, if that form applies.
             by_angle = facing > 0.0 and not self.in_time
-            given |= {sizes.stay: 0.0 if by_angle else np.inf}
-            variants.kept[key] = system.tabulation.parameters(numbers, way, variants.ends | given)
+            given = self.sized(system.sizes, variants, facing) | {system.sizes.stay: 0.0 if by_angle else np.inf}
+            direction = facing * variants.direction
+            variants.kept[key] = system.tabulation.parameters(variants.numbers, direction, variants.ends | given)
         return variants.kept[key]
 
-    def sized(self, sizes: Sizes, numbers: Numbers, way: np.ndarray) -> dict[Given, np.ndarray | float]:
-        """Sizes of the acting loads for motion in the direction `way` of the crank angle, and the acting motors."""
-        unit = numbers.with_values({"input.speed": way})
+    def sized(self, sizes: Sizes, variants: Variants, facing: float = 1.0) -> dict[Given, np.ndarray | float]:
+        """Sizes of the acting loads for motion forwards or backwards, the acting motors, flywheel and direction."""
+        direction = facing * variants.direction
+        unit = variants.numbers.with_values({"input.speed": direction})
         given = {s: value_of(c, unit) if a not in self.off else 0.0 for s, (a, c) in sizes.loads.items()}
-        return given | {size: float(name in self.motors) for size, name in sizes.motors.items()}
+        given |= {size: float(name in self.motors) for size, name in sizes.motors.items()}
+        return given | {sizes.wheel: variants.flywheel, sizes.direction: direction, sizes.facing: facing}
 
     @property
     def in_time(self) -> bool:

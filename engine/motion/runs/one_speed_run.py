@@ -119,9 +119,9 @@ class OneSpeedRuns(MachineRuns):
 
     def arrive(self, who: np.ndarray) -> None:
         """End the runs of variants at the end of the range that they face."""
-        way = np.where(self.facing[who] < 0.0, -1, 1)
-        self.state.turned[who] = np.where(way < 0, *self.bounds[:, who])
-        self.arrived[who] = way * self.variants.direction[who].astype(int)
+        direction = np.where(self.facing[who] < 0.0, -1, 1)
+        self.state.turned[who] = np.where(direction < 0, *self.bounds[:, who])
+        self.arrived[who] = direction * self.variants.direction[who].astype(int)
         self.done[who] = True
         if not (self.ends.arrival or self.ends.standing):
             early = np.isfinite(self.ends.speed[who]) | np.isfinite(self.ends.turned[who])

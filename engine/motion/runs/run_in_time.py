@@ -169,9 +169,9 @@ def _walk(runs: OneSpeedRuns, who: np.ndarray, method: int, goal: np.ndarray, fl
     """Walk in time by a method, up to a given angle turned."""
     dynamics, state, facing = runs.dynamics, runs.part(who), runs.facing[who]
     system, brisk = dynamics.by_time, TIMES_TO_THE_END if runs.to_the_end else BRISK_TO_LOOK
-    ways = (dynamics.moving(system, runs.variants, way)[:, who] for way in (1.0, -1.0))
+    forwards, backwards = (dynamics.moving(system, runs.variants, sign)[:, who] for sign in (1.0, -1.0))
     limits = runs.speed_limits(who, system.sizes, facing) | {system.sizes.brisk: brisk}
-    numbers = system.limited(np.where(facing > 0.0, *ways), limits)
+    numbers = system.limited(np.where(facing > 0.0, forwards, backwards), limits)
     edges = runs.edges(who, runs.start[who], None if dynamics.reduction.has_cycle else runs.bounds[:, who])
     farthest = runs.farthest_step * runs.reach[who]
     if runs.observers:
@@ -249,7 +249,7 @@ def _end_swings(runs: OneSpeedRuns, who: np.ndarray, back: np.ndarray) -> None:
     breaks = back + np.clip(np.split(runs.edges(who, start, bounds), 2)[0], 0.0, ahead - back)
     places = np.sort(np.concatenate((places, 0.5 * (breaks[1:] + breaks[:-1]))), axis=0)
     one, still = np.ones(who.size), np.zeros_like(places)
-    forwards, backwards = (form.acceleration(places, still, time + still, way * one)[0] for way in (1.0, -1.0))
+    forwards, backwards = (form.acceleration(places, still, time + still, sign * one)[0] for sign in (1.0, -1.0))
     resisted = (np.abs(forwards - backwards) > RESISTED * np.abs(backwards)).any(axis=0)
     if runs.ends.standing:
         # A run may begin with a speed, and swing farther backwards.

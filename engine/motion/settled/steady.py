@@ -223,11 +223,11 @@ class _Motion:
         variants = self.variants
         equation = EquationOfMotion(self.dynamics, variants, np.zeros(variants.count))
         steep = (-gone.states[self.system.names["fading"]] > STEEP * gone.steps)[made.variant]
-        turned, way = made.begin + RECORDED_AT[:, None] * made.length, np.ones(made.variant.size)
+        turned, facing = made.begin + RECORDED_AT[:, None] * made.length, np.ones(made.variant.size)
         for seers, off in zip(observers, (0.0, made.errors[:, None]), strict=True):
             states = made.samples + off
             samples = np.array([states[TIME], turned, states[ENERGY]])
-            motion = OneSpeedMotion(equation, who[made.variant], way, samples, made.length, steep)
+            motion = OneSpeedMotion(equation, who[made.variant], facing, samples, made.length, steep)
             for seer in seers:
                 seer.see(motion)
 
