@@ -206,11 +206,12 @@ class _Motion:
             gone = self.system.run(task, some(start, left))
             if self.recorded:
                 self._show(gone, who[left])
-            whole = gone if whole is None else _joined(whole, left, gone)
+            gone = gone._replace(recorded=np.empty((0, 0, left.size)))
+            whole = gone if whole is None else _continued(whole, left, gone)
             lanes = start.lanes | {"turned": whole.turned, "pace": whole.pace}
             start = start._replace(lanes=lanes, states=whole.states, carried_errors=whole.carried_errors)
             left = left[(gone.why == Why.FULL) & (gone.steps > 0.0)]
-        return whole._replace(recorded=np.empty((0, 0, who.size)))
+        return whole
 
     def _show(self, gone: Walks, who: np.ndarray) -> None:
         """Show recorded steps to observers; the speed determines the torque unless the motor is very steep."""
@@ -229,14 +230,11 @@ class _Motion:
                 seer.see(motion)
 
 
-def _joined(whole: Walks, who: np.ndarray, gone: Walks) -> Walks:
-    """Walks continued by others, with the extremes of both parts."""
-    made = [row.copy() for row in whole[:-1]]
-    for mine, new in zip(made, gone[:-1], strict=True):
-        mine[..., who] = new
-    joined = Walks(*made, whole.recorded)
+def _continued(whole: Walks, who: np.ndarray, gone: Walks) -> Walks:
+    """Walks continued by those of some variants, in place, with the extremes of both parts."""
     for extreme, off, better in (("slowest", "slow_off", np.less), ("fastest", "fast_off", np.greater)):
         kept = ~better(getattr(gone, extreme), getattr(whole, extreme)[who])
         for name in (extreme, off):
-            getattr(joined, name)[who[kept]] = getattr(whole, name)[who[kept]]
-    return joined
+            getattr(gone, name)[kept] = getattr(whole, name)[who[kept]]
+    put(whole, who, gone)
+    return whole
