@@ -269,7 +269,8 @@ class PrintedSystem:
         task, batch = asked.record, self._batch(asked.record, start)
         repeats = not (task.along_time or task.implicit or start.recorded) and np.isfinite(task.cycle)
         self._go(walk, asked, batch, room_of, bool(repeats))
-        return _walks(batch)
+        errors, parts = batch.carried_errors, (batch.recorded, batch.numbers)
+        return Walks(batch.states, errors, batch.ending, *batch.found, *parts)
 
     def at(
         self,
@@ -362,12 +363,6 @@ class PrintedSystem:
         if self.levels.depend_on(limits):
             self.levels.fill(numbers)
         return numbers
-
-
-def _walks(batch: WalkBatch) -> Walks:
-    """Results of walks from their memory."""
-    errors, parts = batch.carried_errors, (batch.recorded, batch.numbers)
-    return Walks(batch.states, errors, batch.ending, *batch.found, *parts)
 
 
 @kept_by_thread

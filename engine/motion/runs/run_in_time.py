@@ -128,7 +128,8 @@ def stretch_over_time(runs: OneSpeedRuns, who: np.ndarray, method: int) -> tuple
     state, facing = runs.part(who), runs.facing[who]
     forward, share = facing > 0.0, FADED if runs.dynamics.fades else STILL
     floor = share * np.maximum(runs.fastest[who], np.abs(runs.slowest[who]))
-    goal = np.where(forward, _forward_goal(runs, who), _backward_goal(runs, who))
+    ahead = np.minimum(np.minimum(runs.ends.turned[who], runs.ends.most_turned[who]), runs.mark[who])
+    goal = np.where(forward, ahead, _backward_goal(runs, who))
     gone = _walk(runs, who, method, goal, floor)
     why = gone.why
     if runs.observers and (gone.steps > 0.0).any():
@@ -151,11 +152,6 @@ def stretch_over_time(runs: OneSpeedRuns, who: np.ndarray, method: int) -> tuple
     if marked.size:
         pass_mark(runs, marked)
     return why == TimeEnd.BRISK, gone.steps
-
-
-def _forward_goal(runs: OneSpeedRuns, who: np.ndarray) -> np.ndarray:
-    """Angle turned up to which variants move forwards in one walk."""
-    return np.minimum(np.minimum(runs.ends.turned[who], runs.ends.most_turned[who]), runs.mark[who])
 
 
 def _backward_goal(runs: OneSpeedRuns, who: np.ndarray) -> np.ndarray:
