@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.running import mean_of_rows
 from engine.elements.elastic_drives.drive_cycles import (
     drive_results,
     least_and_greatest,
@@ -209,7 +208,7 @@ class ElasticDrives:
         who = np.flatnonzero(verdict == Verdict.OK)
         drive, given = self.drives[name], variants.numbers.below(f"elements.{name}")
         n = {key: np.broadcast_to(value, own.shape) for key, value in given.items()}
-        shaft = drive_shaft(drive, n | {"motor_inertia": own, "load_inertia": _mean_inertia(dynamics, bare)})
+        shaft = drive_shaft(drive, n | {"motor_inertia": own, "load_inertia": dynamics.mean_inertia(bare, LOOKED_AT)})
         given = np.stack([shaft.stiffness, shaft.damping, own], axis=1)[who]
         ready = Ready(dynamics, self._over_angle, rigid.some(who), bare.some(who), given, shaft.frequency[who], who)
         steps = steps_needed(ready.frequency, dynamics.cycle / steady.period[who], dynamics.cycle)
@@ -376,12 +375,6 @@ class RigidCycle(NamedTuple):
     moment: np.ndarray
     speed: np.ndarray
     moment_error: np.ndarray
-
-
-def _mean_inertia(dynamics: Dynamics, variants: Variants) -> np.ndarray:
-    """Mean inertia over the crank angle, (variants,)."""
-    places = np.arange(LOOKED_AT)[:, None] * (dynamics.cycle / LOOKED_AT) + np.zeros(variants.count)
-    return mean_of_rows(dynamics.inertia(variants, places))
 
 
 def _settled(ready: Ready, count: int) -> tuple[np.ndarray, np.ndarray, ElasticCycle]:

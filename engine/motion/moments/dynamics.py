@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.running import mean_of_rows
 from engine.cycle.regula_falsi import regula_falsi
 from engine.graph.functions import functions_at
 from engine.graph.nodes import Given, reached, value_of
@@ -387,3 +388,8 @@ class Dynamics:
         """Reduced inertia with the flywheel at crank angles (…, variants) of all variants, or of some [kg·m²]."""
         parameters = variant_columns(variants.parameters, who)
         return self.reduction.inertia_curves(parameters, places)[0] + variants.flywheel[who]
+
+    def mean_inertia(self, variants: Variants, positions: int) -> np.ndarray:
+        """Mean of the reduced inertia over a number of crank angles of the cycle, (variants,) [kg·m²]."""
+        places = np.arange(positions)[:, None] * (self.cycle / positions) + np.zeros(variants.count)
+        return mean_of_rows(self.inertia(variants, places))
