@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache, cached_property
 from importlib import import_module
 from pathlib import Path
-from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, get_args, get_origin
 
 import numpy as np
@@ -138,13 +137,10 @@ class Element(Part):
             rows = self.evaluate(n).values.items()
         return {name: np.broadcast_to(np.where(np.isfinite(row), row, math.nan), (variants,)) for name, row in rows}
 
-    def panels(self, given: Numbers = MappingProxyType({})) -> tuple[Panel, ...]:
+    def panels(self) -> tuple[Panel, ...]:
         """Diagrams of the element; by default its results over the first of its numbers.
 
-        Parameters
-        ----------
-        given : mapping of str to ndarray (1,)
-            Values that the machine of its scene supplies, by the keys that `values` uses.
+        Kinds that a machine can drive take what that machine supplies as an optional argument.
         """
         key, number = next(self.numbers_within())
         groups: dict[str, list[str]] = {}

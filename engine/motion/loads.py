@@ -54,11 +54,11 @@ class PairLoads:
         acting = loads_of(mechanics, graph.given("time"), speed, epsilon=epsilon)
         if isinstance(acting, WithServos):
             kinematics, motion = acting.true, InputMotion(graph.one, graph.zero, speed)
-        self._facing, way = graph.given("facing of the motors"), input_sense(kinematics)
+        self._facing, direction = graph.given("facing of the motors"), input_sense(kinematics)
         on_shafts = []
         for name in acting.motors:
             reduced = motor_at_speed(kinematics, name, graph.one, self._facing, speed)
-            load = motor_on_shaft(acting.kinematics, name, reduced, way)
+            load = motor_on_shaft(acting.kinematics, name, reduced, direction)
             on_shafts.append(load._replace(coefficient=graph.derived(f"motor {name} is there", lambda n: 1.0)))
         loads = []
         for i, load in enumerate((*acting.terms, *on_shafts)):

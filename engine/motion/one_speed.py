@@ -54,7 +54,7 @@ class Sizes(NamedTuple):
     loads: dict[Given, tuple[str, Node]]
     motors: dict[Given, str]
     wheel: Given
-    way: Given
+    direction: Given
     facing: Given
     above: Given
     below: Given
@@ -92,7 +92,7 @@ def sizes_of(mechanics: Mechanics, speed: Node, side: str = "") -> tuple[Loads, 
 
     sizes = {number(f"size {i}"): (load.action, load.coefficient) for i, load in enumerate(loads.terms)}
     motors = {number(f"motor {name} acts"): name for name in loads.motors}
-    names = ("way of motion", "facing", "speed above", "speed below", "brisk", "stay")
+    names = ("direction of motion", "facing", "speed above", "speed below", "brisk", "stay")
     return loads, clock, Sizes(sizes, motors, wheel, *(number(name) for name in names))
 
 
@@ -117,7 +117,7 @@ def moments_of(
     channels = {}
     for channel, orders in by_channel.items():
         # Sum the terms that depend on the position only before multiplying by the power of the speed.
-        parts = [(sizes.way * sum(terms, graph.zero)) * at_speed for at_speed, terms in orders.items()]
+        parts = [(sizes.direction * sum(terms, graph.zero)) * at_speed for at_speed, terms in orders.items()]
         channels[channel] = sum(parts, graph.zero)
     return StateMoments(sum(motors_of(mechanics, sizes, speed, off).values(), graph.zero), channels)
 
@@ -148,7 +148,7 @@ def along_angle(mechanics: Mechanics, asked: frozenset[str]) -> tuple[System, Si
     steepness = derivative(total, {energy: graph.one}, SLOPES)
     squares = (moments.motors * moments.motors) * pace
     known = {"motors": moments.motors, **moments.channels, "squares": squares, "fading": steepness}
-    slope = total - (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)
+    slope = total - (0.5 * speed * speed) * (sizes.direction * mechanics.reduced.slope)
     size = abs(moments.motors) + abs(total - moments.motors)
     guards = {
         AngleEnd.ABOVE: sizes.above - speed,
@@ -187,10 +187,10 @@ def along_time(mechanics: Mechanics, asked: frozenset[str], rubs: bool) -> tuple
     moments, unknown = moments_of(mechanics, loads, sizes, speed), {}
     servos = loads if isinstance(loads, WithServos) else None
     if servos is None:
-        total, bias = moments.total, (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)
+        total, bias = moments.total, (0.5 * speed * speed) * (sizes.direction * mechanics.reduced.slope)
         smooth = 0.5 * ((total - bias) * inverse)
     else:
-        inertia, bias = servos.inertia, sizes.way * servos.bias
+        inertia, bias = servos.inertia, sizes.direction * servos.bias
         inverse = 2.0 / inertia
         smooth = 0.5 * (moments.motors * inverse)
     # Motors make a step stiff, friction does not; its derivative would contain those of all reactions.
@@ -246,12 +246,12 @@ def friction_of(
     off: frozenset[str] = frozenset(),
 ) -> Node:
     """Torque equivalent to friction in pairs and meshes, in the direction of motion; motors in `off` don't act."""
-    motion = InputMotion(speed * speed, sizes.way * epsilon, speed)
+    motion = InputMotion(speed * speed, sizes.direction * epsilon, speed)
     acting = [load._replace(coefficient=size) for size, load in zip(sizes.loads, loads.terms, strict=True)]
     for name, reduced in motors_of(mechanics, sizes, speed, off).items():
-        acting.append(motor_on_shaft(mechanics.kinematics, name, reduced, sizes.way))
+        acting.append(motor_on_shaft(mechanics.kinematics, name, reduced, sizes.direction))
     reactions = Reactions(mechanics.kinematics, mechanics.structure, acting, motion)
-    return sizes.way * reactions.variables["friction_moment"]
+    return sizes.direction * reactions.variables["friction_moment"]
 
 
 class MachineSystem(PrintedSystem):

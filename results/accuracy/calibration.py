@@ -40,10 +40,10 @@ DISTANCES = (0.0, 2.0**10, 2.0**20)
 
 
 # A summary of one machine at one accuracy, 0 for the default: true error and error estimate (`figure`), relative, and
-# the uncertainty of the reference (`doubt`).
+# the uncertainty of the reference.
 ROW = np.dtype(
     [("kind", "U32"), ("near", bool), ("accuracy", float), ("name", "U64"), ("variant", int)]
-    + [(part, float) for part in ("error", "figure", "doubt")]
+    + [(part, float) for part in ("error", "figure", "uncertainty")]
 )
 
 
@@ -58,7 +58,7 @@ class Found(NamedTuple):
 
 def beyond(rows: np.ndarray) -> np.ndarray:
     """Excess of each true error over its estimate."""
-    return rows["error"] - rows["doubt"] - rows["figure"]
+    return rows["error"] - rows["uncertainty"] - rows["figure"]
 
 
 def truths_of(kind: Kind, varied: Varied, near: bool) -> tuple[list[dict[str, Truth]], float]:
@@ -104,7 +104,7 @@ def compared(kind: Kind, varied: Varied, moved: np.ndarray, truths: list[dict[st
             error = truth.error(value, name.endswith("_at"))
             coordinate = moved[k] and name.rpartition(".")[0].endswith(".x") and not name.endswith("_at")
             if np.isfinite(error) and scale > 0.0 and not coordinate:
-                rows.append((name, k, error / scale, outcome.errors[name][k] / scale, truth.doubt / scale))
+                rows.append((name, k, error / scale, outcome.errors[name][k] / scale, truth.uncertainty / scale))
     return rows, int(np.count_nonzero(outcome.status))
 
 
@@ -135,7 +135,7 @@ def measured(index: int, count: int, near: bool) -> Found:
 
 
 def _cell(rows: np.ndarray) -> str:
-    rest = np.maximum(rows["error"] - rows["doubt"], 0.0)
+    rest = np.maximum(rows["error"] - rows["uncertainty"], 0.0)
     covered = 100.0 * np.mean(rest <= rows["figure"])
     with np.errstate(over="ignore"):
         ratio = float(np.median(rows["figure"] / np.maximum(rest, NOTHING)))

@@ -16,7 +16,7 @@ class Truth(NamedTuple):
     """A true value; for positions, all angles of the extreme; and its uncertainty, in the same unit."""
 
     values: tuple
-    doubt: float = 0.0
+    uncertainty: float = 0.0
 
     def error(self, value: float, turn: float = 0.0) -> float:
         """Distance of a value from the truth, from the nearest of several; angles modulo `turn`."""
@@ -31,9 +31,9 @@ class Truth(NamedTuple):
         return float(abs(self.values[0]))
 
 
-def one(value: object, doubt: float = 0.0) -> Truth:
+def one(value: object, uncertainty: float = 0.0) -> Truth:
     """A single true value."""
-    return Truth((value,), doubt)
+    return Truth((value,), uncertainty)
 
 
 def integral_of_root(curve: Curve) -> tuple[np.longdouble, float]:
@@ -95,16 +95,18 @@ class Summaries:
         field, curve = self.cycle.fields[name], self.cycle.curves[name]
         low, high = curve.extremes()
         mean_square = curve.total / TURN if field.magnitude else self._square(curve)
-        mean, doubt, doubts = curve.total / TURN, 0.0, (0.0, 0.0)
+        mean, uncertainty, of_ends = curve.total / TURN, 0.0, (0.0, 0.0)
         if field.magnitude:
             # Uncertainty of the square; that of the root grows as it becomes small.
             left = np.abs(curve.series[-2:]).max() + 16 * np.finfo(np.longdouble).eps * high.value
-            doubts = tuple(float(left / (np.sqrt(max(e.value, np.longdouble(0))) + np.sqrt(left))) for e in (low, high))
-            total, doubt = integral_of_root(curve)
-            mean, doubt = total / TURN, doubt / float(TURN)
+            of_ends = tuple(
+                float(left / (np.sqrt(max(e.value, np.longdouble(0))) + np.sqrt(left))) for e in (low, high)
+            )
+            total, uncertainty = integral_of_root(curve)
+            mean, uncertainty = total / TURN, uncertainty / float(TURN)
             low, high = (e._replace(value=np.sqrt(max(e.value, np.longdouble(0)))) for e in (low, high))
         values = (low.value, high.value, high.value - low.value, max(abs(low.value), abs(high.value)))
-        left_open = {"mean": doubt, "min": doubts[0], "max": doubts[1]}
+        left_open = {"mean": uncertainty, "min": of_ends[0], "max": of_ends[1]}
         for suffix, value in zip(STATISTICS_OF_VALUE, (*values, mean, np.sqrt(mean_square)), strict=True):
             self.truths[f"{name}.{suffix}"] = one(value, left_open.get(suffix, 0.0))
         self.truths[f"{name}.min_at"] = Truth(tuple(low.ties))

@@ -132,7 +132,7 @@ def race_summaries(name: str, baseline: ctypes.CDLL) -> tuple[Contest, Errors, E
     outcome = machine.evaluate(varied)
     rival()
     truth = Machine(scene, names, varied=varied, accuracy=TRUE_ACCURACY).evaluate(varied)
-    own, own_figures, true, doubt = (
+    own, own_figures, true, uncertainty = (
         np.stack([side[s] for s in names], axis=1)
         for side in (outcome.summaries, outcome.errors, truth.summaries, truth.errors)
     )
@@ -144,7 +144,7 @@ def race_summaries(name: str, baseline: ctypes.CDLL) -> tuple[Contest, Errors, E
     sides = []
     for side, side_figures in ((own, own_figures), (values, figures)):
         wrong = np.abs(side - true)
-        sides.append(Errors(wrong / scale, wrong <= side_figures + doubt))
+        sides.append(Errors(wrong / scale, wrong <= side_figures + uncertainty))
     return found, *sides
 
 

@@ -1,6 +1,5 @@
 """Report on what a study will compute, what is skipped, and the cost."""
 
-import cmath
 import math
 import shutil
 from collections.abc import Callable, Sequence
@@ -13,7 +12,6 @@ import engine
 from sweeps.report import accuracy_words
 from sweeps.report.answers.shown_results import answers_among, lacks_lines, names_in_conditions
 from sweeps.report.answers.unmet_conditions import drop_lines, outside_lines
-from sweeps.report.readings import readings_at
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, part_words, regime_words
 from sweeps.report.variant_warnings import known_summaries, machine_warnings
 from sweeps.run.blocks import LARGEST_BLOCK, block_size, bytes_of_fields
@@ -143,35 +141,15 @@ def gap_text(scene: engine.Scene, name: str, at: float) -> str:
     at : float
         [rad] or [m].
     """
-    group = scene.groups.get(name)
-    if group is None or group.type not in ("RRR", "RRP"):
+    found = engine.MovingMachine(scene, positions=[at]).dyad_gap(name)
+    if found is None or not math.isfinite(found.distance[0]):
         return ""
-    joint, length = group.first.joint, group.first.length
-    begin = _point_at(scene, joint, at)
+    lengths = found.distance[0], found.least, found.greatest
+    group, (gap, least, greatest) = scene.groups[name], (engine.quantity_text(length, "m") for length in lengths)
     if group.type == "RRR":
-        other, second = group.second.joint, group.second.length
-        words, gap = f"joints {joint} and {other} are {{}} apart", abs(_point_at(scene, other, at) - begin)
-        reach = f"its bars span {_length_text(abs(length - second))} … {_length_text(length + second)}"
-    elif (guide := scene.guides[group.second.guide]).link == engine.FRAME:
-        across = ((begin - complex(guide.x, guide.y)) * cmath.exp(-1j * guide.angle)).imag
-        words, gap = f"joint {joint} is {{}} from the line of joint {group.inner}", abs(across - group.second.offset)
-        reach = f"its rod spans {_length_text(length)}"
-    else:
-        return ""
-    return f"{words.format(_length_text(gap))}, {reach}" if math.isfinite(gap) else ""
-
-
-def _point_at(scene: engine.Scene, name: str, at: float) -> complex:
-    """A point at an input position."""
-    point = scene.points.get(name)
-    if point is not None and point.link == engine.FRAME:
-        return complex(point.x, point.y)
-    x, y = (float(row[0]) for row in readings_at(scene, [at], [f"{name}.x", f"{name}.y"]).values.values())
-    return complex(x, y)
-
-
-def _length_text(length: float) -> str:
-    return engine.quantity_text(length, "m")
+        joints = f"joints {group.first.joint} and {group.second.joint} are {gap} apart"
+        return f"{joints}, its bars span {least} … {greatest}"
+    return f"joint {group.first.joint} is {gap} from the line of joint {group.inner}, its rod spans {greatest}"
 
 
 def _undefined_loads(scene: engine.Scene) -> list[str]:

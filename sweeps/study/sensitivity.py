@@ -232,11 +232,11 @@ class Sensitivity:
             slips = of_slopes + np.abs(alone - np.stack([parts, -parts])).max(axis=0)
             both = MARGIN * np.abs(paired - alone[:, first] - alone[:, second]).max(axis=0)
             beyond = of_slopes.sum(axis=0) + np.abs(np.abs(far) - np.abs(parts).sum(axis=0)).max(axis=0)
-            doubts = np.vstack([slips, both])
-            parts = np.where(np.isfinite(doubts).all(axis=0) & np.isfinite(beyond), parts, np.nan)
+            estimates = np.vstack([slips, both])
+            parts = np.where(np.isfinite(estimates).all(axis=0) & np.isfinite(beyond), parts, np.nan)
             for ending, added in ((WORST_CASE, np.sum), (RSS, np.linalg.norm)):
                 found[f"{name}.{ending}"] = added(np.abs(parts), axis=0)
-                found[f"{name}.{ending}_error"] = np.maximum(added(doubts, axis=0), beyond * (ending == WORST_CASE))
+                found[f"{name}.{ending}_error"] = np.maximum(added(estimates, axis=0), beyond * (ending == WORST_CASE))
         return found
 
     def _changes(self, known: Mapping[str, np.ndarray], offsets: np.ndarray) -> dict[str, np.ndarray]:

@@ -82,7 +82,7 @@ class RotatingGuide(Element):
         yield main_result("work", "work done on the lever", "J"), work
         yield main_result("friction_work", "work lost by friction", "J"), 2.0 * friction * mass * w * squares
 
-    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+    def panels(self) -> tuple[Panel, ...]:
         """The path seen from above; distance from the axis and reaction over the time to the end of the lever."""
         end = self.own_values()["time"]
         time = np.linspace(0.0, end, _SHOWN)

@@ -73,7 +73,7 @@ class TetheredBody(Element):
         words = "whether a slow spin-up to the speed bursts the tie (1 or 0)"
         yield main_result("bursts_by_spin_up", words, "1", exact=True), (speed > by_spin_up).astype(float)
 
-    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+    def panels(self) -> tuple[Panel, ...]:
         """The path after the impulse, and the peak tie force over the speed."""
         own, kinds = self.own_values(), {"impulse": "by an impulse", "spin_up": "spun up slowly"}
         bursts = {kind: own[f"{kind}_burst_speed"] for kind in kinds}

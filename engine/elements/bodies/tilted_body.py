@@ -117,7 +117,7 @@ class TiltedBody(Element):
             added["tilting_couple"] = n["speed"] ** 2 * np.hypot(rounding[:, 1, 2], rounding[:, 2, 0])
         return Answers(found, {name: row + added.get(name, 0.0) for name, row in errors.items()})
 
-    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+    def panels(self) -> tuple[Panel, ...]:
         """Three views, in fixed axes, of the uniform ellipsoid with the body's inertia; none if it does not exist."""
         semi_axes, axes = body_ellipsoid(self)
         if np.isnan(semi_axes).any():

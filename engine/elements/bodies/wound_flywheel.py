@@ -97,7 +97,7 @@ class WoundFlywheel(Element):
             greatest = np.maximum(stress, at_bore)
             yield main_result("strength_share", "peak tension over the strength", "1"), greatest / n["strength"]
 
-    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+    def panels(self) -> tuple[Panel, ...]:
         """Hoop and radial stresses over the radius, at rest, at its speed, and at the speed of separation."""
         n = {key: float(value[0]) for key, value in self.own_numbers().items()}
         inner, edge, outer = (0.5 * n[key] for key in ("bore", "winding_diameter", "diameter"))

@@ -110,7 +110,7 @@ class CamElement(CamProgram, Element):
                 errors[at] = errors[at] + ROUNDING * EPS * math.tau + np.choose(k, off)
         return self._answers(n, (values, errors), found.verdicts)
 
-    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+    def panels(self) -> tuple[Panel, ...]:
         """Motion, pressure angle, curvature and forces over the turn, with the boundaries of the sections."""
         c, unit, rate = cam_curves(self), *(("m", "m") if self.translating else ("rad", "1"))
         curvature = np.where(np.abs(c.curvature) * self.base_radius < _MOST_CURVED, c.curvature, np.nan)

@@ -55,7 +55,7 @@ class ComplianceElement(Element):
                 yield main_result(f"{path}.moment", f"torque in {words}", "N m"), n["moment"] * share.moment
                 yield main_result(f"{path}.twist", f"twist of {words}", "rad"), twist * share.twist
 
-    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+    def panels(self) -> tuple[Panel, ...]:
         """Each part's share of the energy (in series: of the twist), the softest part last."""
         own = self.own_values()
         shares = {name.removesuffix(".share"): value for name, value in own.items() if name.endswith(".share")}

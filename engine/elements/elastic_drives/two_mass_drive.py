@@ -142,7 +142,7 @@ class TwoMassDrive(ElasticShaft, Element):
         too_stiff = np.where(followed.too_stiff, Verdict.SHAFT_RIGID, Verdict.OK)
         return Answers(found | fine, errors, too_stiff.astype(np.uint8))
 
-    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+    def panels(self) -> tuple[Panel, ...]:
         """Plots of shaft torque, speeds of motor and load, and play over time."""
         history, x = drive_history(self, _INSTANTS), TIME
         peak = np.abs(history.moment).argmax()

@@ -289,7 +289,7 @@ def follow_drives(
     moves = np.where((speed > 0.0) | (load == 0.0), 1.0, 0.0)
     at_begin = (touch, moves, (twist, speed, speed, driving, zero))
     moment = drive_rates(tuple(drive), *at_begin)[0]
-    signs = (np.sign(way) for way in rate_signs(tuple(drive), *at_begin))
+    signs = (np.sign(rate) for rate in rate_signs(tuple(drive), *at_begin))
     starts = np.where((speed > 0.0) | ((moves != 0.0) & (touch != 0.0)), 0.0, -1.0)
     held = HeldOfDrive(touch, moves, *signs, np.abs(moment), zero, zero, zero - 1.0, zero - 1.0, starts)
     frequency = drive.frequency

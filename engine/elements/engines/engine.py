@@ -208,7 +208,7 @@ class EngineElement(Element):
         with np.errstate(invalid="ignore", divide="ignore"):
             return Answers.of(self.values(n))
 
-    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+    def panels(self) -> tuple[Panel, ...]:
         """Hodographs and orders of force and couple, throws along the crank, torque."""
         return _panels(self)
 

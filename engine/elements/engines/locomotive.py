@@ -113,7 +113,7 @@ class LocomotiveElement(Element):
                 words = f"unbalanced upward force in the {side} wheel at the crank angle"
                 yield main_result(f"{side}_rail_force", words, "N"), (blow * turned).imag
 
-    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+    def panels(self) -> tuple[Panel, ...]:
         """Forces and swaying couple over a turn, hammer blows over the speed."""
         angle = np.linspace(0.0, math.tau, _SHOWN)
         turn = self.model_copy(update={"crank_angle": 0.0}).over("crank_angle", angle)

@@ -53,7 +53,7 @@ class CarElement(Element):
         yield main_result("stopping_time", "time to rest, including the reaction time", "s"), delay + speed / slowing
         yield main_result("front_share", "share of the weight carried by the front wheels", "1"), share
 
-    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+    def panels(self) -> tuple[Panel, ...]:
         """Stopping distance over the speed for each choice of brakes, and the speed over the distance as given."""
         speed = np.linspace(1e-3, _FASTEST, PLACES) * self.speed
         curves = []

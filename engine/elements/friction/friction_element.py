@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import PLACES, Element, Numbers
+from engine.elements.element import PLACES, Element
 from engine.elements.panels import Panel, PanelAxis
 from engine.parts.actions import Force
 from engine.parts.skeleton import Number
@@ -34,7 +34,7 @@ class FrictionElement(Element):
     picture: ClassVar = "friction"
     shown: ClassVar[tuple[tuple[PanelAxis, tuple[str, ...]], ...]]
 
-    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+    def panels(self) -> tuple[Panel, ...]:
         """Results over the coefficient of friction; curves end where the element jams."""
         # A belt without friction transmits nothing.
         friction = np.linspace(1e-3, max(BEYOND * self.friction, DRY), PLACES)

@@ -42,7 +42,7 @@ class JournalElement(Element):
         if "speed" in n:
             yield main_result("friction_power", "power lost in the journal", "W"), moment * np.abs(n["speed"])
 
-    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+    def panels(self) -> tuple[Panel, ...]:
         """The journal with its friction circle and forces, and the friction torque over the coefficient, by contact."""
         friction = np.linspace(0.0, max(BEYOND * self.friction, DRY), PLACES)
         contacts = {contact: self.model_copy(update={"contact": contact}) for contact in ("line", "new", "worn in")}

@@ -53,7 +53,7 @@ class RollerElement(Element):
             words = "moment that overcomes the rolling friction of both rollers"
             yield main_result("drive_moment", words, "N m"), rolling * both
 
-    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+    def panels(self) -> tuple[Panel, ...]:
         """The roller with its forces, and the force that moves it over the arm of rolling friction."""
         height = self.diameter / 2 if self.pull_height is None else self.pull_height
         arm = np.linspace(0.0, BEYOND * (self.rolling_arm or self.friction * height), PLACES)

@@ -85,7 +85,7 @@ class ChainDrive(Element):
         values = {name: np.where(verdicts == Verdict.OK, row, np.nan) for name, row in found.items()}
         return Answers(values, errors, verdicts)
 
-    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+    def panels(self) -> tuple[Panel, ...]:
         """The chain on its sprockets, to scale, and its speed while links engage.
 
         The speed is ω R cos β of the joint that carries the strand, within half a pitch angle of the tangent point.

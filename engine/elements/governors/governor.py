@@ -132,9 +132,15 @@ class Governor(Element):
         found = {name: np.where(well, row, np.nan) for name, row in found.items()}
         return Answers(found, {name: np.where(well, row, 0.0) for name, row in errors.items()}, verdicts)
 
-    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
-        """Characteristic; with an engine, its stability and a change of load."""
-        return _panels(self, (given or {}).get("cycle"))
+    def panels(self, cycle: np.ndarray | None = None) -> tuple[Panel, ...]:
+        """Characteristic; with an engine, its stability and a change of load.
+
+        Parameters
+        ----------
+        cycle : ndarray, optional
+            Curves of the mechanism that is its engine, from `governed_scene`.
+        """
+        return _panels(self, cycle)
 
     def machine_needed(self) -> tuple[str, str]:
         """The scene needs a fully turning crank if the engine is its mechanism."""
@@ -196,15 +202,8 @@ def cycle_key(k: int) -> str:
     return f"{CYCLE}{k}"
 
 
-def _panels(governor: Governor, cycle: np.ndarray | None = None) -> tuple[Panel, ...]:
-    """Controlling force and equilibrium speed; with an engine, its stability and a change of load.
-
-    Parameters
-    ----------
-    governor : Governor
-    cycle : ndarray, optional
-        Curves of the mechanism that is its engine, from `governed_scene`.
-    """
+def _panels(governor: Governor, cycle: np.ndarray | None) -> tuple[Panel, ...]:
+    """Controlling force and equilibrium speed; with an engine, its stability and a change of load."""
     g, marks, verdicts = governor_marks(governor_variants(governor, governor.own_numbers()))
     inner, outer = marks.inner[0], marks.outer[0]
     room = BEYOND * (outer - inner)

@@ -2,9 +2,9 @@
 
 Friction and stops hold the sleeve or let it go, a valve switches, and the engine's speed enters or leaves its band
 where a guard changes what is held. A stop absorbs all of the sleeve's velocity. Steps also end at extremes of that
-velocity, so that no reversal within one is missed. Where a dashpot makes the motion stiff, steps are implicit. A run is
-over once the engine has settled. Error estimates come from further runs with longer steps, and with
-every second position of the curves if the engine is a mechanism.
+velocity, so that no reversal within one is missed. Where damping or self-regulation would keep explicit steps short,
+the run continues with implicit ones. It is over once the engine has settled. Error estimates come from further runs
+with longer steps, and with every second position of the curves if the engine is a mechanism.
 """
 
 import math

@@ -134,7 +134,7 @@ class OscillatorElement(Element):
                 errors[name] += np.nan_to_num(np.abs(found[name] - values), posinf=np.inf)
         return Answers(found, errors)
 
-    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+    def panels(self) -> tuple[Panel, ...]:
         """Plots: free motion, vibration over the exciting frequency, passage through resonance.
 
         Under an excitation over time: excitation, displacement and spring force over time. Without start and excitation

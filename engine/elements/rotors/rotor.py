@@ -126,7 +126,7 @@ class RotorElement(Element):
         yield from knife_edge_results(np.abs(before.unbalance), n)
         yield from added
 
-    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+    def panels(self) -> tuple[Panel, ...]:
         """Polygons of unbalances and of moments about the first plane; unbalance at the bearings before and after."""
         n = self.own_numbers()
         unbalances, where = _unbalances(self, n)

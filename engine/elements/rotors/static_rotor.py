@@ -61,7 +61,7 @@ class StaticRotor(Element):
             yield main_result("centrifugal_force", words, "N"), size * n["speed"] ** 2
         yield from knife_edge_results(size, n)
 
-    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+    def panels(self) -> tuple[Panel, ...]:
         """Polygon of the unbalances, closed by the balance mass."""
         parts = np.array([u.mass * u.radius * np.exp(1j * u.angle) for u in self.unbalances.values()])
         names = *self.unbalances, "balance mass"

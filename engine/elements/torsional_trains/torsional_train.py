@@ -4,6 +4,7 @@ import math
 from collections import defaultdict
 from collections.abc import Sequence
 from functools import cached_property
+from types import MappingProxyType
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
@@ -227,9 +228,15 @@ class TorsionalTrain(Element):
         """Results with error estimates."""
         return Answers.of(self.values(n))
 
-    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
-        """Modes along the train, and the Campbell diagram."""
-        n = self.own_numbers() | dict(given or {})
+    def panels(self, machine: Numbers = MappingProxyType({})) -> tuple[Panel, ...]:
+        """Modes along the train, and the Campbell diagram.
+
+        Parameters
+        ----------
+        machine : mapping of str to ndarray (1,)
+            Excitation by the machine of its scene, by the keys that `values` uses.
+        """
+        n = self.own_numbers() | dict(machine)
         reduced = reduced_train(self, n)
         natural = natural_vibration(reduced, self.reported_modes)
         modes = _modes(self, reduced, natural)

@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.running import mean_of_rows
 from engine.elements.elastic_drives.drive_cycles import (
     drive_results,
     least_and_greatest,
@@ -209,7 +208,7 @@ class ElasticDrives:
         who = np.flatnonzero(verdict == Verdict.OK)
         drive, given = self.drives[name], variants.numbers.below(f"elements.{name}")
         n = {key: np.broadcast_to(value, own.shape) for key, value in given.items()}
-        shaft = drive_shaft(drive, n | {"motor_inertia": own, "load_inertia": _mean_inertia(dynamics, bare)})
+        shaft = drive_shaft(drive, n | {"motor_inertia": own, "load_inertia": dynamics.mean_inertia(bare, LOOKED_AT)})
         given = np.stack([shaft.stiffness, shaft.damping, own], axis=1)[who]
         ready = Ready(dynamics, self._over_angle, rigid.some(who), bare.some(who), given, shaft.frequency[who], who)
         steps = steps_needed(ready.frequency, dynamics.cycle / steady.period[who], dynamics.cycle)
@@ -378,12 +377,6 @@ class RigidCycle(NamedTuple):
     moment_error: np.ndarray
 
 
-def _mean_inertia(dynamics: Dynamics, variants: Variants) -> np.ndarray:
-    """Mean inertia over the crank angle, (variants,)."""
-    places = np.arange(LOOKED_AT)[:, None] * (dynamics.cycle / LOOKED_AT) + np.zeros(variants.count)
-    return mean_of_rows(dynamics.inertia(variants, places))
-
-
 def _settled(ready: Ready, count: int) -> tuple[np.ndarray, np.ndarray, ElasticCycle]:
     """Results (results, variants) with `count` steps, their errors from that of the rigid shaft, and the motion."""
     machine, guess, rigid = _machine_over_cycle(ready, count)
@@ -468,11 +461,10 @@ def _machine_over_cycle(ready: Ready, count: int) -> tuple[DrivenMachine, np.nda
     rigid = RigidCycle(points(rigid_moment), points(omega), moment_error)
     moment, speed, inertia = rigid.moment[..., 1:-1], rigid.speed[..., 1:-1], points(inertia)
     guess = np.stack([moment, speed, 0.5 * inertia[..., 1:-1] * speed**2], axis=1)
-    sizes, way = ready.system.sizes, bare.direction
+    sizes, direction = ready.system.sizes, bare.direction
     given = dict(zip((sizes.stiffness, sizes.damping, sizes.motor_inertia), ready.given.T, strict=True))
-    for side in (sizes.machine, sizes.motors):
-        given |= dynamics.sized(side, bare.numbers, way) | {side.wheel: bare.flywheel, side.way: way, side.facing: 1.0}
-    numbers = ready.system.tabulation.parameters(bare.numbers, way, bare.ends | given)
-    places = (way * every[:-1]).reshape(-1, STAGES + 1, variants)[:, 1:].reshape(-1, variants)
+    given |= dynamics.sized(sizes.machine, bare) | dynamics.sized(sizes.motors, bare)
+    numbers = ready.system.tabulation.parameters(bare.numbers, direction, bare.ends | given)
+    places = (direction * every[:-1]).reshape(-1, STAGES + 1, variants)[:, 1:].reshape(-1, variants)
     machine = DrivenMachine(np.ascontiguousarray(steps.T), places, inertia, ready.system, numbers)
     return machine, guess, rigid

@@ -115,6 +115,14 @@ class Motions(NamedTuple):
     noncircular: dict[str, NoncircularMotion]
 
 
+class DyadGap(NamedTuple):
+    """Distance that the bars of a dyad have to span, (positions,), and the least and the greatest that they can [m]."""
+
+    distance: np.ndarray
+    least: float
+    greatest: float
+
+
 class MovingMachine:
     """One machine at positions of its input.
 
@@ -218,6 +226,22 @@ class MovingMachine:
         seen = self.mechanics.kinematics.coordinates
         found = self.mechanics.reactions.link_forces()
         return self._values([force._replace(at=seen(force.at)) if force.at else force for force in found])
+
+    def dyad_gap(self, name: str) -> DyadGap | None:
+        """Distance that the bars of a dyad RRR or RRP have to span; None for other parts."""
+        group, k = self.scene.groups.get(name), self.mechanics.kinematics
+        if group is None or group.type not in ("RRR", "RRP"):
+            return None
+
+        def number(key: str) -> float:
+            return self.numbers[f"groups.{name}.{key}"]
+
+        begin, length = k.points[group.first.joint].r, number("first.length")
+        if group.type == "RRR":
+            apart, second = (k.points[group.second.joint].r - begin).length, number("second.length")
+            return DyadGap(self._row(apart), abs(length - second), length + second)
+        guide, offset = k.guides[group.second.guide], number("second.offset")
+        return DyadGap(np.abs(self._row(guide.u.cross(begin - guide.r)) - offset), 0.0, length)
 
     def fields(self, names: Iterable[str]) -> dict[str, np.ndarray]:
         """Fields by name, NaN where undefined.

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.motion.coupled.sides_at import SidesAt
-from engine.motion.coupled.two_sides import TOGETHER, CoupledSides, Joined, TwoSides, faced_ways
+from engine.motion.coupled.two_sides import TOGETHER, CoupledSides, Joined, TwoSides, faced_directions
 from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, TURNED
 from engine.motion.fields.motion_fields import MotionFields, motion_rows, power_rows
 from engine.motion.fields.recorded_motion import TIME, Snapshots, inward, turn_inwards
@@ -55,7 +55,7 @@ class CoupledSnapshots(NamedTuple):
     @property
     def facing(self) -> np.ndarray:
         """+1 or −1: direction of the crank, (columns,)."""
-        return faced_ways(self.joined)[0]
+        return faced_directions(self.joined)[0]
 
 
 class CoupledMotion:
@@ -115,23 +115,23 @@ class CoupledFields(MotionFields):
         """
         sides, (_, time, moving, _, joined) = self.sides.some(states.who), states
         own, (omega, shaft_omega) = sides.crank.variants, moving[[CRANK_SPEED, SHAFT_SPEED]]
-        way = own.direction
+        direction = own.direction
         with np.errstate(all="ignore"):
             pull = SidesAt(sides, joined, moving, time).pull()
             on_crank, on_shaft = pull.crank, pull.shaft
             loads, motors = on_crank.loads + on_shaft.loads, on_crank.motors + on_shaft.motors
-            rows = motion_rows(way, own.flywheel, omega, on_crank._replace(motors=motors, loads=loads))
+            rows = motion_rows(direction, own.flywheel, omega, on_crank._replace(motors=motors, loads=loads))
             power = on_crank.motors * omega + on_shaft.motors * shaft_omega
             powers = on_crank.loads * omega + on_shaft.loads * shaft_omega
             heat = pull.moment * (omega - shaft_omega)
             if self.dynamics.works:
                 rows |= power_rows(power, powers, heat)
         # The crank is driven by its own motors and the coupling.
-        rows["input_moment"] = (on_crank.motors + pull.moment - own.flywheel * on_crank.epsilon) * way
+        rows["input_moment"] = (on_crank.motors + pull.moment - own.flywheel * on_crank.epsilon) * direction
         energy = on_crank.inertia * omega**2 + sides.shaft.inertia * shaft_omega**2
         rows |= {"kinetic_energy": 0.5 * energy, INSTANT: time, ANGLE: moving[TURNED]}
-        rows |= {"shaft_speed": sides.coupling.ratio * shaft_omega, "coupling_moment": way * pull.moment}
-        rows |= {key: way * row for key, row in zip(CHANNELS, loads, strict=True)}
+        rows |= {"shaft_speed": sides.coupling.ratio * shaft_omega, "coupling_moment": direction * pull.moment}
+        rows |= {key: direction * row for key, row in zip(CHANNELS, loads, strict=True)}
         sources = zip(("motors", *CHANNELS, "coupling"), (power, *powers, heat), strict=True)
         rows |= {f"{source} power": row for source, row in sources}
         found = self.on_pairs(states, states.facing, omega, on_crank.epsilon)
@@ -139,7 +139,7 @@ class CoupledFields(MotionFields):
             if name in found:
                 # Like a flywheel, the shaft's inertia loads the frame.
                 ratio = own.numbers[f"shafts.{sides.two.coupling.shaft}.ratio"]
-                found[name] = found[name] - sides.shaft.inertia / ratio * way * on_shaft.epsilon
+                found[name] = found[name] - sides.shaft.inertia / ratio * direction * on_shaft.epsilon
         return rows | found
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from engine.motion.coupled.coupled_fields import CoupledMotion
 from engine.motion.coupled.sides_at import SidesAt
-from engine.motion.coupled.two_sides import APART, BACKWARDS, FORWARDS, TOGETHER, CoupledSides, Joined, faced_ways
+from engine.motion.coupled.two_sides import APART, BACKWARDS, FORWARDS, TOGETHER, CoupledSides, Joined, faced_directions
 from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, SHAFT_TURNED, TURNED, Ending
 from engine.motion.fields.recorded_motion import Observer
 from engine.motion.moments.breaks import JUMP
@@ -190,19 +190,19 @@ class CoupledRuns(MachineRuns):
         here = self._here(who)
         # At a jump, evaluate just after it.
         here.moving[TURNED] += np.sign(here.moving[CRANK_SPEED]) * here.sides.crank.break_offset(here.moving[TURNED])
-        mode, *ways = here.joining()
-        self.joined.mode[who], self.joined.crank_direction[who], self.joined.shaft_direction[who] = mode, *ways
+        mode, *directions = here.joining()
+        self.joined.mode[who], self.joined.crank_direction[who], self.joined.shaft_direction[who] = mode, *directions
         holds = mode == TOGETHER
-        locks = who[holds & (ways[0] != 0.0) & np.isnan(self.lock_time[who])]
+        locks = who[holds & (directions[0] != 0.0) & np.isnan(self.lock_time[who])]
         self.lock_time[locks], self.lock_speed[locks] = self.time[locks], self.state[CRANK_SPEED, locks]
         slips = who[np.abs(mode) == FORWARDS]
         self.lock_time[slips] = self.lock_speed[slips] = np.nan
-        self.done[who[holds & (ways[0] != 0.0)]] |= self.ends.lock_up
-        stands = who[ways[0] == 0.0]
+        self.done[who[holds & (directions[0] != 0.0)]] |= self.ends.lock_up
+        stands = who[directions[0] == 0.0]
         begun = self.state[TURNED, stands] != 0.0
         self.done[stands] |= self.ends.standing & begun
         # Both stay at rest until a time-dependent torque or the clutch changes, or until the run's time is over.
-        both = who[(ways[0] == 0.0) & (ways[1] == 0.0)]
+        both = who[(directions[0] == 0.0) & (directions[1] == 0.0)]
         both = both[~self.done[both]]
         for_ever = both[~np.isfinite(self._longest(both))]
         self.done[for_ever] = True
@@ -290,7 +290,7 @@ class CoupledRuns(MachineRuns):
     def _advance(self, who: np.ndarray, method: int) -> None:
         """Walk by a method until something changes, and handle the change."""
         joined = some(self.joined, who)
-        faced, longest = faced_ways(joined), self._longest(who)
+        faced, longest = faced_directions(joined), self._longest(who)
         goal = self._goal(who, faced[0])
         gone = self._walk(who, method, faced, goal, longest)
         seen = self._seen(who, joined, gone)
@@ -321,7 +321,7 @@ class CoupledRuns(MachineRuns):
         """The recorded steps of a walk."""
         column, begin, length, samples, _ = made_steps(gone.recorded, gone.steps)
         phase, moving, own = some(joined, column), samples[: SHAFT_SPEED + 1], who[column]
-        moving[[CRANK_SPEED, SHAFT_SPEED]] *= np.array(faced_ways(phase))[:, None]
+        moving[[CRANK_SPEED, SHAFT_SPEED]] *= np.array(faced_directions(phase))[:, None]
         # Only the coupling is asked per step; the sides stay per variant.
         sides = self.sides._replace(coupling=some(self.sides.coupling, own))
         here = SidesAt(sides, phase, moving, self.time[own] + begin + RECORDED_AT[:, None] * length)
@@ -381,13 +381,13 @@ class CoupledRuns(MachineRuns):
         holds = here.joined.holding()
         if holds.size:
             held, system, own = here.some(holds), self.sides.two.system, who[holds]
-            (turned, speed, other, shaft_speed), ways = held.moving, held.joined.crank_direction
+            (turned, speed, other, shaft_speed), directions = held.moving, held.joined.crank_direction
             crank = self.form.of(own)
             # Torques jump at the ends of a step, not within it.
-            turned[0] += ways * crank.break_offset(turned[0])
-            turned[-1] -= ways * crank.break_offset(turned[-1])
+            turned[0] += directions * crank.break_offset(turned[0])
+            turned[-1] -= directions * crank.break_offset(turned[-1])
             places = self.start[own] + self.variants.direction[own] * turned
-            states, clock = (turned, ways * speed, other, ways * shaft_speed), held.joined.clock + held.time
+            states, clock = (turned, directions * speed, other, directions * shaft_speed), held.joined.clock + held.time
             found[:, holds] = system.at(numbers, places, states, [system.rows_of["coupling"]], clock, column[holds])[0]
         return found
 
@@ -469,55 +469,42 @@ class CoupledRuns(MachineRuns):
         self.give_up(who[(whole | ~moves) & (moves == before.moves) & (same | parts)])
         count = np.round(np.abs(cycles)).astype(int)
         tested = whole & (count & (count - 1) == 0) & (crank_speed > 0.0) & held & ~self.done[who]
-        if self.ends.lock_up | self.ends.standing:
+        if tested.any() and (self.ends.lock_up | self.ends.standing):
             slipping = who[tested & slips]
-            endless = np.concatenate([slipping[self._parted(slipping)], who[tested & (mode == TOGETHER)]])
-            self.give_up(endless if self.ends.lock_up else endless[self._turns_on(endless)])
+            parted = np.any([self._parts(slipping, *between) for between in BETWEEN], axis=0)
+            endless = np.concatenate([slipping[parted], who[tested & (mode == TOGETHER)]])
+            if not self.ends.lock_up:
+                endless = endless[np.any([self._turns_on(endless, share) for share in NOT_FASTER], axis=0)]
+            self.give_up(endless)
 
     # While a clutch slips at a constant torque, each side moves on its own; while it holds, both move as one. Speeds of
     # two motions of a machine over the crank angle never cross.
 
-    def _parted(self, who: np.ndarray) -> np.ndarray:
-        """Whether clutches slip for ever: if two other motions, with speeds between, slip for a cycle and part."""
-        parted = np.zeros(who.size, bool)
-        for near, far in BETWEEN:
-            left = who[~parted]
-            if not left.size:
-                break
-            way, (crank, shaft) = np.sign(self.joined.mode[left]), self._speeds(left)
-            begin = crank + near * (shaft - crank), crank + far * (shaft - crank)
-            other = self._cycle_from(left, *begin)
-            leave = (way * (other.omega - begin[0]) <= 0.0) & (way * (other.shaft_omega - begin[1]) >= 0.0)
-            apart = np.where(way > 0.0, other.highs[0] < other.lows[1], other.lows[0] > other.highs[1])
-            parted[~parted] = (
-                (other.slip_time >= other.time * (1.0 - NEARLY)) & leave & apart & (other.verdict == Verdict.OK)
-            )
-        return parted
+    def _parts(self, who: np.ndarray, near: float, far: float) -> np.ndarray:
+        """Whether clutches slip for ever: if another motion, with speeds between, slips for a cycle and parts."""
+        direction, (crank, shaft) = np.sign(self.joined.mode[who]), self._speeds(who)
+        begin = crank + near * (shaft - crank), crank + far * (shaft - crank)
+        other = self._beside(who, *begin)
+        leave = (direction * (other.omega - begin[0]) <= 0.0) & (direction * (other.shaft_omega - begin[1]) >= 0.0)
+        apart = np.where(direction > 0.0, other.highs[0] < other.lows[1], other.lows[0] > other.highs[1])
+        slips = other.slip_time >= other.time * (1.0 - NEARLY)
+        return (other.verdict == Verdict.OK) & slips & leave & apart
 
-    def _turns_on(self, who: np.ndarray) -> np.ndarray:
-        """Whether machines never stop: if their motion, or a slower one, isn't slower after a cycle."""
-        turns_on = np.zeros(who.size, bool)
-        for share in NOT_FASTER:
-            left = who[~turns_on]
-            if not left.size:
-                break
-            (crank, shaft), holds = self._speeds(left), self.joined.mode[left] == TOGETHER
-            other = self._cycle_from(left, share * crank, np.where(holds, share, 1.0) * shaft)
-            alike = np.where(holds, other.slip_time == 0.0, other.slip_time >= other.time * (1.0 - NEARLY))
-            turns_on[~turns_on] = (other.verdict == Verdict.OK) & alike & (other.omega >= share * crank)
-        return turns_on
+    def _turns_on(self, who: np.ndarray, share: float) -> np.ndarray:
+        """Whether machines never stop: if their motion, slowed down to a fraction, isn't slower after a cycle."""
+        (crank, shaft), holds = self._speeds(who), self.joined.mode[who] == TOGETHER
+        other = self._beside(who, share * crank, np.where(holds, share, 1.0) * shaft)
+        alike = np.where(holds, other.slip_time == 0.0, other.slip_time >= other.time * (1.0 - NEARLY))
+        return (other.verdict == Verdict.OK) & alike & (other.omega >= share * crank)
 
     def _speeds(self, who: np.ndarray) -> np.ndarray:
         """Speeds of the crank and the shaft."""
         return self.state[[CRANK_SPEED, SHAFT_SPEED]][:, who]
 
-    def _cycle_from(self, who: np.ndarray, crank: np.ndarray, shaft: np.ndarray) -> "CoupledRuns":
-        """A run over a cycle from other speeds than now, at the beginning of one."""
+    def _beside(self, who: np.ndarray, crank: np.ndarray, shaft: np.ndarray) -> "CoupledRuns":
+        """Runs over a cycle from other speeds than now."""
         coupled = CoupledStanding(shaft, self.joined.engaged[who] + self.time[who])
-        clock, unspoilt = self.clock[who] + self.time[who], np.zeros(who.size, np.uint8)
-        ends = Ends.never(who.size, turned=np.full(who.size, self.cycle))
-        stepping = self.stepping._replace(extremes=True, peaks=False)
-        begin = Standing(self.start[who], crank, clock, unspoilt, coupled)
-        other = CoupledRuns(self.sides.some(who), begin, ends, stepping, ())
-        other.go_to_end()
-        return other
+        return self.beside(who, Ends.never(who.size), crank, coupled)
+
+    def _others(self, who: np.ndarray, *given: Standing | Ends | Stepping) -> "CoupledRuns":
+        return CoupledRuns(self.sides.some(who), *given, ())

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.elements.elastic_drives.shaft_touch import touch_turns
-from engine.motion.coupled.two_sides import APART, FLUID, TOGETHER, CoupledSides, Joined, faced_ways
+from engine.motion.coupled.two_sides import APART, FLUID, TOGETHER, CoupledSides, Joined, faced_directions
 from engine.motion.coupled.two_speeds import CRANK_SPEED, GRIP, SHAFT_SPEED
 from engine.motion.moments.equation_of_motion import MotionAt
 from engine.motion.one_speed import CHANNELS
@@ -62,7 +62,7 @@ class SidesAt(NamedTuple):
             What differs in the joining.
         """
         sides, joining = self.sides, self.joined._replace(**joined)
-        system, (turned, w1, other, w2), faced = sides.two.system, self.moving, faced_ways(joining)
+        system, (turned, w1, other, w2), faced = sides.two.system, self.moving, faced_directions(joining)
         held = {} if moves else dict.fromkeys((system.sizes.joining.moves, system.sizes.joining.shaft_moves), 0.0)
         numbers = system.limited(sides.numbers(joining), sides.joining(joining) | held)
         places = sides.crank.start + sides.crank.variants.direction * turned
@@ -72,8 +72,8 @@ class SidesAt(NamedTuple):
         states = turned, faced[0] * w1, other, faced[1] * w2
         *found, moment = system.at(numbers, places, states, wanted, joining.clock + self.time)
         crank, shaft = (
-            MotionAt(inertia, way * epsilon, way * motors, way * np.array(loads))
-            for way, (inertia, epsilon, motors, *loads) in zip(
+            MotionAt(inertia, direction * epsilon, direction * motors, direction * np.array(loads))
+            for direction, (inertia, epsilon, motors, *loads) in zip(
                 faced, (found[: len(names)], found[len(names) :]), strict=True
             )
         )
@@ -98,26 +98,26 @@ class SidesAt(NamedTuple):
         """Torques that would start the crank and the shaft, each alone, (2, variants): forwards and backwards."""
         forth = np.ones(self.time.size)
         # These torques only decide about sides at rest.
-        pulls = [self.pull(moves=False, crank_direction=way, shaft_direction=way) for way in (forth, -forth)]
+        pulls = [self.pull(moves=False, crank_direction=one, shaft_direction=one) for one in (forth, -forth)]
         return np.array([pull.crank.total for pull in pulls]), np.array([pull.shaft.total for pull in pulls])
 
     def joining(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """How the sides are joined, and the direction of each: of its motion, or of its start from rest."""
-        ways, (on_crank, on_shaft) = np.sign(self.moving[[CRANK_SPEED, SHAFT_SPEED]]), self.starting()
+        directions, (on_crank, on_shaft) = np.sign(self.moving[[CRANK_SPEED, SHAFT_SPEED]]), self.starting()
         mode = np.full(self.time.size, APART if self.sides.two.open else FLUID)
         if self.sides.two.is_clutch:
-            mode = self._holding(ways, on_crank, on_shaft)
+            mode = self._holding(directions, on_crank, on_shaft)
         moment, holds = self.pull(mode=mode).moment, mode == TOGETHER
         crank = np.where(holds, _set_off(on_crank + on_shaft), _set_off(on_crank + moment))
         shaft = np.where(holds, crank, _set_off(on_shaft - moment))
-        return mode, *np.where(ways == 0.0, [crank, shaft], ways)
+        return mode, *np.where(directions == 0.0, [crank, shaft], directions)
 
-    def _holding(self, ways: np.ndarray, on_crank: np.ndarray, on_shaft: np.ndarray) -> np.ndarray:
+    def _holding(self, directions: np.ndarray, on_crank: np.ndarray, on_shaft: np.ndarray) -> np.ndarray:
         """Joining of clutches: locked, or the direction of slip."""
         slip = np.sign(self.moving[SHAFT_SPEED] - self.moving[CRANK_SPEED]).astype(int)
-        standing, capacity = (ways == 0.0).all(axis=0), self.grip()
+        standing, capacity = (directions == 0.0).all(axis=0), self.grip()
         held = np.array([capacity, -capacity])
-        off = np.where(standing, _set_off(on_crank + on_shaft), ways[0])
+        off = np.where(standing, _set_off(on_crank + on_shaft), directions[0])
         together = {"mode": np.full(slip.size, TOGETHER), "crank_direction": off, "shaft_direction": off}
         needed = self.pull(**together).moment
         # Where both are at rest, either side may be held by its own resistance.

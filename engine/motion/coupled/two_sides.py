@@ -208,13 +208,13 @@ class CoupledSides(NamedTuple):
 
     def numbers(self, joined: Joined) -> np.ndarray:
         """Numbers of the motion at two speeds, (numbers, variants), without those of the joining and of the ends."""
-        faced = faced_ways(joined)
+        faced = faced_directions(joined)
         found = np.empty((len(self.two.system.functions.rows), self.count))
-        for way in (1.0, -1.0):
+        for direction in (1.0, -1.0):
             for other in (1.0, -1.0):
-                those = (faced[0] == way) & (faced[1] == other)
+                those = (faced[0] == direction) & (faced[1] == other)
                 if those.any():
-                    found[:, those] = self._facing(way, other)[:, those]
+                    found[:, those] = self._facing(direction, other)[:, those]
         return found
 
     def joining(self, joined: Joined) -> dict[Given, np.ndarray]:
@@ -230,12 +230,12 @@ class CoupledSides(NamedTuple):
             given.touch: joined.touch,
         }
 
-    def _facing(self, way: float, other: float) -> np.ndarray:
+    def _facing(self, direction: float, other: float) -> np.ndarray:
         """The same for variants whose crank and shaft have the directions given, +1 or −1."""
         if self.whole is not None:
             whole, who = self.whole
-            return whole._facing(way, other)[:, who]
-        key, kept = ("two speeds", way, other), self.crank.variants.kept
+            return whole._facing(direction, other)[:, who]
+        key, kept = ("two speeds", direction, other), self.crank.variants.kept
         if key not in kept:
             system, variants = self.two.system, self.crank.variants
             sizes, joining, own = system.sizes, system.sizes.joining, self.coupling
@@ -247,16 +247,14 @@ class CoupledSides(NamedTuple):
                 given |= dict(zip(joining.times, own.times, strict=True))
                 capacity = zip(joining.capacity, own.capacity, strict=True)
                 given |= {node: 0.0 if self.two.open else row for node, row in capacity}
-            every = (self.two.crank, sizes.crank, way), (self.two.shaft, sizes.shaft, other)
-            for dynamics, side, facing in every:
-                given |= dynamics.sized(side, variants.numbers, facing * variants.direction)
-                given |= {side.facing: facing, side.way: facing * variants.direction, side.wheel: variants.flywheel}
-            way_of_crank = way * variants.direction
-            kept[key] = system.tabulation.parameters(variants.numbers, way_of_crank, variants.ends | given)
+            given |= self.two.crank.sized(sizes.crank, variants, direction)
+            given |= self.two.shaft.sized(sizes.shaft, variants, other)
+            of_crank = direction * variants.direction
+            kept[key] = system.tabulation.parameters(variants.numbers, of_crank, variants.ends | given)
         return kept[key]
 
 
-def faced_ways(joined: Joined) -> tuple[np.ndarray, np.ndarray]:
+def faced_directions(joined: Joined) -> tuple[np.ndarray, np.ndarray]:
     """Direction that each side faces, +1 or −1; standing sides face forwards."""
     return np.where(joined.crank_direction < 0.0, -1.0, 1.0), np.where(joined.shaft_direction < 0.0, -1.0, 1.0)
 

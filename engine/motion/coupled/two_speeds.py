@@ -39,7 +39,8 @@ from engine.stepping.system import System
 SURELY = 1e-11
 # Relative excess of a clutch's static capacity over its slipping torque: below the error of any step.
 GRIP = 1e-11
-# The sign of the slip is decided again once a clutch slips the other way by more than this fraction of the speeds.
+# The sign of the slip is decided again once a clutch slips in the opposite direction by more than this fraction of
+# the speeds.
 ASTRAY = 1e-9
 # States, and the integrals other than the works of each channel; with an elastic shaft the third state is its twist.
 TURNED, CRANK_SPEED, SHAFT_TURNED, SHAFT_SPEED = range(4)
@@ -233,7 +234,7 @@ def at_two_speeds(
     shaft_loads, _, shaft = sizes_of(mechanics, shaft_speed, "shaft: ")
     of_crank = moments_of(mechanics, loads, crank, speed, on_shaft)
     of_shaft = moments_of(mechanics, shaft_loads, shaft, shaft_speed, elsewhere)
-    of_inertia, unknown = (0.5 * speed * speed) * (crank.way * mechanics.reduced.slope), {}
+    of_inertia, unknown = (0.5 * speed * speed) * (crank.direction * mechanics.reduced.slope), {}
     # Motors and fluids make steps stiff. Friction doesn't, and its derivative would contain those of all reactions.
     smooth = of_crank.total - of_inertia
     if rubs:

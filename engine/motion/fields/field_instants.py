@@ -94,8 +94,8 @@ class FieldInstants:
             # Resistances do not accelerate a machine that never sets off.
             stands = (states.omega[0] == 0.0) & (turned[columns] == 0.0)
             if stands.any():
-                way = self.fields.variants.direction[columns] * states.facing
-                stands &= way * found["acceleration"][0] <= 0.0
+                direction = self.fields.variants.direction[columns] * states.facing
+                stands &= direction * found["acceleration"][0] <= 0.0
                 self._rest(columns[stands], instants[stands], states.turned[0, stands])
 
     def _count(self, upto: np.ndarray) -> np.ndarray:

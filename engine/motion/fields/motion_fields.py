@@ -45,12 +45,12 @@ class MotionFields:
         Includes the instant, the angle turned and the torque of each channel of loads.
         """
         who, turned, omega, facing = states.who, states.turned, states.omega, states.facing
-        way, clock = self.variants.direction[who], states.time + self.clock[who]
+        direction, clock = self.variants.direction[who], states.time + self.clock[who]
         form = EquationOfMotion(self.dynamics, self.variants, self.start, who)
         # A torque may be infinite or NaN.
         with np.errstate(all="ignore"):
             found = form.along(turned, omega, clock, facing).known_better(states.moment)
-            rows = motion_rows(way, self.variants.flywheel[who], omega, found)
+            rows = motion_rows(direction, self.variants.flywheel[who], omega, found)
             rows["kinetic_energy"] = 0.5 * found.inertia * omega**2
             powers = found.loads * omega
             if self.dynamics.with_servos:
@@ -59,7 +59,7 @@ class MotionFields:
                 rows |= {f"{name} power": row for name, row in zip(CHANNELS, powers, strict=True)}
             rows |= power_rows(found.motors * omega, powers) if self.dynamics.works else {}
         rows |= {INSTANT: states.time, TURNED: turned}
-        rows |= {key: way * row for key, row in zip(CHANNELS, found.loads, strict=True)}
+        rows |= {key: direction * row for key, row in zip(CHANNELS, found.loads, strict=True)}
         return rows | self.on_pairs(states, facing, omega, found.epsilon)
 
     def on_pairs(
@@ -78,13 +78,13 @@ class MotionFields:
         if self.loads is None:
             return {}
         who, found = states.who, {name: np.empty(omega.shape) for name in self.loads.names}
-        way, wheel = self.variants.direction[who], self.loads.wheel(self.variants)[who]
-        clock, places = states.time + self.clock[who], self.start[who] + way * states.turned
+        direction, wheel = self.variants.direction[who], self.loads.wheel(self.variants)[who]
+        clock, places = states.time + self.clock[who], self.start[who] + direction * states.turned
         for faced in (1.0, -1.0):
             those = np.flatnonzero(facing == faced)
             if those.size:
                 whole = np.ascontiguousarray(self._numbers(faced)[:, who[those]])
-                at = (x[:, those] for x in (places, np.abs(omega), way * epsilon, clock))
+                at = (x[:, those] for x in (places, np.abs(omega), direction * epsilon, clock))
                 for name, row in self.loads(whole, wheel[those], *at).items():
                     found[name][:, those] = row
         return found
@@ -97,12 +97,12 @@ class MotionFields:
         return self._parameters[facing]
 
 
-def motion_rows(way: np.ndarray, wheel: np.ndarray, omega: np.ndarray, found: MotionAt) -> dict[str, np.ndarray]:
+def motion_rows(direction: np.ndarray, wheel: np.ndarray, omega: np.ndarray, found: MotionAt) -> dict[str, np.ndarray]:
     """Fields of the motion itself, counter-clockwise positive except the speed, each (instants, columns).
 
     Parameters
     ----------
-    way, wheel : ndarray (columns,)
+    direction, wheel : ndarray (columns,)
         +1 or −1, the scene's direction of motion, and the inertia of the flywheel [kg·m²].
     omega : ndarray (instants, columns)
         Speed in that direction [rad/s].
@@ -111,10 +111,10 @@ def motion_rows(way: np.ndarray, wheel: np.ndarray, omega: np.ndarray, found: Mo
     """
     return {
         "speed": omega,
-        "acceleration": found.epsilon * way,
-        "motor_moment": found.motors * way,
-        "load_moment": found.loads.sum(axis=0) * way,
-        "input_moment": (found.motors - wheel * found.epsilon) * way,
+        "acceleration": found.epsilon * direction,
+        "motor_moment": found.motors * direction,
+        "load_moment": found.loads.sum(axis=0) * direction,
+        "input_moment": (found.motors - wheel * found.epsilon) * direction,
     }
 
 

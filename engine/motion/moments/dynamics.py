@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.running import mean_of_rows
 from engine.cycle.regula_falsi import regula_falsi
 from engine.graph.functions import functions_at
 from engine.graph.nodes import Given, reached, value_of
@@ -194,14 +195,14 @@ def _reversals(mechanics: Mechanics) -> list[Load]:
         if pair.name in rubbing:
             rate, slope = relative_motion(mechanics.kinematics, pair)
             graph.switches(rate, slope)
-            way = graph.held(graph.apply(sense, rate))
+            direction = graph.held(graph.apply(sense, rate))
             grip = Grip(pair.link, None, None)
-            found.append(Load(IN_PAIRS, graph.one, way, grip, graph.one, way, "harmful", 0))
+            found.append(Load(IN_PAIRS, graph.one, direction, grip, graph.one, direction, "harmful", 0))
     for name in lossy_meshes(mechanics.scene):
         rate, slope = rolling_rate(mechanics.kinematics, name)
         graph.switches(rate, slope)
-        way = graph.held(graph.apply(sense, rate))
-        found.append(Load(IN_PAIRS, graph.one, way, Grip(name, None, None), graph.one, way, "harmful", 0))
+        direction = graph.held(graph.apply(sense, rate))
+        found.append(Load(IN_PAIRS, graph.one, direction, Grip(name, None, None), graph.one, direction, "harmful", 0))
     return found
 
 
@@ -297,24 +298,20 @@ class Dynamics:
         """
         key = system.system.along, facing
         if key not in variants.kept:
-            numbers, way = variants.numbers, facing * variants.direction
-            sizes = system.sizes
-            given = self.sized(sizes, numbers, way) | {
-                sizes.wheel: variants.flywheel,
-                sizes.way: way,
-                sizes.facing: facing,
-            }
             # Only forward motion can return to the form over the angle, if that form applies.
             by_angle = facing > 0.0 and not self.in_time
-            given |= {sizes.stay: 0.0 if by_angle else np.inf}
-            variants.kept[key] = system.tabulation.parameters(numbers, way, variants.ends | given)
+            given = self.sized(system.sizes, variants, facing) | {system.sizes.stay: 0.0 if by_angle else np.inf}
+            direction = facing * variants.direction
+            variants.kept[key] = system.tabulation.parameters(variants.numbers, direction, variants.ends | given)
         return variants.kept[key]
 
-    def sized(self, sizes: Sizes, numbers: Numbers, way: np.ndarray) -> dict[Given, np.ndarray | float]:
-        """Sizes of the acting loads for motion in the direction `way` of the crank angle, and the acting motors."""
-        unit = numbers.with_values({"input.speed": way})
+    def sized(self, sizes: Sizes, variants: Variants, facing: float = 1.0) -> dict[Given, np.ndarray | float]:
+        """Sizes of the acting loads for motion forwards or backwards, the acting motors, flywheel and direction."""
+        direction = facing * variants.direction
+        unit = variants.numbers.with_values({"input.speed": direction})
         given = {s: value_of(c, unit) if a not in self.off else 0.0 for s, (a, c) in sizes.loads.items()}
-        return given | {size: float(name in self.motors) for size, name in sizes.motors.items()}
+        given |= {size: float(name in self.motors) for size, name in sizes.motors.items()}
+        return given | {sizes.wheel: variants.flywheel, sizes.direction: direction, sizes.facing: facing}
 
     @property
     def in_time(self) -> bool:
@@ -391,3 +388,8 @@ class Dynamics:
         """Reduced inertia with the flywheel at crank angles (…, variants) of all variants, or of some [kg·m²]."""
         parameters = variant_columns(variants.parameters, who)
         return self.reduction.inertia_curves(parameters, places)[0] + variants.flywheel[who]
+
+    def mean_inertia(self, variants: Variants, positions: int) -> np.ndarray:
+        """Mean of the reduced inertia over a number of crank angles of the cycle, (variants,) [kg·m²]."""
+        places = np.arange(positions)[:, None] * (self.cycle / positions) + np.zeros(variants.count)
+        return mean_of_rows(self.inertia(variants, places))

@@ -164,7 +164,8 @@ class EquationOfMotion:
         """Direction in which machines at rest start: +1, −1, or 0 if resistances or a jump of a load hold them."""
         still, offset = np.zeros_like(turned), self.break_offset(turned)
         forward, backwards = (
-            self.acceleration(turned + way * offset, still, time, np.full_like(turned, way))[0] for way in (1.0, -1.0)
+            self.acceleration(turned + sign * offset, still, time, np.full_like(turned, sign))[0]
+            for sign in (1.0, -1.0)
         )
         return np.where(forward > 0.0, 1.0, np.where(backwards < 0.0, -1.0, 0.0))
 

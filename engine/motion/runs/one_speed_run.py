@@ -104,6 +104,9 @@ class OneSpeedRuns(MachineRuns):
         self.marks = np.zeros(count, int)
         self.arrive(np.flatnonzero((self.facing != 0.0) & (self.ahead(np.arange(count)) <= 0.0)))
 
+    def _others(self, who: np.ndarray, standing: Standing, ends: Ends, stepping: Stepping) -> "OneSpeedRuns":
+        return type(self)(self.dynamics, self.variants.some(who), standing, ends, self.steps, stepping)
+
     @property
     def finds_extremes(self) -> bool:
         """Whether steps end at the extremes of the speed: a speed may be reached within a step and left again."""
@@ -116,9 +119,9 @@ class OneSpeedRuns(MachineRuns):
 
     def arrive(self, who: np.ndarray) -> None:
         """End the runs of variants at the end of the range that they face."""
-        way = np.where(self.facing[who] < 0.0, -1, 1)
-        self.state.turned[who] = np.where(way < 0, *self.bounds[:, who])
-        self.arrived[who] = way * self.variants.direction[who].astype(int)
+        direction = np.where(self.facing[who] < 0.0, -1, 1)
+        self.state.turned[who] = np.where(direction < 0, *self.bounds[:, who])
+        self.arrived[who] = direction * self.variants.direction[who].astype(int)
         self.done[who] = True
         if not (self.ends.arrival or self.ends.standing):
             early = np.isfinite(self.ends.speed[who]) | np.isfinite(self.ends.turned[who])

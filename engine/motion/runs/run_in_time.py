@@ -128,7 +128,8 @@ def stretch_over_time(runs: OneSpeedRuns, who: np.ndarray, method: int) -> tuple
     state, facing = runs.part(who), runs.facing[who]
     forward, share = facing > 0.0, FADED if runs.dynamics.fades else STILL
     floor = share * np.maximum(runs.fastest[who], np.abs(runs.slowest[who]))
-    goal = np.where(forward, _forward_goal(runs, who), _backward_goal(runs, who))
+    ahead = np.minimum(np.minimum(runs.ends.turned[who], runs.ends.most_turned[who]), runs.mark[who])
+    goal = np.where(forward, ahead, _backward_goal(runs, who))
     gone = _walk(runs, who, method, goal, floor)
     why = gone.why
     if runs.observers and (gone.steps > 0.0).any():
@@ -153,11 +154,6 @@ def stretch_over_time(runs: OneSpeedRuns, who: np.ndarray, method: int) -> tuple
     return why == TimeEnd.BRISK, gone.steps
 
 
-def _forward_goal(runs: OneSpeedRuns, who: np.ndarray) -> np.ndarray:
-    """Angle turned up to which variants move forwards in one walk."""
-    return np.minimum(np.minimum(runs.ends.turned[who], runs.ends.most_turned[who]), runs.mark[who])
-
-
 def _backward_goal(runs: OneSpeedRuns, who: np.ndarray) -> np.ndarray:
     """Angle turned down to which variants move backwards in one walk: a cycle from the last reversal."""
     cycle, turned = runs.dynamics.cycle, runs.state.turned[who]
@@ -169,9 +165,9 @@ def _walk(runs: OneSpeedRuns, who: np.ndarray, method: int, goal: np.ndarray, fl
     """Walk in time by a method, up to a given angle turned."""
     dynamics, state, facing = runs.dynamics, runs.part(who), runs.facing[who]
     system, brisk = dynamics.by_time, TIMES_TO_THE_END if runs.to_the_end else BRISK_TO_LOOK
-    ways = (dynamics.moving(system, runs.variants, way)[:, who] for way in (1.0, -1.0))
+    forwards, backwards = (dynamics.moving(system, runs.variants, sign)[:, who] for sign in (1.0, -1.0))
     limits = runs.speed_limits(who, system.sizes, facing) | {system.sizes.brisk: brisk}
-    numbers = system.limited(np.where(facing > 0.0, *ways), limits)
+    numbers = system.limited(np.where(facing > 0.0, forwards, backwards), limits)
     edges = runs.edges(who, runs.start[who], None if dynamics.reduction.has_cycle else runs.bounds[:, who])
     farthest = runs.farthest_step * runs.reach[who]
     if runs.observers:
@@ -249,7 +245,7 @@ def _end_swings(runs: OneSpeedRuns, who: np.ndarray, back: np.ndarray) -> None:
     breaks = back + np.clip(np.split(runs.edges(who, start, bounds), 2)[0], 0.0, ahead - back)
     places = np.sort(np.concatenate((places, 0.5 * (breaks[1:] + breaks[:-1]))), axis=0)
     one, still = np.ones(who.size), np.zeros_like(places)
-    forwards, backwards = (form.acceleration(places, still, time + still, way * one)[0] for way in (1.0, -1.0))
+    forwards, backwards = (form.acceleration(places, still, time + still, sign * one)[0] for sign in (1.0, -1.0))
     resisted = (np.abs(forwards - backwards) > RESISTED * np.abs(backwards)).any(axis=0)
     if runs.ends.standing:
         # A run may begin with a speed, and swing farther backwards.

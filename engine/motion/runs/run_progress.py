@@ -321,6 +321,21 @@ class MachineRuns(WalkedRuns):
         """Whether nothing depends on time any more, and no time ends the run; a formula may change at any time."""
         return self.past_tables(who) & np.isinf(self.ends.time[who]) & (not self.dynamics.changing)
 
+    def beside(
+        self, who: np.ndarray, ends: Ends, omega: np.ndarray, coupled: CoupledStanding | None = None
+    ) -> "MachineRuns":
+        """Runs over a cycle with other speeds from where some variants are now; `ends` may end them before."""
+        place = self.start[who] + self.variants.direction[who] * self.turned[who]
+        begin = Standing(place, omega, self.clock[who] + self.time[who], np.zeros(who.size, np.uint8), coupled)
+        ends = ends._replace(turned=np.full(who.size, self.dynamics.cycle), most_turned=np.full(who.size, np.inf))
+        others = self._others(who, begin, ends, self.stepping._replace(extremes=True, peaks=False))
+        others.go_to_end()
+        return others
+
+    def _others(self, who: np.ndarray, standing: Standing, ends: Ends, stepping: Stepping) -> "MachineRuns":
+        """Runs of some variants from other states, without observers."""
+        raise NotImplementedError
+
     def give_up_endless(self, who: np.ndarray) -> None:
         """Abandon runs that cannot reach their end unless something changes."""
         self.give_up(who[~self.done[who] & self.never_changes(who)])

@@ -9,7 +9,6 @@ motion for ever.
 import numpy as np
 
 from engine.motion.runs.one_speed_run import OneSpeedRuns
-from engine.motion.runs.run_progress import Standing
 from engine.stepping.records import some
 from engine.words.verdicts import Verdict
 
@@ -37,21 +36,13 @@ def pass_mark(runs: OneSpeedRuns, who: np.ndarray) -> None:
 
 def _held_back(runs: OneSpeedRuns, who: np.ndarray, rising: np.ndarray, share: float) -> np.ndarray:
     """Which variants, accelerating or decelerating, never reach their ends, by a second motion ahead by `share`."""
-    omega, cycle = runs.state.omega[who], runs.dynamics.cycle
+    omega = runs.state.omega[who]
     # Speeds of neighbouring motions stay roughly proportional.
     below = np.maximum(runs.below[who], 0.0)
     to_end = np.where(
         rising, runs.above[who] / runs.fastest[who], below / np.where(below > 0.0, runs.slowest[who], 1.0)
     )
     begin = omega * (1.0 + share * (to_end - 1.0))
-    cycles, never = np.full(who.size, cycle), np.full(who.size, np.inf)
-    ends = some(runs.ends, who)._replace(turned=cycles, most_turned=never)
-    place = runs.start[who] + runs.variants.direction[who] * runs.turned[who]
-    here = Standing(place, begin, runs.clock[who] + runs.time[who], np.zeros(who.size, np.uint8))
-    # The same tolerances and steps as in these runs, also if they are for comparison.
-    own = runs.stepping._replace(tolerance=runs.tolerance, over_angle=runs.over_angle, longer=1.0)
-    stepping = own._replace(farthest=runs.farthest_step, extremes=False)
-    ahead = type(runs)(runs.dynamics, runs.variants.some(who), here, ends, runs.steps, stepping)
-    ahead.go_to_end()
-    whole = (ahead.verdict == Verdict.OK) & (ahead.turned >= cycle * (1.0 - 1e-12))
+    ahead = runs.beside(who, some(runs.ends, who), begin)
+    whole = (ahead.verdict == Verdict.OK) & (ahead.turned >= runs.dynamics.cycle * (1.0 - 1e-12))
     return whole & np.where(rising, ahead.omega <= begin, ahead.omega >= begin)

@@ -112,8 +112,8 @@ def _with_differences(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Speeds after a cycle and verdicts, and the Jacobian of the `new` ones, NaN where one of their cycles fails."""
     size, count, near = len(here), who.size, here[:, new]
-    ways = np.concatenate([np.eye(size), -np.eye(size)])
-    starts = [here, *(near * (1.0 + apart * way[:, None]) for way in ways)]
+    offsets = np.concatenate([np.eye(size), -np.eye(size)])
+    starts = [here, *(near * (1.0 + apart * offset[:, None]) for offset in offsets)]
     came, gone = cycle(np.concatenate([who, np.tile(who[new], 2 * size)]), np.concatenate(starts, axis=1))
     ends = np.where(gone == Verdict.OK, came, np.nan)[:, count:].reshape(size, 2, size, -1)
     jacobian = np.moveaxis((ends[:, 0] - ends[:, 1]) / (2.0 * apart * near), 2, 0)

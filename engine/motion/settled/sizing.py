@@ -9,7 +9,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from engine.compiling.running import mean_of_rows
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.settled.steady_with_friction import settled_motion
 from engine.words.verdicts import Verdict
@@ -47,9 +46,7 @@ def flywheel_for(
         Inertia on the input link [kg·m²]; 0 if the machine needs none, NaN without steady running.
     verdict : ndarray (variants,) of uint8
     """
-    step = dynamics.cycle / PLACES
-    places = np.broadcast_to(step * np.arange(PLACES)[:, None], (PLACES, variants.count))
-    lightest = np.log(mean_of_rows(dynamics.inertia(variants._replace(flywheel=np.zeros(variants.count)), places)))
+    lightest = np.log(dynamics.mean_inertia(variants._replace(flywheel=np.zeros(variants.count)), PLACES))
 
     def excess(inertia: np.ndarray, who: np.ndarray) -> np.ndarray:
         """Ln δ − ln δ_asked over the logarithm of the mean inertia; inf if the machine does not run."""

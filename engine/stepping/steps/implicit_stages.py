@@ -13,8 +13,9 @@ from engine.stepping.walk_task import WalkTask
 def find_stages(printed: Printed, task: WalkTask, room: Room) -> None:
     """Find the stages of an implicit step by Newton's method; without convergence the rates are NaN.
 
-    The unknowns are the energy at all stages, which stays positive, or the speeds; angles follow from the rates of the
-    previous iteration.
+    The unknowns are the energy at all stages, which stays positive, or the speeds: of both sides of a coupling, or of
+    an engine and of its governor's sleeve, in different units. Angles and positions follow from the rates of the
+    previous iteration. A correction is compared with the sum of the magnitudes of a stage's unknowns.
     """
     own, k, begin, equations = room.lane, in_lanes(room.rates), room.begin, room.equations
     watched, kept, worst = in_lanes(room.watched), room.places, room.errors[0]

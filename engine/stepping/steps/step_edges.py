@@ -48,14 +48,14 @@ def equal_part(most: float, lane: int, task: WalkTask, room: Room) -> float:
 def pass_edge(lane: int, count: int, task: WalkTask, room: Room) -> bool:
     """Move a lane past the edge ahead; false where the range ends there."""
     own, edges = room.lane, room.edges
-    way, k = (1 if own.facing[lane] > 0.0 else -1), int(own.edge[lane])
+    facing, k = (1 if own.facing[lane] > 0.0 else -1), int(own.edge[lane])
     for _ in range(count + 1):
-        k += way
+        k += facing
         if k < 0 or k + 1 >= count:
             if not task.cycle < math.inf:
                 return False
-            own.base[lane] += way * task.cycle
-            k = 0 if way > 0 else count - 2
+            own.base[lane] += facing * task.cycle
+            k = 0 if facing > 0 else count - 2
         # Edges that are nearly equal may be the same angle after some turns.
         if own.base[lane] + edges[k + 1, lane] > own.base[lane] + edges[k, lane]:
             break
@@ -67,8 +67,8 @@ def pass_edge(lane: int, count: int, task: WalkTask, room: Room) -> bool:
 def find_edge(lane: int, count: int, task: WalkTask, room: Room) -> None:
     """Find the edges on either side of a lane; at an edge, take the interval ahead."""
     own, edges = room.lane, room.edges
-    cycle, way = task.cycle, own.facing[lane]
-    near = way * ROUNDED * (abs(own.turned[lane]) + (cycle if cycle < math.inf else 0.0))
+    cycle, facing = task.cycle, own.facing[lane]
+    near = facing * ROUNDED * (abs(own.turned[lane]) + (cycle if cycle < math.inf else 0.0))
     own.base[lane] = math.floor((own.turned[lane] + near) / cycle) * cycle if cycle < math.inf else 0.0
     within, k = own.turned[lane] - own.base[lane] + near, 0
     while k + 2 < count and edges[k + 1, lane] < within:

@@ -97,11 +97,12 @@ class DrawnMotion:
         return drawn if isinstance(drawn, DrawnMotion) else cls(drawn)
 
     def _of_machine(self, what: str) -> Any:
-        """Places, motions or forces of the machine."""
+        """Positions, motions or forces of the machine."""
         try:
             return getattr(self.machine, what)
         except engine.NowhereDefinedError as error:
-            raise PictureError(f"the {what} of this mechanism are undefined at every position: {error}") from None
+            words = "positions" if what == "places" else what
+            raise PictureError(f"the {words} of this mechanism are undefined at every position: {error}") from None
 
     def node(self, at: float) -> int:
         """Number of the node nearest to a crank angle [rad] or displacement [m].
@@ -116,8 +117,8 @@ class DrawnMotion:
         if self.scene.has_cycle:
             k %= self.q.size
         elif not 0 <= k < self.q.size:
-            told, *ends = (engine.quantity_text(float(q), unit) for q in (at, self.q[0], self.q[-1]))
-            raise PictureError(f"position {told} is outside the input's range {' to '.join(ends)}")
+            given, *ends = (engine.quantity_text(float(q), unit) for q in (at, self.q[0], self.q[-1]))
+            raise PictureError(f"position {given} is outside the input's range {' to '.join(ends)}")
         if not all(np.isfinite(p[k]) for p in self.points.values()):
             sentence = engine.Verdict.CANNOT_ASSEMBLE.sentence
             raise PictureError(

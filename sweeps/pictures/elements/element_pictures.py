@@ -3,7 +3,7 @@
 Elements supply their own diagrams; drawings next to them, and sheets that need the scene, are listed here.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -45,7 +45,8 @@ def element_sheets(scene: Scene) -> Iterator[tuple[str, Figure]]:
             if element.type in SHEETS:
                 drawn = SHEETS[element.type](scene, name, title)
             else:
-                drawn = element_sheet(element, title, {"cycle": cycles.get(name)})
+                given = {"cycle": cycles[name]} if name in cycles else {}
+                drawn = element_sheet(element, title, **given)
             yield f"{name}_{element.picture}", drawn
             if getattr(element, "run", None) is not None:
                 yield f"{name}_run", machine_run_sheet(scene, name, title)
@@ -55,30 +56,30 @@ def element_sheets(scene: Scene) -> Iterator[tuple[str, Figure]]:
         raise PictureError("; ".join(failures))
 
 
-def element_sheet(element: Element, title: str = "", given: Mapping[str, np.ndarray] | None = None) -> Figure:
+def element_sheet(element: Element, title: str = "", **given: np.ndarray) -> Figure:
     """Draw the diagrams of an element, next to its layout if it has one.
 
     Parameters
     ----------
     element : Element
     title : str
-    given : mapping of str to ndarray, optional
-        Input from the machine of its scene.
+    **given : ndarray
+        Input from the machine of its scene, as for `panels` of its kind.
     """
     layout = LAYOUTS.get(element.type)
-    return panel_sheet(element.panels(given), title, layout and (lambda ax: layout(ax, element)))
+    return panel_sheet(element.panels(**given), title, layout and (lambda ax: layout(ax, element)))
 
 
 def element_tables(scene: Scene) -> str:
     """Tables of engine orders, torsional modes and gear shafts; "" if there are none."""
-    told = []
+    tables = []
     for name, element in scene.elements.items():
         match element:
             case EngineElement():
-                told.append(f"{name}: orders of the crank\n{engine_table(element)}")
+                tables.append(f"{name}: orders of the crank\n{engine_table(element)}")
             case TorsionalTrain():
                 rows = train_table(element, numbers_of_machine(scene, name))
-                told.append(f"{name}: Holzer's table, reduced to {element.layout.masses[0]}\n{rows}")
+                tables.append(f"{name}: Holzer's table, reduced to {element.layout.masses[0]}\n{rows}")
             case GearTrain():
-                told.append(f"{name}: {gear_table(element)}")
-    return "\n".join(told)
+                tables.append(f"{name}: {gear_table(element)}")
+    return "\n".join(tables)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from machines import slider_crank
+from machines import crank, frame, rrp, slider_crank
 
 from engine import Machine, MovingMachine, Scene, Verdict
 from sweeps.study.bundled import STUDIES
@@ -80,3 +80,15 @@ def test_group_named_as_a_guide_or_a_point__moves_as_under_any_name(name, tmp_pa
         path.write_text(changed)
         found.append(Machine(read_scene(path), ["yoke.stroke"]).evaluate({}).summaries["yoke.stroke"][0])
     assert found[0] == found[1] == pytest.approx(0.1, rel=1e-12)
+
+
+def test_rod_to_a_slot_in_the_crank__has_to_span_the_distance_of_the_slots_line():
+    length, offset, tilt, q = 0.02, 0.05, 0.4, 1.1
+    data = {"points": {"O": frame(0.0, 0.0), "C": frame(0.3, 0.1)}, "input": crank(length=0.1)}
+    data["guides"] = {"slot": {"link": "crank", "x": 0.03, "y": 0.02, "angle": tilt}}
+    data["groups"] = {"g": rrp("B", ("rod", "C", length), "block", "slot", offset)}
+    # Seen from the crank: C turned back by q.
+    seen = (0.3 + 0.1j) * np.exp(-1j * q) - (0.03 + 0.02j)
+    found = MovingMachine(Scene.model_validate(data), positions=[q]).dyad_gap("g")
+    assert found.distance[0] == pytest.approx(abs((seen * np.exp(-1j * tilt)).imag - offset), rel=1e-12)
+    assert found[1:] == (0.0, length)

@@ -205,6 +205,12 @@ def test_light_shaft_of_a_slipping_clutch__takes_implicit_steps():
         found.covers(f"go.{key}", value, 1e-13 * value)
 
 
+# From one first step, those of the three walks are 4ᵏ, 2·16ᵏ and √2·8ᵏ times as long, and the last one ends where the
+# motion does. The error of a step is as the ninth power of its length. For any duration up to 1e4 first steps, the
+# range of the errors of the walks is at least this fraction of that of the finest (for 5.41 of them).
+LEAST_RANGE = 0.757
+
+
 def test_short_slip_of_a_clutch__is_covered_however_few_its_steps():
     """J ω' = M₀ (1 − ω/ω₀) − C slows the shaft down exponentially until it meets the crank, which speeds up evenly."""
     own, capacity, motor, starts = 4e-3, 30.0, MOMENTS["dc"], np.geomspace(5.0, 300.0, 64)
@@ -218,11 +224,10 @@ def test_short_slip_of_a_clutch__is_covered_however_few_its_steps():
         return speed + (start - speed) * math.exp(-decay * time) - rise * time
 
     times = np.array([brentq(apart, 0.0, 1.0, start, xtol=1e-19, rtol=1e-15) for start in starts])
-    # If a single step dominates, the range of the walks is at least 0.76 of its error.
     off = np.abs(found.values["go.time"] - times) - 2e-15 * times
-    assert (off <= 1.4 * found.errors["go.time"]).all()
+    assert (LEAST_RANGE * off <= found.errors["go.time"]).all()
     off = np.abs(found.values["go.angle"] - 0.5 * rise / RATIO * times**2) - 4e-15 * found.values["go.angle"]
-    assert (off <= 1.4 * found.errors["go.angle"]).all()
+    assert (LEAST_RANGE * off <= found.errors["go.angle"]).all()
 
 
 def test_run_behind_a_clutch__ends_after_its_cycles_wherever_it_locks():
@@ -492,9 +497,8 @@ def test_run_that_ends_after_a_knot__is_covered_by_its_figures():
     names, varied = of("go", "final_speed motor_shaft_final_speed"), {"regimes.go.time": np.linspace(0.2, 0.5, 128)}
     exact, found = (ask(scene, names, varied=varied, accuracy=accuracy) for accuracy in (1e-11, 1e-4))
     for name, values in found.values.items():
-        beyond = np.abs(values - exact.values[name]) / (found.errors[name] + exact.errors[name])
-        assert (beyond > 1.0).sum() <= 1, beyond.max()
-        assert beyond.max() < 4.0
+        off = np.abs(values - exact.values[name]) - exact.errors[name]
+        assert (LEAST_RANGE * off <= found.errors[name]).all()
 
 
 def test_load_beyond_what_a_fluid_drives__stalls():

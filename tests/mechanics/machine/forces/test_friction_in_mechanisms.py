@@ -133,8 +133,8 @@ def test_slider_crank__has_the_efficiency_of_its_works():
     value = {name: (outcome.summaries[name][0], outcome.errors[name][0]) for name in names}
     useful = Q * 2 * R
     found, error = value["mechanical_efficiency"]
-    loss, doubt = value["friction_loss"]
-    assert abs(found - useful / (useful + loss)) <= error + doubt / useful
+    loss, uncertainty = value["friction_loss"]
+    assert abs(found - useful / (useful + loss)) <= error + uncertainty / useful
     # In line, the press loses as much with the crank turning clockwise.
     scene["input"] |= {"speed": -scene["input"]["speed"]}
     outcome = outcome_of(scene, [], names)
