@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import re
 import tomllib
 from pathlib import Path
 
@@ -79,6 +80,18 @@ def test_show_at__in_json_has_several_angles_and_numbers_set_anew(press_folder):
     assert told["phi"]["values"] == [0, 1]
     assert told["B.y"]["unit"] == "m"
     assert told["B.y"]["values"] == pytest.approx([slide(0, 0.06), slide(1, 0.06)], abs=1.5 * BY_LINES)
+
+
+def test_show_at__of_a_machine_that_assembles_in_part_says_where(press_folder):
+    lines = said("show", "press.toml", "--at", "0, 90 deg", "--set", "input.length=0.5 m").stdout.splitlines()
+    # |cos φ| ≤ l/r, found in steps of 0.05°.
+    ends = [float(end) for end in re.findall(r"[\d.]+(?= °)", lines[0])]
+    reach = math.degrees(math.acos(ROD / 0.5))
+    assert ends == pytest.approx([reach, 180 - reach, 180 + reach, 360 - reach], abs=0.05)
+    names = {line.split()[0]: line for line in lines[2:-2]}
+    assert " – " in names["B.y"]
+    assert "work" not in names
+    assert re.fullmatch(r"\d+ more are undefined here\.", lines[-1])
 
 
 def test_reading__outside_the_range_of_the_input_is_refused():
