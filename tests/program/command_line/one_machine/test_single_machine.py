@@ -74,6 +74,12 @@ def test_show_at__tells_the_main_fields_or_all_without_rounding(press):
     assert "e-" not in every
 
 
+def test_show_at__takes_evenly_spaced_angles(press_folder):
+    answers = [done("show", "press.toml", "--at", at, "--columns", "B.y") for at in ("0 to 90, 4", "0, 30, 60, 90")]
+    assert answers[0] == answers[1]
+    assert "from 2 to 100000 positions" in refused("show", "press.toml", "--at", "0 to 90, 0")
+
+
 def test_show_at__in_json_has_several_angles_and_numbers_set_anew(press_folder):
     answer = said("show", "press.toml", "--at", "0, 1 rad", "--columns", "B.y", "--json", "--set", "input.length=60 mm")
     told = json.loads(answer.stdout)
