@@ -48,7 +48,8 @@ def result_table(
     result.show_own_units()
     known = [c.name for c in result.file.described]
     result.need(names, "columns", known)
-    met = result.meets(where) if where or names else None
+    every = not (names or where or sort or most)
+    chosen = np.arange(result.file.variants) if every else result.select(where, sort, descending, most)
     if not names:
         errors = [f"{name}_error" for name in result.summaries]
         names = [n for n in ("status", "status_at", *result.summaries, *errors, *known) if n in result.columns]
@@ -61,7 +62,6 @@ def result_table(
     axis = next(iter(axes.values()), None)
     places = axis.values.size if axis else 1
     rows = max(ROWS_AT_A_TIME // places, 1)
-    ordered = result.select(where, sort, descending, most) if sort or most else None
 
     def column(name: str, here: np.ndarray) -> np.ndarray:
         if name in fields:
@@ -71,9 +71,9 @@ def result_table(
         return np.repeat(here if name == "variant" else result.columns[name][here], places)
 
     def parts(wanted: Sequence[str]) -> Iterator[dict[str, np.ndarray]]:
-        whole = ordered is None
-        for here in result.chosen_parts(met, rows) if whole else np.split(ordered, range(rows, ordered.size, rows)):
+        for here in np.split(chosen, range(rows, chosen.size, rows)):
             yield {name: column(name, here) for name in wanted}
+            result.release()
 
     along = {axis.name: axis.units} if axis else {}
     return DataTable((*asked, *along, *fields), dict(result.units) | along, result.file.title, parts)
