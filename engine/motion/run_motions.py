@@ -149,22 +149,19 @@ class RunMotion(RegimeMotion):
         return OneRegime(answers, after, made, outcome.energy, covered, ends, known)
 
     def _at_end(self, outcome: RunOutcome, standing: Standing) -> dict[str, np.ndarray]:
-        """Final position; of an input of limited range also the energy of its impact on a stop."""
-        if self.reduction.has_cycle:
-            return {FINAL_POSITION: np.mod(standing.angle, self.reduction.cycle)}
-        taken = np.where(outcome.arrived != 0, outcome.ended, 0.0)
+        """Final position; the end of the range at which an input arrives, and the energy of its impact there."""
+        place = np.mod(standing.angle, self.reduction.cycle) if self.reduction.has_cycle else standing.angle
         arrived = outcome.arrived.astype(float)
-        found = {FINAL_POSITION: standing.angle, "end_reached": arrived, "impact_energy": taken}
-        return found | {"displacement": outcome.state.turned}
+        taken = np.where(outcome.arrived != 0, outcome.ended, 0.0)
+        return {FINAL_POSITION: place, "end_reached": arrived, "impact_energy": taken}
 
     def _slides(self, variants: Variants, place: np.ndarray) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
         """Requested positions of sliders, and their derivatives, at positions of the input."""
-        mechanics = self.reduction.mechanics
-        slides = {f"{n}.{FINAL_POSITION}": slide for n, slide in mechanics.kinematics.slides.items()}
-        slides = {name: slide for name, slide in slides.items() if self.asks(name)}
-        nodes = [node for slide in slides.values() for node in (slide.d, slide.v)]
-        found = NodeValues(mechanics.graph, variants.numbers, variants.ends.__getitem__)(nodes, place)
-        return dict(zip(slides, found[::2], strict=True)), dict(zip(slides, found[1::2], strict=True))
+        graph, slides = self.reduction.mechanics.graph, self.reduction.mechanics.kinematics.slides
+        asked = {name: slide for n, slide in slides.items() if self.asks(name := f"{n}.{FINAL_POSITION}")}
+        nodes = [*(slide.d for slide in asked.values()), *(slide.v for slide in asked.values())]
+        found = NodeValues(graph, variants.numbers, variants.ends.__getitem__)(nodes, place)
+        return dict(zip(asked, found, strict=False)), dict(zip(asked, found[len(asked) :], strict=True))
 
 
 class RunAtOneSpeed(RunMotion):

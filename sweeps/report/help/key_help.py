@@ -126,8 +126,9 @@ def _about(words: Sequence[str]) -> str:
         parts += ["Keys (`sweeps help KEY`):", table(nearest[:MOST_KEYS], "  ")]
     if guide:
         parts.append(f"Guide: {', '.join(f'`sweeps guide {name}`' for name in guide)}")
-    texts = {f"sweeps run {name}": f"{name}: {asked}" for name, asked in questions().items()}
-    texts |= {f"sweeps new {name}": f"{name}: {title}" for name, title in templates().items()}
+    # Templates first: they are shorter.
+    texts = {f"sweeps new {name}": f"{name}: {title}" for name, title in templates().items()}
+    texts |= {f"sweeps run {name}": f"{name}: {asked}" for name, asked in questions().items()}
     # Those with the words themselves come before those with synonyms.
     times = {command: _mentions(text.replace("_", " "), words) for command, text in texts.items()}
     found = [command for command in sorted(times, key=times.get, reverse=True) if any(times[command])]
