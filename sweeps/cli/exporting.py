@@ -20,11 +20,7 @@ DRAWINGS = (".svg", ".dxf")
     required=True,
     help="File to write: .csv, .json, .parquet, .mat, .svg, .dxf or .toml.",
 )
-@click.option(
-    "--variant",
-    type=shared.WholeNumber(0),
-    help="One variant of a result file; default of drawings and scenes: the best.",
-)
+@click.option("--variant", type=shared.WholeNumber(0), help="One variant of a result file (drawings: the best).")
 @click.option(
     "--at", default="", help="Crank angles [deg], displacements such as '20 mm', or instants such as '0.2 s'."
 )
