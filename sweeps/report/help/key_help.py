@@ -97,6 +97,8 @@ def key_text(asked: str) -> str:
         known = {".".join(key.path[n:]) for key in _keys() for n in range(len(key.path)) if key.path[n] != NAME}
         near = engine.nearest_names(asked, known | {key.kind for key in _keys() if key.kind}, 3)
         hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "`sweeps help` lists all tables"
+        if " " in asked.strip():
+            hint = f"no text has all these words; try fewer, such as `sweeps help {max(asked.split(), key=len)}`"
         raise InputError.of("help", f"scenes and studies have no key or type {asked!r}; {hint}")
     return "\n\n".join(_paragraphs(found))
 
