@@ -21,7 +21,7 @@ from engine.motion.quantities import (
     only_motor,
 )
 from engine.motion.runs.run_progress import TOLERANCE as RUN_TOLERANCE
-from engine.parts.regimes import RunRegime, run_keys
+from engine.parts.regimes import Regime, RunRegime, SteadyRegime, run_keys
 from engine.scene.pairs import has_friction, own_drives
 from engine.scene.scene import Numbers, Scene, SceneError
 
@@ -58,11 +58,15 @@ class AskedRegimes:
         Loads on the pairs, if requested.
     keys : RunKeys
         For the kind of input.
+    leads : dict of str to str
+        Regimes that lead from the end of steady running to an angle at which the next run begins, with that run.
     """
 
     def __init__(self, mechanics: Mechanics, asked: set[str], steps: int, accuracy: float | None = None) -> None:
         scene = self.scene = mechanics.scene
-        self.steps, self.regimes, self.keys = steps, scene.regimes, run_keys(scene.input)
+        self.steps, self.keys = steps, run_keys(scene.input)
+        self.leads: dict[str, str] = {}
+        self.regimes = self._with_leads()
         _refuse_losses_behind_couplings(scene)
         own = ((name, n) for name, regime in scene.regimes.items() for n in only_motor(scene, regime))
         shaft = ((f"{name}.{key.format(n=n)}", name, key.rpartition("_")[2], n) for name, n in own for key in AT_SHAFT)
@@ -87,6 +91,17 @@ class AskedRegimes:
         self.dynamics = {off: Dynamics(self.reduction, off, works, rubs, gathered) for off in sets}
         self.sides = {off: TwoSides(self.reduction, off, works, rubs) for off in sets} if scene.couplings else {}
         self._refuse_equal_steps()
+
+    def _with_leads(self) -> dict[str, Regime]:
+        """The regimes of the scene, and `leads`, without which the speed at the beginning of a run isn't known."""
+        found, before = {}, None
+        for name, regime in self.scene.regimes.items():
+            own = getattr(regime, self.keys.from_place, None), getattr(regime, self.keys.from_speed, None)
+            if isinstance(before, SteadyRegime) and own[0] is not None and own[1] is None:
+                lead = f"up to {name}"
+                self.leads[lead], found[lead] = name, RunRegime(type="run", off=before.off, cycles=1.0)
+            found[name] = before = regime
+        return found
 
     def _set_tolerances(self, accuracy: float | None) -> None:
         self.tolerance = TOLERANCE if accuracy is None else max(SURER * accuracy, LEAST_TOLERANCE)

@@ -12,6 +12,7 @@ from engine.parts.regimes import Regime
 from engine.parts.skeleton import CrankInput, SliderInput
 from engine.quantities.chapters import inertia, reactions
 from engine.quantities.register import Field
+from engine.scene.attachments import sliders
 from engine.scene.pairs import has_friction, own_drives
 from engine.scene.scene import Scene
 from engine.words.quantity import STATISTICS, Quantity, Rank, called
@@ -55,16 +56,18 @@ AT_SHAFT = {
     for key, words in {"peak": "peak torque", "rms": "rms torque over time"}.items()
 }
 SLIP = {"{n}_slip": ("mean slip of {motor} in {name}", "1")}
+FINAL_POSITION = "final_position"
 # Summaries that check the others.
 CHECKS = ("work_residual", "multiplier", "return_residual", "implicit_steps")
 RUN = {
     "time": ("duration of {name}", "s"),
     "angle": ("angle turned in {name}", "rad"),
     "final_speed": ("angular speed of the input link at the end of {name}", "rad s-1"),
+    FINAL_POSITION: ("position of the input at the end of {name}", "rad"),
 }
+OF_SLIDER = {f"{{slider}}.{FINAL_POSITION}": ("position of slider {slider} at the end of {name}", "m")}
 # Summaries of a run with an input of limited range.
 WITHIN_RANGE = {
-    "final_position": ("position of the input at the end of {name}", "rad"),
     "end_reached": ("end of its range at which the input arrives in {name}: −1 the lower, 1 the upper, 0 none", "1"),
     "impact_energy": ("kinetic energy that the end of the range takes up in {name}", "J"),
 }
@@ -228,6 +231,9 @@ def motion_summaries(scene: Scene) -> list[Quantity]:
             # At an impact other drives give energy, too.
             limited = {key: row for key, row in limited.items() if key != "impact_energy"}
         found += _made(scene, name, COMMON | (STEADY if regime.type == "steady" else RUN | limited))
+        # Drives of their own move sliders over time, too.
+        for slider in () if regime.type == "steady" or own_drives(scene) else sliders(scene):
+            found += _made(scene, name, OF_SLIDER, slider=slider)
         found += _of_couplings(scene, name)
         for n in only_motor(scene, regime):
             found += _made(scene, name, AT_SHAFT, n=n, motor=called("motor", n))

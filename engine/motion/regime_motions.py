@@ -109,7 +109,8 @@ class RegimeMotion(ABC):
     def _of_run(self, variants: Variants, outcome: RunOutcome) -> dict[str, np.ndarray]:
         """Results of a run, or of a steady cycle at two speeds, by their names without the regime's."""
         state, low, high = outcome.state, outcome.slowest, outcome.fastest
-        found = {"time": state.time, "angle": state.turned, "final_speed": state.omega}
+        turned = {"angle": state.turned, "displacement": state.turned}
+        found = turned | {"time": state.time, "final_speed": state.omega}
         found |= {"speed_min": low, "speed_max": high, "implicit_steps": outcome.steep}
         works, change = (state.works, state.squares, state.time), outcome.ended - outcome.started
         return found | self._work_values(*works, change, outcome.energy, outcome.values.get("coupling_heat", 0.0))

@@ -15,7 +15,7 @@ from engine.mechanism.actions.motors import motor_ratio
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.asked_regimes import AskedRegimes
 from engine.motion.moments.dynamics import Variants
-from engine.motion.quantities import FieldAnswers
+from engine.motion.quantities import FINAL_POSITION, FieldAnswers
 from engine.motion.regime_motions import ROUNDING, OneRegime, RegimeMotion
 from engine.motion.run_motions import RunAtOneSpeed, RunAtTwoSpeeds
 from engine.motion.runs.run_progress import Standing
@@ -159,7 +159,7 @@ class RegimesInOrder(AskedRegimes):
         for name, row in (values | fine.rows).items():
             size, others = np.abs(row), [each[name] for each in compared]
             change = np.ptp([row, *others], axis=0)
-            if name.endswith("_at"):
+            if name.endswith("_at") or name.partition(".")[2] == FINAL_POSITION:
                 # Positions recur after a cycle, which is infinite if they do not.
                 change = np.minimum(change, np.abs(self.reduction.cycle - change))
             if row.ndim > 1:
@@ -172,7 +172,7 @@ class RegimesInOrder(AskedRegimes):
             errors[name] = np.where(verdict == Verdict.OK, error, np.nan)
         covered = [found.covered for found in regimes if found.covered is not None]
         fails = np.array([found.standing.verdict != Verdict.OK for found in regimes])
-        which = np.array([[*self.regimes].index(name) for name in self.needed])
+        which = np.array([[*self.scene.regimes].index(self.leads.get(name, name)) for name in self.needed])
         failing = np.where(fails.any(axis=0), which[fails.argmax(axis=0)], -1)
         return RegimeAnswers(values, errors, fine.rows, verdict, failing, np.reshape(covered, (-1, 2, count)))
 

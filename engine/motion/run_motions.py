@@ -8,13 +8,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.graph.values import NodeValues
 from engine.motion.coupled.coupled_answers import run_coupled
 from engine.motion.coupled.coupled_fields import CoupledFields
 from engine.motion.fields.field_watch import FieldWatch
 from engine.motion.fields.motion_fields import MotionFields
 from engine.motion.fields.recorded_motion import Observer
 from engine.motion.moments.dynamics import Variants
-from engine.motion.quantities import FieldAnswers
+from engine.motion.quantities import FINAL_POSITION, FieldAnswers
 from engine.motion.regime_motions import ROUNDING, OneRegime, RegimeMotion
 from engine.motion.runs.run import run_to_end
 from engine.motion.runs.run_progress import CoupledStanding, Ends, RunOutcome, Standing, Stepping
@@ -65,9 +66,13 @@ class RunMotion(RegimeMotion):
         return np.where(outside, Verdict.OUTSIDE_LIMITS, verdict).astype(np.uint8)
 
     def _number(self, key: str, variants: Variants) -> np.ndarray:
-        """A number of a run for every variant; infinite if it is not given."""
+        """A number of a run for every variant, of a lead its cycles; infinite if it is not given."""
         if getattr(self.regime, key) is None:
             return np.full(variants.count, np.inf)
+        if self.name in self._asked.leads:
+            place = f"regimes.{self._asked.leads[self.name]}.{self._asked.keys.from_place}"
+            share = variants.direction * variants.numbers.of_each(place, variants.count) / self.reduction.cycle
+            return 1.0 - np.mod(-share, 1.0)
         return variants.numbers.of_each(f"regimes.{self.name}.{key}", variants.count)
 
     def run(
@@ -126,12 +131,17 @@ class RunMotion(RegimeMotion):
         outcome, answers, after = self.run(variants, standing, longer)
         results_of = partial(self._of_run, variants)
         answers.values.update(results_of(outcome) | self._at_end(outcome, after))
+        reached, rates = self._slides(variants, after.angle)
+        answers.values.update(reached)
         if outcome.changed is not None and longer == 1.0:
             answers.missed.update(spread_errors(outcome, outcome.changed, results_of, self.asks))
         # The work residual is relative to the works, and rounds as they do.
         answers.scales.update(end_reached=np.zeros(variants.count), work_residual=np.ones(variants.count))
         low, high = self.reduction.range_of(variants.numbers, variants.count)
         state, turned = outcome.state, outcome.state.turned
+        # A position is as uncertain as all the angle that leads to it.
+        answers.scales[FINAL_POSITION] = np.abs(after.angle) + turned
+        answers.scales.update({name: np.abs(rate) * answers.scales[FINAL_POSITION] for name, rate in rates.items()})
         made = turned / (high - low) * self._asked.steps
         covered = np.sort(after.angle + variants.direction * (outcome.covered - turned), axis=0)
         ends = None if self.regime.method is None else np.stack((turned, state.omega, state.time))
@@ -139,13 +149,19 @@ class RunMotion(RegimeMotion):
         return OneRegime(answers, after, made, outcome.energy, covered, ends, known)
 
     def _at_end(self, outcome: RunOutcome, standing: Standing) -> dict[str, np.ndarray]:
-        """Final position of an input of limited range, and the energy of its impact on a stop."""
-        if self.reduction.has_cycle:
-            return {}
-        taken = np.where(outcome.arrived != 0, outcome.ended, 0.0)
+        """Final position; the end of the range at which an input arrives, and the energy of its impact there."""
+        place = np.mod(standing.angle, self.reduction.cycle) if self.reduction.has_cycle else standing.angle
         arrived = outcome.arrived.astype(float)
-        found = {"final_position": standing.angle, "end_reached": arrived, "impact_energy": taken}
-        return found | {"displacement": outcome.state.turned}
+        taken = np.where(outcome.arrived != 0, outcome.ended, 0.0)
+        return {FINAL_POSITION: place, "end_reached": arrived, "impact_energy": taken}
+
+    def _slides(self, variants: Variants, place: np.ndarray) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+        """Requested positions of sliders, and their derivatives, at positions of the input."""
+        graph, slides = self.reduction.mechanics.graph, self.reduction.mechanics.kinematics.slides
+        asked = {name: slide for n, slide in slides.items() if self.asks(name := f"{n}.{FINAL_POSITION}")}
+        nodes = [*(slide.d for slide in asked.values()), *(slide.v for slide in asked.values())]
+        found = NodeValues(graph, variants.numbers, variants.ends.__getitem__)(nodes, place)
+        return dict(zip(asked, found, strict=False)), dict(zip(asked, found[len(asked) :], strict=True))
 
 
 class RunAtOneSpeed(RunMotion):

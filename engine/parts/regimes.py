@@ -107,10 +107,10 @@ class RunRegime(Part):
     has `velocity` instead of `speed`, and the initial values `from_velocity` and `from_position`.
 
     `lock_up` = true ends a run when a clutch holds both sides together. `from_speed` and `from_angle` are the initial
-    values, by default each that at the end of the regime before (a `from_angle` alone keeps the final speed of that
-    regime); both together reset the time of loads and laws of time to zero. `from_shaft_speed` is the initial speed of
-    a shaft behind a coupling, by default that given by `from_speed`. A run is abandoned after `at_most` cycles. `at`
-    gives the instants at which fields of the run are kept.
+    values, by default each that at the end of the regime before (a `from_angle` alone takes the speed of steady running
+    at that angle, or the final speed of a run); both together reset the time of loads and laws of time to zero.
+    `from_shaft_speed` is the initial speed of a shaft behind a coupling, by default that given by `from_speed`. A run
+    is abandoned after `at_most` cycles. `at` gives the instants at which fields of the run are kept.
 
     `off` lists the actions that are off. Steps are as long as the error control allows. `method` = "rk4" takes
     `steps_per_turn` equal steps per turn of the crank instead, by the classical fourth-order Runge–Kutta method, except

@@ -300,6 +300,8 @@ def _number_and_unit(text: str, expected: str) -> tuple[Decimal, str]:
     unit = quantity[2]
     if unit.startswith(","):
         raise UnitError(comma_advice(text))
+    if re.match(r":\s*[0-9]", unit):
+        raise UnitError(f"{text!r}: write a ratio as a fraction, as in '1/10'")
     if re.match(r"[0-9.](?!\s*/)", unit):
         raise UnitError(f"{text!r}: write the number in one piece, without gaps, as in '1000'")
     return Decimal(quantity[1]), unit

@@ -20,11 +20,13 @@ DRAWINGS = (".svg", ".dxf")
     required=True,
     help="File to write: .csv, .json, .parquet, .mat, .svg, .dxf or .toml.",
 )
-@click.option("--variant", type=shared.WholeNumber(0), help="One variant of a result file.")
+@click.option("--variant", type=shared.WholeNumber(0), help="One variant of a result file (drawings: the best).")
 @click.option(
     "--at", default="", help="Crank angles [deg], displacements such as '20 mm', or instants such as '0.2 s'."
 )
 @shared.WHERE
+@shared.ORDER
+@click.option("--limit", type=shared.WholeNumber(1), help="Number of variants to write.")
 @click.option("--history", is_flag=True, help="Time history through the regimes (tables).")
 @click.option("--element", help="A cam element: its motion curves (a table) or outlines (SVG, DXF).")
 @click.option(
@@ -57,12 +59,14 @@ def export(asked: shared.Options) -> None:
 
     of_one = asked.variant is not None or asked.at or asked.history or asked.settings or asked.element
     is_sweep = asked.to.suffix in tables and needed.is_result(asked.file) and not of_one
-    if asked.where and not is_sweep:
-        raise InputError.of("--where", "chooses variants of a whole result file; here there is one machine")
+    for option in ("where", "sort", "descending", "limit"):
+        if getattr(asked, option) and not is_sweep:
+            raise InputError.of(f"--{option}", "chooses variants of a whole result file; here there is one machine")
     if is_sweep:
-        columns, source, where = shared.names_in(asked.columns), Path(asked.file), asked.where
+        chosen = asked.where, asked.sort, asked.descending, asked.limit
         with doing("Writing the table"):
-            needed.write_table(asked.to, needed.result_table(source, columns, where))
+            table = needed.result_table(Path(asked.file), shared.names_in(asked.columns), *chosen)
+            needed.write_table(asked.to, table)
         shared.tell(f"Wrote {asked.to}")
         return
     machine = needed.machine_of(asked.file, asked.variant, asked.settings)

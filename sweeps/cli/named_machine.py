@@ -5,6 +5,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
+import numpy as np
+
+import engine
 from engine import CrankInput, Element, Mechanics, Scene, SceneError, UnitError, full_names, in_text, scene_numbers
 from sweeps.cli import needed
 from sweeps.report.readings import Readings, readings_at
@@ -13,6 +16,8 @@ from sweeps.study.study_text import is_scene
 from sweeps.text.input_files import InputError, is_hdf5, need_known, read_text
 from sweeps.text.scene_text import changed_scene, given_values, scene_from, with_values
 from sweeps.text.toml_text import parse_toml, problems_in
+
+MOST_POSITIONS = 100_000
 
 
 def is_result(file: str) -> bool:
@@ -191,7 +196,7 @@ def positions_of(scene: Scene, text: str) -> tuple[float, ...]:
     ----------
     scene : Scene
     text : str
-        Crank angles (default unit: degrees), or displacements of a sliding input.
+        Crank angles (default unit: degrees), or displacements of a sliding input; or "FIRST to LAST, HOW MANY".
 
     Returns
     -------
@@ -205,11 +210,15 @@ def positions_of(scene: Scene, text: str) -> tuple[float, ...]:
     """
     turns = scene.input is None or isinstance(scene.input, CrankInput)
     dimension, mend = ("angle", "0,60,120") if turns else ("length", "'0 mm, 20 mm'")
-    parts = [part.strip() for part in text.split(",") if part.strip()]
+    spaced = engine.first_last_count(text)
+    if spaced and not 1 < spaced[2] <= MOST_POSITIONS:
+        raise InputError.of("--at", f"from 2 to {MOST_POSITIONS} positions are possible, not {spaced[2]}")
+    parts = spaced[:2] if spaced else [part.strip() for part in text.split(",") if part.strip()]
     try:
-        return tuple(in_text(f"{part} deg" if turns and part[-1].isdigit() else part, dimension) for part in parts)
+        found = tuple(in_text(f"{part} deg" if turns and part[-1].isdigit() else part, dimension) for part in parts)
     except UnitError as error:
         raise InputError.of("--at", f"{error}; for example --at {mend}") from None
+    return tuple(engine.even_steps(*found, spaced[2], np.arange(spaced[2])).tolist()) if spaced else found
 
 
 def read_at(scene: Scene, text: str, names: Sequence[str] = ()) -> Readings:

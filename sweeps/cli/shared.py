@@ -233,6 +233,18 @@ WHERE = click.option(
     help="Only variants of a result that meet this condition, such as 'wheel_mass < 900 kg and input.length > 40 mm'; "
     "repeatable.",
 )
+
+
+def _ascending(_: click.Context, __: click.Parameter, column: str | None) -> str | None:
+    if column and column.startswith("-"):
+        raise click.BadParameter(f"{column!r}: for the largest first, --sort {column[1:]} --descending")
+    return column
+
+
+ORDER = with_options(
+    click.option("--sort", help="Column to sort by.", callback=_ascending),
+    click.option("--descending", is_flag=True, help="Descending order."),
+)
 POSITIONS = click.option("--positions", type=WholeNumber(0), help="Number of field positions per cycle, even.")
 ACCURACY = click.option("--accuracy", help="Tolerance of every summary, such as '0.1 %'.")
 # Of commands that read a study.

@@ -15,12 +15,12 @@ from sweeps.text.input_files import InputError
 @main.command()
 @click.argument("file", type=click.Path(path_type=Path))
 @shared.WHERE
-@click.option("--sort", help="Column to sort by.")
-@click.option("--descending", is_flag=True, help="Descending order.")
+@shared.ORDER
 @click.option("--limit", type=shared.WholeNumber(1), default=10, show_default=True, help="Number of variants to list.")
 @click.option("--columns", help="Summaries to show, or fields with --at, comma-separated (default: the answers).")
 @click.option(
-    "--at", help="Fields of one machine at crank angles ('37 deg') or displacements, or its motion at '0.2 s'."
+    "--at",
+    help="Fields of one machine at crank angles ('37 deg', '0 to 330, 12') or displacements, or its motion at '0.2 s'.",
 )
 @click.option("--variant", type=shared.WholeNumber(0), help="One variant of a result file.")
 @shared.SET

@@ -12,8 +12,9 @@ from sweeps.pictures.drawing.figures import default_position
 from sweeps.pictures.drawing.moving_drawing import spread_nodes
 from sweeps.pictures.drawing.painting import DASHES, INKS, WIDTHS
 from sweeps.pictures.drawing.symbols import TIP
-from sweeps.pictures.machine.cycle_rows import LARGEST, input_axis, main_slider
+from sweeps.pictures.machine.cycle_rows import LARGEST, input_axis
 from sweeps.pictures.panels import axis_label
+from sweeps.study.default_summaries import main_slider
 from sweeps.text.visible import visible
 
 # Whole units of the page across the longer side of a drawing.

@@ -12,7 +12,7 @@ from sweeps.page.page_pictures import drawn_pictures, machines_data, variants_da
 from sweeps.page.page_text import page_text
 from sweeps.report.answers.unmet_conditions import no_answer_text
 from sweeps.report.regime_words import MOTION_VERDICTS, failure_text
-from sweeps.report.result_report import blame_lines, no_goal_text, value_text
+from sweeps.report.result_report import blame_lines, no_goal_text, tie_text, value_text
 from sweeps.report.variant_warnings import result_warnings
 from sweeps.text.whole_files import write_whole_text
 
@@ -123,10 +123,7 @@ def _warnings(digest: Digest) -> list[str]:
     if undecided := result.undecided(digest.where):
         found.append(f"For {counted(undecided, 'variant')} the condition is undecided within error estimates.")
     if digest.best is not None and (rivals := result.rivals(digest.best, digest.aim)):
-        found.append(
-            f"{rivals} other variants tie with the best within the error estimates: "
-            "choose between them on other grounds."
-        )
+        found.append(tie_text(rivals))
     failed = result.file.variants - sum(counts[v] for v in (Verdict.OK, Verdict.DROPPED, Verdict.NOT_COMPUTED))
     if failed and result.file.variants > 1:
         found.append(f"{counted(failed, 'variant')} without a result; see the verdicts.")

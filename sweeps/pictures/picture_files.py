@@ -23,6 +23,8 @@ def machine_pictures(
 ) -> list[Path]:
     """Draw a machine and its diagrams, regimes and elements to separate files.
 
+    A machine that can be assembled only at some positions has no diagrams over its cycle.
+
     Parameters
     ----------
     drawn : Scene or DrawnMotion
@@ -60,8 +62,9 @@ def machine_pictures(
 def _sheets(scene: Scene, motion: DrawnMotion | None, parts: Sequence[str]) -> Iterator[tuple[str, Figure]]:
     """Sheets of a machine, by name."""
     if motion is not None:
-        yield "diagrams", diagrams(motion.machine)
-        if scene.cylinders:
+        if motion.assembled.all():
+            yield "diagrams", diagrams(motion.machine)
+        if scene.cylinders and motion.assembled.all():
             yield "cylinders", indicator_diagrams(motion.machine)
         for part in parts:
             yield f"motion_of_{part}", motion_of_part(motion.machine, part)

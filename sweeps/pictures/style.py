@@ -64,7 +64,7 @@ class Sheet(Figure):
     def draw(self, renderer: RendererBase) -> None:
         """Draw, except in the first of the two draws of a saving, of which Matplotlib needs only the layout."""
         layout = self.get_layout_engine()
-        if self.canvas.is_saving() and isinstance(layout, ConstrainedLayoutEngine):
+        if self.axes and self.canvas.is_saving() and isinstance(layout, ConstrainedLayoutEngine):
             layout.execute(self)
         else:
             super().draw(renderer)

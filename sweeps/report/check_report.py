@@ -12,6 +12,7 @@ import engine
 from sweeps.report import accuracy_words
 from sweeps.report.answers.shown_results import answers_among, lacks_lines, names_in_conditions
 from sweeps.report.answers.unmet_conditions import drop_lines, outside_lines
+from sweeps.report.readings import assembled_text
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, part_words, regime_words
 from sweeps.report.variant_warnings import known_summaries, machine_warnings
 from sweeps.run.blocks import LARGEST_BLOCK, block_size, bytes_of_fields
@@ -91,15 +92,11 @@ def _second_input_text(scene: engine.Scene, name: str) -> str:
 
 def assembly_text(machine: engine.Machine) -> str:
     """Whether the unmodified machine assembles over its whole cycle."""
-    ranges = engine.assembly_ranges(machine.mechanics)
-    units, nodes = engine.InputUnits.of(machine.scene).q, machine.input_values
+    ranges, nodes = engine.assembly_ranges(machine.mechanics), machine.input_values
     step = nodes[1] - nodes[0]
     if len(ranges) == 1 and ranges[0].stop - ranges[0].start >= nodes[-1] - nodes[0] - 1e-9 * step:
         return "assembles over the whole cycle" if machine.has_cycle else "assembles over the whole range of its input"
-    if not ranges:
-        return "can't be assembled at any input position: check lengths and modes"
-    shown = ", ".join(f"{engine.quantity_text(r.start, units)} … {engine.quantity_text(r.stop, units)}" for r in ranges)
-    return f"assembles only for input {shown}: give input.start and input.stop, or change the lengths"
+    return assembled_text(machine.mechanics)
 
 
 def nominal_text(study: Study, machine: ReadyMachine) -> str:

@@ -73,15 +73,27 @@ def readings_at(scene: engine.Scene, at: Sequence[float] | int, names: Sequence[
     known, place = machine.register.fields, "phi" if unit == "rad" else "q"
     fields = list(names) or list(machine.register.available_fields)
     verdict = machine.verdict(fields)
+    remark = "" if verdict in (engine.Verdict.OK, engine.Verdict.NOT_FINITE) else verdict.sentence
+    if verdict == engine.Verdict.CANNOT_ASSEMBLE:
+        remark = assembled_text(machine.mechanics)
     return Readings(
         place,
         machine.q if given is None else given,
         {name: machine.without_rounding(name, row) for name, row in machine.fields(fields).items()},
         {name: known[name].units for name in fields} | {place: unit},
         {name: known[name].long_name for name in fields} | {"phi": "crank angle", "q": "input displacement"},
-        "" if verdict in (engine.Verdict.OK, engine.Verdict.NOT_FINITE) else verdict.sentence,
+        remark,
         tuple(name for name in fields if known[name].rank == engine.Rank.FURTHER),
     )
+
+
+def assembled_text(mechanics: engine.Mechanics) -> str:
+    """Where a machine can be assembled, if not everywhere."""
+    ranges, unit = engine.assembly_ranges(mechanics), engine.InputUnits.of(mechanics.scene).q
+    if not ranges:
+        return "can't be assembled at any input position: check lengths and modes"
+    shown = ", ".join(f"{engine.quantity_text(r.start, unit)} … {engine.quantity_text(r.stop, unit)}" for r in ranges)
+    return f"assembles only for input {shown}: give input.start and input.stop, or change the lengths"
 
 
 def _in_range(scene: engine.Scene, at: np.ndarray) -> np.ndarray:
@@ -104,9 +116,12 @@ def readings_text(readings: Readings, every: bool = True) -> str:
     heads = [engine.quantity_text(float(at), readings.units[readings.place]) for at in readings.at]
     rows = [["", *heads, ""], *([["regime", *readings.regimes, ""]] if len(readings.regimes) else [])]
     shown = {name: row for name, row in readings.values.items() if every or name not in readings.further}
-    for name, row in shown.items():
+    # A machine that fails as a whole leaves many undefined.
+    known = {name: row for name, row in shown.items() if not readings.remark or np.isfinite(row).any()}
+    for name, row in known.items():
         cells = [engine.quantity_text(float(value), readings.units[name]) for value in row]
         rows.append([name, *cells, readings.long_names[name]])
     remark = [f"The machine as a whole: {readings.remark}"] if readings.remark else []
-    more = len(readings.values) - len(shown)
-    return "\n".join([*remark, table(rows), *([f"{more} more with --all."] if more else [])])
+    more, lost = len(readings.values) - len(shown), len(shown) - len(known)
+    words = {"more with --all.": more, "more are undefined here.": lost}
+    return "\n".join([*remark, table(rows), *(f"{count} {which}" for which, count in words.items() if count)])

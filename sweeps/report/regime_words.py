@@ -52,8 +52,11 @@ def _begin(scene: Scene, name: str, regime: RunRegime) -> str:
     if place is None:
         return begin
     at = f"{units.symbols[0]} = {quantity_text(place, units.q)}"
-    # Only the position is given: the speed stays that at the end of the cycle or run, not that at this position.
-    return f"{at} with the final speed of {before[-1]}" if before and speed is None else f"{begin} at {at}"
+    if not before or speed is not None:
+        return f"{begin} at {at}"
+    # The speed of a run belongs to its end, that of steady running to the position.
+    speed_of = "with the final speed of" if scene.regimes[before[-1]].type == "run" else "of"
+    return f"{at} {speed_of} {before[-1]}"
 
 
 def _end(scene: Scene, regime: RunRegime) -> str:

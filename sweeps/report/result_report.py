@@ -134,6 +134,12 @@ def variants_text(result: SweepResult, variants: Iterable[int], names: Sequence[
     return table(rows)
 
 
+def tie_text(rivals: int) -> str:
+    """What a number of variants that tie with the best mean."""
+    others = f"{rivals} other variants tie" if rivals > 1 else "Another variant ties"
+    return f"{others} with the best within the error estimates; choose between them on other grounds."
+
+
 def answer_text(result: SweepResult, every: bool = False) -> str:
     """The answer to the study's question: the best variant's parameters and results.
 
@@ -156,8 +162,7 @@ def answer_text(result: SweepResult, every: bool = False) -> str:
     if undecided_text(result, goal.where):
         lines.append(f"{meeting_text(result, goal.where)}.")
     if rivals:
-        others = f"{rivals} other variants tie" if rivals > 1 else "Another variant ties"
-        lines.append(f"{others} with it within the error estimates; choose between them on other grounds.")
+        lines.append(tie_text(rivals))
     return "\n".join(lines)
 
 

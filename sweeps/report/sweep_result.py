@@ -143,26 +143,6 @@ class SweepResult(ResultFile):
 
         return lambda part: condition.judged(*self.known(part, condition.names), self.columns["status"][part].size)
 
-    def chosen_parts(self, met: Callable[[slice | np.ndarray], np.ndarray] | None, most: int) -> Iterator[np.ndarray]:
-        """Indices of the variants that meet a condition, in parts.
-
-        Parameters
-        ----------
-        met : callable or None
-            From `meets`; None for all variants.
-        most : int
-        """
-        empty = True
-        for part in self.parts():
-            here = np.arange(part.start, part.stop)
-            here = here if met is None else here[met(part)]
-            for start in range(0, here.size, most):
-                yield here[start : start + most]
-                self.release()
-                empty = False
-        if empty:
-            yield np.zeros(0, int)
-
     def known(self, part: slice | np.ndarray, names: Iterable[str]) -> tuple[Values, Values]:
         """Values and error estimates of some variants for conditions on some names, as from `Requirements.known`."""
         return self.requirements.known(self.rows(part, self.requirements.behind(names)))

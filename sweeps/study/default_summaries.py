@@ -60,6 +60,15 @@ def _coupling_keys(scene: engine.Scene, regime: engine.Regime) -> list[str]:
     return found
 
 
+def main_slider(scene: engine.Scene) -> str | None:
+    """The main slider: a cylinder's piston, else the last one on a guide of the frame."""
+    for cylinder in scene.cylinders.values():
+        return cylinder.piston
+    parts = (part for group in scene.groups.values() for part in (group.first, group.second))
+    on_frame = {p.link for p in parts if hasattr(p, "guide") and scene.guides[p.guide].link == engine.FRAME}
+    return next((name for name in reversed(engine.sliders_of(scene)) if name in on_frame), None)
+
+
 _SPEEDS = ("speed_min", "speed_max")
 
 
@@ -67,7 +76,10 @@ def _run_keys(scene: engine.Scene, regime: engine.RunRegime) -> list[str]:
     given = regime.rest or getattr(regime, engine.run_keys(scene.input).speed) is not None
     keys = ["time", "angle" if isinstance(scene.input, engine.CrankInput) else "displacement"]
     keys += [] if given else ["final_speed", *_SPEEDS]
-    return keys if scene.has_cycle else [*keys, "final_position", "end_reached", "impact_energy"]
+    if regime.rest or not scene.has_cycle:
+        slider = main_slider(scene)
+        keys += ["final_position", *([f"{slider}.final_position"] if slider and not scene.inputs else [])]
+    return keys if scene.has_cycle else [*keys, "end_reached", "impact_energy"]
 
 
 def _work_keys(has_motors: bool, roles: set[str]) -> list[str]:

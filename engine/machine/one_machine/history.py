@@ -116,6 +116,9 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
         dynamics = motion.dynamics
         variants = dynamics.driven(every)
         hindered = motion.hindered(variants)
+        if name in in_order.leads:
+            standing = motion.run(variants, standing)[2]
+            continue
         equation = EquationOfMotion(dynamics, variants, standing.angle)
         if hindered.any():
             along = MotionFields(dynamics, variants, standing.angle, standing.clock, motion.loads)

@@ -102,5 +102,7 @@ def _once(path: np.ndarray, near: float) -> np.ndarray:
 
 
 def default_position(motion: DrawnMotion) -> float:
-    """Default position: the crank at 60°, or the middle of the input's range."""
-    return USUAL_CRANK_ANGLE if motion.scene.has_cycle else float(motion.q[motion.q.size // 2])
+    """Default position: the crank at 60°, or the middle of the input's range; the nearest at which it assembles."""
+    usual = USUAL_CRANK_ANGLE if motion.scene.has_cycle else float(motion.q[motion.q.size // 2])
+    near = motion.q[motion.assembled]
+    return float(near[np.abs(near - usual).argmin()]) if near.size else usual

@@ -55,6 +55,7 @@ class DrawnMotion:
     slides : dict of str to ndarray (nodes,)
     axes, guides : dict of str to (complex ndarray, complex ndarray)
         Origin and direction of each link's axes, a point and the direction of each guide; (nodes,).
+    assembled : ndarray (nodes,) of bool
     contacts : dict of str to complex ndarray (nodes,)
         Contact points of cams and followers.
     centres : dict of str to complex ndarray (nodes,)
@@ -88,6 +89,7 @@ class DrawnMotion:
             name: tuple((point - self.axes[link][0]) / self.axes[link][1] for link in (name, wheel.geared_to))
             for (name, wheel), point in zip(scene.noncircular_wheels.items(), places.pitch_points.values(), strict=True)
         }
+        self.assembled = np.all([np.isfinite(point) for point in self.points.values()], axis=0)
         self.sliders = tuple(self._sliders())
         self.radius = self._radius()
 
@@ -119,7 +121,7 @@ class DrawnMotion:
         elif not 0 <= k < self.q.size:
             given, *ends = (engine.quantity_text(float(q), unit) for q in (at, self.q[0], self.q[-1]))
             raise PictureError(f"position {given} is outside the input's range {' to '.join(ends)}")
-        if not all(np.isfinite(p[k]) for p in self.points.values()):
+        if not self.assembled[k]:
             sentence = engine.Verdict.CANNOT_ASSEMBLE.sentence
             raise PictureError(
                 f"position {engine.quantity_text(at, unit)} can't be drawn: {sentence}; or choose another position"

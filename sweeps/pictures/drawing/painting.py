@@ -12,10 +12,11 @@ from matplotlib.patheffects import withStroke
 from matplotlib.textpath import TextPath
 
 from engine import Scene, display_unit
-from sweeps.pictures.drawing.figures import USUAL_CRANK_ANGLE, default_position, figures
+from sweeps.pictures.drawing.figures import default_position, figures
 from sweeps.pictures.drawing.motion import DrawnMotion, position_text
 from sweeps.pictures.drawing.symbols import Primitive
 from sweeps.pictures.style import BLUE, MM_PER_INCH, NO_BREAK, VERMILION, sheet
+from sweeps.report.readings import assembled_text
 
 # Line width [pt] and darkness of each layer.
 WIDTHS = {
@@ -142,11 +143,11 @@ def picture(
 
     Arguments and errors as for `draw`; `SCALE` in `shown` adds the scale to the title.
     """
-    scene = drawn.scene if isinstance(drawn, DrawnMotion) else drawn
+    motion = DrawnMotion.of(drawn)
     with sheet(160, 160) as fig:
         ax = fig.add_subplot()
-        factor = draw(drawn, ax, at, paths, [kind for kind in shown if kind != SCALE])
-        title = ax.set_title(_title(scene, at), loc="left", wrap=True)
+        factor = draw(motion, ax, at, paths, [kind for kind in shown if kind != SCALE])
+        title = ax.set_title(_title(motion, at), loc="left", wrap=True)
         width, height = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
         scale = min(145 / width, 200 / height)
         fig.set_size_inches((scale * width + 18) / MM_PER_INCH, (scale * height + 20) / MM_PER_INCH)
@@ -162,10 +163,10 @@ def _scale(ratio: float) -> str:
     return f"1 : {1 / ratio:.3g}" if ratio < 1 else f"{ratio:.3g} : 1"
 
 
-def _title(scene: Scene, at: Sequence[float]) -> str:
-    """Title of the scene and position of its input."""
-    if not at and not scene.has_cycle:
-        return scene.title
+def _title(motion: DrawnMotion, at: Sequence[float]) -> str:
+    """Title of the scene and position of its input, and where it can be assembled, if not everywhere."""
+    scene = motion.scene
     # The position stays on one line.
-    words = position_text(scene, at[0] if at else USUAL_CRANK_ANGLE).replace(" ", NO_BREAK)
-    return f"{scene.title}, {words}" if scene.title else words
+    place = position_text(scene, at[0] if at else default_position(motion)).replace(" ", NO_BREAK)
+    words = ", ".join(filter(None, (scene.title, place if at or scene.has_cycle else "")))
+    return words if motion.assembled.all() else f"{words}\n{assembled_text(motion.machine.mechanics).partition(':')[0]}"

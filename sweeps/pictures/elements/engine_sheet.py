@@ -71,4 +71,4 @@ def engine_front(ax: Axes, engine: EngineElement) -> None:
     ax.set(aspect="equal", xlim=(-1.4, 1.4), ylim=(-1.4, 1.4), xticks=[], yticks=[])
     for side in ax.spines.values():
         side.set_visible(False)
-    ax.set_title("Cylinders, throws (red), crank at 0")
+    ax.set_title("Cylinders, throws (orange), crank at 0")

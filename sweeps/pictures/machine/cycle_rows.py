@@ -60,15 +60,6 @@ def _turned(row: np.ndarray) -> float:
     return math.tau * round(increase / math.tau) if math.isfinite(increase) else 0.0
 
 
-def main_slider(scene: engine.Scene) -> str | None:
-    """The main slider: a cylinder's piston, else the last one on a guide of the frame."""
-    for cylinder in scene.cylinders.values():
-        return cylinder.piston
-    parts = (part for group in scene.groups.values() for part in (group.first, group.second))
-    on_frame = {p.link for p in parts if hasattr(p, "guide") and scene.guides[p.guide].link == engine.FRAME}
-    return next((name for name in reversed(engine.sliders_of(scene)) if name in on_frame), None)
-
-
 def dead_centres(moving: engine.MovingMachine, slider: str | None) -> list[engine.Mark]:
     """Marks at the dead centres of a slider over a cycle."""
     if slider is None or not moving.scene.has_cycle:

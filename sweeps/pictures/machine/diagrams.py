@@ -13,6 +13,7 @@ import engine
 from sweeps.pictures.machine import cycle_rows
 from sweeps.pictures.panels import axis_label, draw_panel
 from sweeps.pictures.style import BLUE, GREEN, GREY, VERMILION, sheet, typeset, wrapped
+from sweeps.study.default_summaries import main_slider
 
 # A range of the inertia below this share of it is rounding.
 ROUNDED = 1e-12
@@ -48,7 +49,7 @@ def _cycle_of(moving: engine.MovingMachine) -> _Cycle:
     known = [name for name in names if name in moving.register.available_fields]
     cycle_rows.need_motion(moving, known)
     rows = cycle_rows.over_cycle(moving, known)
-    return _Cycle(moving, rows, cycle_rows.dead_centres(moving, cycle_rows.main_slider(moving.scene)))
+    return _Cycle(moving, rows, cycle_rows.dead_centres(moving, main_slider(moving.scene)))
 
 
 def diagrams(machine: engine.Scene | engine.MovingMachine) -> Figure:
@@ -81,7 +82,7 @@ def diagrams(machine: engine.Scene | engine.MovingMachine) -> Figure:
         if scene.title:
             figure.suptitle(scene.title, fontweight="bold")
         if cycle.centres:
-            words = f"Vertical lines: dead centres of {cycle_rows.main_slider(scene)}."
+            words = f"Vertical lines: dead centres of {main_slider(scene)}."
             figure.supxlabel(words, fontsize=7, x=0.01, ha="left")
     return figure
 

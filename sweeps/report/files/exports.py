@@ -17,7 +17,14 @@ from sweeps.text.input_files import InputError, need_known
 ROWS_AT_A_TIME = 1 << 16
 
 
-def result_table(path: Path, names: Sequence[str] = (), where: Where = None) -> DataTable:
+def result_table(
+    path: Path,
+    names: Sequence[str] = (),
+    where: Where = None,
+    sort: str | None = None,
+    descending: bool = False,
+    most: int | None = None,
+) -> DataTable:
     """Parameters and some columns of a result; with fields, a row per variant and position.
 
     Parameters
@@ -29,6 +36,8 @@ def result_table(path: Path, names: Sequence[str] = (), where: Where = None) -> 
     where : str or sequence of str, optional
         Only computed variants that meet these conditions; default: those computed successfully, without `names` all of
         them, including failed ones.
+    sort, descending, most
+        As for `SweepResult.select`; only variants computed successfully, if any of these is given.
 
     Raises
     ------
@@ -39,7 +48,8 @@ def result_table(path: Path, names: Sequence[str] = (), where: Where = None) -> 
     result.show_own_units()
     known = [c.name for c in result.file.described]
     result.need(names, "columns", known)
-    met = result.meets(where) if where or names else None
+    every = not (names or where or sort or most)
+    chosen = np.arange(result.file.variants) if every else result.select(where, sort, descending, most)
     if not names:
         errors = [f"{name}_error" for name in result.summaries]
         names = [n for n in ("status", "status_at", *result.summaries, *errors, *known) if n in result.columns]
@@ -51,6 +61,7 @@ def result_table(path: Path, names: Sequence[str] = (), where: Where = None) -> 
         raise InputError.of("--columns", message, key=", ".join(fields))
     axis = next(iter(axes.values()), None)
     places = axis.values.size if axis else 1
+    rows = max(ROWS_AT_A_TIME // places, 1)
 
     def column(name: str, here: np.ndarray) -> np.ndarray:
         if name in fields:
@@ -60,8 +71,9 @@ def result_table(path: Path, names: Sequence[str] = (), where: Where = None) -> 
         return np.repeat(here if name == "variant" else result.columns[name][here], places)
 
     def parts(wanted: Sequence[str]) -> Iterator[dict[str, np.ndarray]]:
-        for here in result.chosen_parts(met, max(ROWS_AT_A_TIME // places, 1)):
+        for here in np.split(chosen, range(rows, chosen.size, rows)):
             yield {name: column(name, here) for name in wanted}
+            result.release()
 
     along = {axis.name: axis.units} if axis else {}
     return DataTable((*asked, *along, *fields), dict(result.units) | along, result.file.title, parts)

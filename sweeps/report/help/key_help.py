@@ -97,6 +97,8 @@ def key_text(asked: str) -> str:
         known = {".".join(key.path[n:]) for key in _keys() for n in range(len(key.path)) if key.path[n] != NAME}
         near = engine.nearest_names(asked, known | {key.kind for key in _keys() if key.kind}, 3)
         hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "`sweeps help` lists all tables"
+        if " " in asked.strip():
+            hint = f"no text has all these words; try fewer, such as `sweeps help {max(asked.split(), key=len)}`"
         raise InputError.of("help", f"scenes and studies have no key or type {asked!r}; {hint}")
     return "\n\n".join(_paragraphs(found))
 
@@ -126,8 +128,9 @@ def _about(words: Sequence[str]) -> str:
         parts += ["Keys (`sweeps help KEY`):", table(nearest[:MOST_KEYS], "  ")]
     if guide:
         parts.append(f"Guide: {', '.join(f'`sweeps guide {name}`' for name in guide)}")
-    texts = {f"sweeps run {name}": f"{name}: {asked}" for name, asked in questions().items()}
-    texts |= {f"sweeps new {name}": f"{name}: {title}" for name, title in templates().items()}
+    # Templates first: they are shorter.
+    texts = {f"sweeps new {name}": f"{name}: {title}" for name, title in templates().items()}
+    texts |= {f"sweeps run {name}": f"{name}: {asked}" for name, asked in questions().items()}
     # Those with the words themselves come before those with synonyms.
     times = {command: _mentions(text.replace("_", " "), words) for command, text in texts.items()}
     found = [command for command in sorted(times, key=times.get, reverse=True) if any(times[command])]

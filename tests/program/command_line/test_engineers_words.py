@@ -193,3 +193,4 @@ def test_help__knows_every_key_at_the_top():
 
 def test_help__of_an_unknown_key_names_what_is_near():
     assert "did you mean 'input.length'" in refused("help", "inptu.lenght")
+    assert "try fewer, such as `sweeps help flywheel`" in refused("help", "flywheel", "recipe")

@@ -10,6 +10,7 @@ from commands import done, refused
 from pyarrow import parquet
 from scipy.io import loadmat
 
+import sweeps
 from sweeps import read
 from sweeps.report.files import data_files, exports
 from sweeps.report.recorded import result_file
@@ -75,6 +76,18 @@ def test_columns_without_a_field__have_a_row_for_each_variant(result):
     lines = Path("t.csv").read_text().splitlines()
     assert lines[0] == "variant,input.length [m],ram.stroke_error [m]"
     assert len(lines) == 4
+
+
+def test_sorted_table__has_the_variants_that_show_lists(result, monkeypatch):
+    monkeypatch.setattr(exports, "ROWS_AT_A_TIME", 2)
+    order = ("--sort", "ram.stroke", "--descending", "--limit", "3")
+    done("export", "r.h5", "--columns", "ram.stroke", *order, "--to", "t.csv")
+    with Path("t.csv").open() as file:
+        numbers = [int(row["variant"]) for row in csv.DictReader(file)]
+    assert numbers == sweeps.SweepResult(Path("r.h5")).select(None, "ram.stroke", True, 3).tolist()
+    assert numbers != sorted(numbers)
+    told = refused("export", "r.h5", "--sort", "-ram.stroke", "--to", "t.csv")
+    assert "--sort ram.stroke --descending" in told
 
 
 def test_table_in_parts__is_the_table_as_a_whole(result, monkeypatch):

@@ -193,9 +193,10 @@ def test_html__takes_a_title_for_text_not_for_markup(machine):
 
 
 def test_html_of_what_cannot_be_drawn__says_why(machine):
-    long = machine.scene.model_copy(update={"input": machine.scene.input.model_copy(update={"length": 3.0})})
-    assert "<svg" not in sweeps.to_html(long)
-    assert "<table>" in sweeps.to_html(long)
+    far = machine.scene.points["O"].model_copy(update={"x": 10.0})
+    apart = machine.scene.model_copy(update={"points": machine.scene.points | {"O": far}})
+    assert "<svg" not in sweeps.to_html(apart)
+    assert "<table>" in sweeps.to_html(apart)
     with pytest.raises(TypeError, match="int can't be displayed"):
         sweeps.to_html(3)
 

@@ -204,6 +204,12 @@ def test_page__curves_are_those_of_the_best_machine(page, result):
     assert ram["values"][0] == pytest.approx(ram["values"][-1])
 
 
+def test_page__breaks_long_names_over_narrow_columns(page):
+    heads = re.findall(r"<th[^>]*>(.*?)</th>", page.read_text(encoding="utf8"))
+    assert any("bodies.<wbr>" in head for head in heads)
+    assert not any(re.search(r"[a-z][._](?!<wbr>)[a-z]", head) for head in heads)
+
+
 def test_page__carries_machines_of_other_variants_in_the_order_of_merit(page, result):
     digest = Digest(result)
     numbers = [machine["number"] for machine in data_of(page, "motion")["machines"]]

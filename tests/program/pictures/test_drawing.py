@@ -23,12 +23,13 @@ from matplotlib.figure import Figure
 
 from engine import Scene
 from sweeps import read_scene
-from sweeps.pictures.drawing import LAYERS, DrawnMotion, draw, picture, primitives
-from sweeps.pictures.drawing.figures import figures
+from sweeps.pictures.drawing import LAYERS, DrawnMotion, draw, picture, position_text, primitives
+from sweeps.pictures.drawing.figures import default_position, figures
 from sweeps.pictures.drawing.frame import frame_parts, stands
 from sweeps.pictures.drawing.guides import rails_of
 from sweeps.pictures.drawing.racks import rack_shapes
 from sweeps.pictures.drawing.symbols import HALF_LENGTH
+from sweeps.pictures.picture_files import machine_pictures
 from sweeps.pictures.style import save
 from sweeps.text.scene_text import with_values
 from sweeps.text.templates import bundled_templates
@@ -315,6 +316,20 @@ test_what_cannot_be_drawn__is_refused = refusals(
         "undefined at every position",
     ),
 )
+
+
+def test_machine_that_assembles_in_part__is_drawn_where_it_does_without_diagrams(tmp_path):
+    short = with_values(slider_crank(), {"groups.g.first.length": 0.03})
+    crank = float(DrawnMotion(short).numbers["input.length"])
+    reach = math.degrees(math.asin(0.03 / crank))
+    assert 0 < reach < 60
+    # Of 720 nodes, the last at which it assembles.
+    drawn = default_position(DrawnMotion(short))
+    assert math.degrees(drawn) == pytest.approx(reach - reach % 0.5)
+    title = picture(short).axes[0].get_title("left")
+    assert "assembles only for input" in title
+    assert position_text(short, drawn).replace(" ", "\xa0") in title
+    assert machine_pictures(short, tmp_path / "m.svg") == [tmp_path / "m.svg"]
 
 
 def test_draw__first_position_black_others_light_axes_equal():

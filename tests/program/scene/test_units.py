@@ -145,6 +145,7 @@ def test_pounds_where_no_dimension_is_known__are_of_force_in_foot_pounds_alone()
 TRAPS = {
     "expected a length such as '80 mm', got 'N m'": [("12 N m", "length")],
     "use a decimal point, not a comma, as in '1.5 mm'": [("1,5 mm", "length")],
+    "write a ratio as a fraction, as in '1/10'": [("1:10", "number"), ("1 : 10", "number")],
     r"ambiguous: 120000 or 120\.000\? Write it without": [("120,000 lbf", "force"), ("120,000", "number")],
     "without commas, 1000.5": [("1,000.5 mm", "length")],
     "ambiguous: the short ton is 2000 lb, the long ton 2240 lb, the metric ton 1000 kg": [

@@ -287,6 +287,8 @@ def test_regime_words__tell_begin_end_and_what_is_off(folder):
             "b": run | {"cycles": 2.5, "from_angle": 1.5707963267948966},
             "c": run | {"time": 3.0, "from_speed": 0.0, "off": ("gravity",)},
             "d": run | {"speed": 6.283185307179586, "from_speed": 3.141592653589793},
+            "e": {"type": "steady"},
+            "f": run | {"rest": True, "from_angle": 1.5707963267948966},
         }
     )
     assert [regime_words(scene, name) for name in scene.regimes] == [
@@ -294,6 +296,8 @@ def test_regime_words__tell_begin_end_and_what_is_off(folder):
         "run from φ = 90 ° with the final speed of a for 2.5 cycles",
         "run from rest for 3 s; off: gravity",
         "run from 30 rpm until 60 rpm",
+        "steady running",
+        "run from φ = 90 ° of e to rest",
     ]
 
 
@@ -306,7 +310,8 @@ def test_telling_summaries__exist_and_leave_out_what_does_not_act(folder):
     assert list(of) == ["start", "work", "stop"]
     assert not any("useful" in name or "brake" in name or "final" in name for name in of["start"])
     assert {"work.useful_work", "work.efficiency", "work.multiplier"} <= set(of["work"])
-    assert of["stop"] == ["stop.time", "stop.angle", "stop.brake_heat"]
+    places = ["stop.final_position", "stop.ram.final_position"]
+    assert of["stop"] == ["stop.time", "stop.angle", *places, "stop.brake_heat"]
     assert by_regime(scene, ["ram.stroke", "stop.time"]) == {"": ["ram.stroke"], "stop": ["stop.time"]}
 
 

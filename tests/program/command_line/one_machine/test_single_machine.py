@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import re
 import tomllib
 from pathlib import Path
 
@@ -73,12 +74,30 @@ def test_show_at__tells_the_main_fields_or_all_without_rounding(press):
     assert "e-" not in every
 
 
+def test_show_at__takes_evenly_spaced_angles(press_folder):
+    answers = [done("show", "press.toml", "--at", at, "--columns", "B.y") for at in ("0 to 90, 4", "0, 30, 60, 90")]
+    assert answers[0] == answers[1]
+    assert "from 2 to 100000 positions" in refused("show", "press.toml", "--at", "0 to 90, 0")
+
+
 def test_show_at__in_json_has_several_angles_and_numbers_set_anew(press_folder):
     answer = said("show", "press.toml", "--at", "0, 1 rad", "--columns", "B.y", "--json", "--set", "input.length=60 mm")
     told = json.loads(answer.stdout)
     assert told["phi"]["values"] == [0, 1]
     assert told["B.y"]["unit"] == "m"
     assert told["B.y"]["values"] == pytest.approx([slide(0, 0.06), slide(1, 0.06)], abs=1.5 * BY_LINES)
+
+
+def test_show_at__of_a_machine_that_assembles_in_part_says_where(press_folder):
+    lines = said("show", "press.toml", "--at", "0, 90 deg", "--set", "input.length=0.5 m").stdout.splitlines()
+    # |cos φ| ≤ l/r, found in steps of 0.05°.
+    ends = [float(end) for end in re.findall(r"[\d.]+(?= °)", lines[0])]
+    reach = math.degrees(math.acos(ROD / 0.5))
+    assert ends == pytest.approx([reach, 180 - reach, 180 + reach, 360 - reach], abs=0.05)
+    names = {line.split()[0]: line for line in lines[2:-2]}
+    assert " – " in names["B.y"]
+    assert "work" not in names
+    assert re.fullmatch(r"\d+ more are undefined here\.", lines[-1])
 
 
 def test_reading__outside_the_range_of_the_input_is_refused():
