@@ -39,6 +39,8 @@ SURELY_NOTHING = 4.0 * UNKNOWN_ROOT
 VARIANTS_AT_ONCE = 8192
 # Summaries that are relative differences, zero if two numbers agree.
 _RELATIVE_ALREADY = ("_difference", "_residual", "_disagreement")
+# Summaries that are directions and arcs of a load: zero is a place like any other.
+_OF_A_RADIAN = ("load_direction_of_", "unloaded_arc_of_", "unloaded_middle_of_")
 
 
 class Machine:
@@ -421,11 +423,13 @@ class Machine:
         """Ratio of a summary's error estimate to the permitted error.
 
         A quantity that may vanish is judged by the peaks of the curves it is computed from: the statistic of a field by
-        the field's peak, others by their error if these curves were off by the permitted accuracy. Positions of
-        extremes don't count: at a flat extreme the position is hardly defined, and nothing depends on it.
+        the field's peak, others by their error if these curves were off by the permitted accuracy, the direction of a
+        load by a radian. Positions of extremes don't count: at a flat extreme the position is hardly defined, and
+        nothing depends on it.
         """
         accuracy, (field, _, statistic) = self.accuracy or 1.0, name.rpartition(".")
-        own = accuracy * (1.0 if name.endswith(_RELATIVE_ALREADY) else np.abs(found.value))
+        of_one = name.endswith(_RELATIVE_ALREADY) or statistic.startswith(_OF_A_RADIAN)
+        own = accuracy * (1.0 if of_one else np.abs(found.value))
         if statistic in STATISTICS:
             allowed = accuracy * answers.peak(self.register.fields[field].curve())
         else:

@@ -19,8 +19,9 @@ from engine.quantities.expressions import Angle
 
 # Rows of the ends of each variant's range, if the positions are the same for all variants.
 NONE = (-1, -1)
-# Shortest step, as a fraction of the distance of two positions, in which a direction that turns sharply is followed.
-LEAST_STEP = 2.0**-40
+# Shortest step, as a fraction of the position, in which a direction that turns sharply is followed: shorter ones are
+# lost in the rounding of a position far from zero.
+LEAST_STEP = 2.0**-50
 
 
 def field_node(curve: Node | Angle) -> Node:
@@ -117,7 +118,7 @@ def _turned(
     """
     k, here, last = ends
     q, stop = scratch.at[0, k - 1], scratch.at[0, k]
-    total, least, step = 0.0, LEAST_STEP * abs(stop - q), stop - q
+    total, least, step = 0.0, LEAST_STEP * max(abs(q), abs(stop)), stop - q
     while q != stop:
         ahead, angle = q + step, last
         if abs(stop - q) <= abs(step):

@@ -60,6 +60,10 @@ def _law(assembly: Assembly, name: str) -> Law:
         lag = graph.derived(f"begin of {name}", lambda n: np.mod(n[f"{at}.begin"], math.tau))
         turns = turns_of_input(assembly.scene.input, law_rate(assembly.scene, name))
         law = _sum(law, add_program(graph, second, at, Turned(argument - lag, rate, turns)))
+        if second.advance:
+            # The program starts at `begin` itself, not at the same place of the first turn.
+            before = graph.derived(f"turns before begin of {name}", lambda n: n[f"{at}.begin"] // math.tau)
+            law = law[0] - second.advance * before, *law[1:]
     place, slope, bend = law[0], rate * law[1], (rate * rate) * law[2] + growth * law[1]
     if getattr(second, "speed", 0.0) != 0.0:
         clock, even = assembly.course.clock, assembly.number(f"{at}.speed")

@@ -127,6 +127,30 @@ def test_body_on_a_lever__moves_as_integrated_in_fixed_axes(speed, velocity, fri
         assert value == pytest.approx(there, rel=1e-6, abs=error + 1e-9), name
 
 
+@some
+@given(st.floats(0.1, 300.0), st.floats(0.0, 5.0), st.floats(0.0, 2.0), st.floats(-9.0, -0.1))
+def test_body_on_a_lever__heats_it_as_its_exponentials_do(speed, velocity, friction, way):
+    """In many digits, also over a short way, where the exponentials cancel."""
+    start = 0.5 * (1.0 - 10.0**way)
+    lever = LEVER | {"speed": speed, "start_velocity": velocity, "friction": friction, "start_radius": start}
+    (turned, _), (heat, error) = figures(lever, "turned_angle", "friction_work")
+    with mpmath.workdps(50):
+        r, v, f = mpmath.mpf(start), mpmath.mpf(velocity) / mpmath.mpf(speed), mpmath.mpf(friction)
+        rates = [-f + mpmath.sqrt(1 + f**2), -f - mpmath.sqrt(1 + f**2)]
+        terms = [(v - other * r) / (own - other) for own, other in (rates, rates[::-1])]
+        off = lambda y: mpmath.fdot(terms, [mpmath.exp(rate * y) for rate in rates]) - mpmath.mpf(0.5)  # noqa: E731
+        end = mpmath.findroot(off, turned)
+        wanted = sum(
+            term * one * rate * other * (mpmath.expm1((rate + other) * end) / (rate + other) if rate + other else end)
+            for term, rate in zip(terms, rates, strict=True)
+            for one, other in zip(terms, rates, strict=True)
+        )
+        wanted *= 2 * f * mpmath.mpf(0.4) * mpmath.mpf(speed) ** 2
+        # The rounding of both radii, and of some tens of operations. Products below the normal numbers vanish.
+        room = min(error, 64 * np.finfo(float).eps * 10.0**-way * wanted)
+        assert abs(heat - wanted) <= room + np.finfo(float).tiny
+
+
 # A wound flywheel
 
 

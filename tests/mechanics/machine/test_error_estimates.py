@@ -108,6 +108,16 @@ def test_what_vanishes_by_nature__reaches_the_accuracy():
         assert all(abs(found.summaries[name][0]) < 1e-9 for name in zeros)
 
 
+def test_direction_of_zero_and_load_all_around__reach_the_accuracy():
+    """A bar without mass is loaded along its axis; the weight of a slow crank turns all around in the crank's axes."""
+    bodies = {"wheel": {"link": "crank", "mass": 2.0}, "ram_body": {"link": "ram", "mass": 0.01}}
+    scene = Scene.model_validate(PRESS | {"input": crank(length=0.05, speed=0.1), "bodies": bodies})
+    for name in ("g.first.load_direction_of_rod", "input.unloaded_arc_of_crank"):
+        found = Machine(scene, [name, "accuracy_reached"], accuracy=1e-9).evaluate({}).summaries
+        assert abs(found[name][0]) < 1e-12
+        assert found["accuracy_reached"][0] == 1.0
+
+
 def test_force_that_is_only_rounding__leaves_others_their_accuracy():
     """A rod without mass has no force across it, beside φ = 0 to the same bits from whichever panel."""
     names, scene = ["input.unloaded_arc_of_crank", "input.reaction.mean"], Scene.model_validate(ELLIPSES)

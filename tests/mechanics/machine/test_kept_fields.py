@@ -124,3 +124,28 @@ def test_force_that_is_not_there__has_the_direction_zero():
     outcome = Machine(light, [], ["g.inner.reaction_direction"]).evaluate({})
     assert outcome.status[0] == Verdict.OK
     assert (outcome.fields["g.inner.reaction_direction"] == 0.0).all()
+
+
+def test_direction_that_jumps_far_from_zero__is_followed_to_the_end():
+    """Steps down to a fraction of the distance of two positions didn't move a position of 1000π, and never ended."""
+    centre, half = 1000 * np.pi, 1e-4
+    limited = FOUR_BAR["input"] | {"start": centre - half, "stop": centre + half}
+    scene = Scene.model_validate(
+        {
+            "gravity": 9.81,
+            "points": {"O": frame(0.0, 0.0)},
+            "guides": {"way": {}},
+            "input": limited,
+            "groups": {"g": rrp("B", ("rod", "A", 0.2), "ram", "way")},
+            "bodies": {"ram": {"link": "ram", "mass": 1.0}},
+            # It changes its sense at the dead centre.
+            "forces": {"rub": {"type": "against_motion", "on": "B", "angle": 0.0, "force": 9.81}},
+        }
+    )
+    names = [f"input.reaction_{part}" for part in ("x", "y", "direction")]
+    outcome = Machine(scene, [], names, [], 16).evaluate({})
+    assert outcome.status[0] == Verdict.OK
+    x, y, direction = (outcome.fields[name][0] for name in names)
+    off = direction - np.arctan2(y, x)
+    np.testing.assert_allclose(off, 2 * np.pi * np.rint(off / (2 * np.pi)), rtol=0, atol=8 * EPS * np.pi)
+    assert (np.abs(np.diff(direction)) > 0.5).sum() == 1

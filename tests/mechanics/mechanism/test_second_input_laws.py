@@ -226,6 +226,21 @@ def test_index_table__goes_on_by_a_quarter_in_each_turn_and_rests():
     assert greatest == pytest.approx(0.05 * (2 * 90 / 120) ** 2, rel=1e-13)
 
 
+def test_index_table__starts_at_its_begin_in_any_turn():
+    """Taken modulo a turn, a begin of −1° would put the table a quarter back."""
+    begins = np.radians([-361.0, -359.0, -1.0, 1.0, 359.0, 361.0, 1000.0])
+    scene = Scene.model_validate(INDEX | {"points": INDEX["points"] | {"P": {"link": "table", "x": 1.0, "y": 0.0}}})
+    machine = Machine(scene, [], ["P.x", "P.y"], ["inputs.table.begin"], 4 * NODES)
+    x, y = machine.evaluate({"inputs.table.begin": begins}).fields.values()
+    since = machine.nodes - begins[:, None]
+    gone = np.floor(since / (2 * math.pi))
+    on, _, _ = cycloidal(since - 2 * math.pi * gone, 2 * math.pi / 3, math.pi / 2)
+    arrived = since - 2 * math.pi * gone > 2 * math.pi / 3
+    law = 0.2 + math.pi / 2 * (gone + arrived) + on
+    # The angles' rounding, in up to seven turns.
+    np.testing.assert_allclose(x - 0.2 + 1j * y, np.exp(1j * law), atol=64 * EPS)
+
+
 HARMONICS = {"one": {"order": 1, "cosine": 0.2, "sine": -0.3}, "three": {"order": 3, "cosine": 0.04, "sine": 0.05}}
 FIVE_BAR = five_bars.JOINED | {
     "inputs": {"second": {"type": "crank", "pivot": "C", "ratio": -1, "phase": 0.5, "harmonics": HARMONICS}}
