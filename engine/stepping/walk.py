@@ -193,12 +193,12 @@ def choose(edges: int, instants: int, most_steps: int, task: WalkTask, room: Roo
 @routine
 def decide_steps(task: WalkTask, room: Room) -> bool:
     """Set `taken` in lanes that accept the step; other lanes try another length. Returns whether any lane accepts."""
-    own, took = room.lane, False
+    own, took, bends = room.lane, False, task.kinks.shape[0] > 0
     fires(task.extremes, task, room)
     for lane in range(LANES):
         own.taken[lane] = 0.0
         if own.length[lane] > 0.0:
-            if aims_at_kink(lane, task, room):
+            if bends and aims_at_kink(lane, task, room):
                 continue
             if not own.missed[lane] <= 1.0 and not is_rounding(lane, room):
                 shorten(lane, task, room)
