@@ -560,7 +560,7 @@ class Graph:
 
     def bends(self, node: Node, curve: Node) -> None:
         """Declare that a node has a kink where a curve changes sign, as |x| has at the zeros of x."""
-        if node.stage == curve.stage == Stage.POSITION:
+        if min(node.stage, curve.stage) >= Stage.POSITION:
             self._bends.setdefault(curve, set()).add(node)
 
     def kinks_behind(self, nodes: Iterable[Node]) -> list[Node]:

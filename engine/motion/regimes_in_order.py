@@ -1,7 +1,8 @@
 """The regimes of a scene in order, for many variants, with an error estimate for every number.
 
 Runs over the crank angle and steady running propagate the errors of their steps; fields of steady running, and what
-follows a run, are evaluated again with these errors added. All other motions run three times, twice for comparison.
+follows a run, are evaluated again with these errors added. All other motions run three times, twice for comparison;
+with friction in pairs, the comparisons displace the ends of their steps by the error estimates of these.
 The error estimate is the larger of the propagated error and the range of the results, plus the rounding of the
 energies.
 """

@@ -26,7 +26,7 @@ from engine.stepping.steps.implicit_stages import find_stages
 from engine.stepping.steps.step_guards import ROOT
 from engine.stepping.steps.step_lanes import FOUND, GIVEN, RESPONSES, STEEPNESS, Printed, WalkBatch, new_room
 from engine.stepping.walk import STEEPEST, StepAddresses, attempt, lay_steps, repeat_steps, walk
-from engine.stepping.walk_task import WALKS, WalkTask
+from engine.stepping.walk_task import DISPLACED, WALKS, WalkTask
 
 # Fractions of a step at which its polynomial of degree seven is recorded.
 RECORDED_AT = 0.5 - 0.5 * np.cos(np.pi * np.arange(8) / 7.0)
@@ -189,8 +189,10 @@ class PrintedSystem:
         self.rates = [*system.rates, *system.gathered.values()]
         size, steepness = (graph.zero if node is None else node for node in (system.size, system.steepness))
         before = system.speed, size, steepness, system.slope
-        behind = *system.scales, *system.further.values(), *system.held.values(), *system.guards, *system.switches
-        self.watched = [*before, *system.responses, *system.slopes, *behind]
+        ends = *system.held.values(), *system.guards, *system.switches
+        shown = [*before, *system.responses, *system.slopes, *system.scales, *system.further.values()]
+        kinks = graph.kinks_behind(system.rates)
+        self.watched, self._kinks = [*shown, *kinks, *ends], len(shown) + np.arange(len(kinks))
         self.last = (*system.states, *system.unknown.values())
         self.functions: Functions = functions_in_motion(graph, first, last, self.rates, self.watched, self.last)
         self.levels = LevelValues(self.functions)
@@ -237,6 +239,7 @@ class PrintedSystem:
             stages=made.stages,
             fixed=not made.fine.any(),
             longer=longer,
+            displaces=DISPLACED[WALKS.index(longer)] if system.unknown and not made.implicit else 0.0,
             steepest=STEEPEST if system.along == "angle" else STEEPEST / max(WALKS) * longer,
             implicit=made.implicit,
             solved=math.isqrt(len(system.slopes)),
@@ -251,6 +254,7 @@ class PrintedSystem:
             watched=len(self.watched),
             guards=len(system.guards) + len(system.switches),
             endings=len(system.guards),
+            kinks=self._kinks,
             carries=len(system.responses) > 0 and bool(made.fine.any()),
             first_place=len(rows) - len(self.last) - len(self.functions.curves),
             places=len(self.functions.curves),

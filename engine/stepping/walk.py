@@ -40,6 +40,7 @@ from engine.stepping.steps.step_errors import (
     shorten,
 )
 from engine.stepping.steps.step_guards import (
+    aims_at_kink,
     fires,
     hides_top,
     hides_two,
@@ -108,7 +109,7 @@ def attempt(kept: int, keeps: bool, addresses: StepAddresses, batch: WalkBatch, 
                 look(0, printed, task, room)
             if keeps:
                 keep_place(s, task, room)
-    judged = task.width if task.carries else task.states
+    judged = task.width if task.carries or task.displaces != 0.0 else task.states
     step_end(task.method, judged, task.width, begin, own.length, k, after, errors)
     if task.implicit:
         count, first = task.stages * task.solved, 1 if task.along_time else 0
@@ -175,7 +176,8 @@ def choose(edges: int, instants: int, most_steps: int, task: WalkTask, room: Roo
         else:
             until, most = min(until, edge_ahead(lane, room)), min(most, own.farthest[lane])
             most = equal_part(most, lane, task, room) if task.fixed else most
-        rest = until - own.at[lane]
+        rest = min(until - own.at[lane], own.aim[lane])
+        own.aim[lane] = math.inf
         # A distance of too many steps isn't divided.
         parts = math.ceil(rest / most * NEARLY_ALL) if rest < MOST_PARTS * most else 0
         if parts == 1:
@@ -191,11 +193,13 @@ def choose(edges: int, instants: int, most_steps: int, task: WalkTask, room: Roo
 @routine
 def decide_steps(task: WalkTask, room: Room) -> bool:
     """Set `taken` in lanes that accept the step; other lanes try another length. Returns whether any lane accepts."""
-    own, took = room.lane, False
+    own, took, bends = room.lane, False, task.kinks.shape[0] > 0
     fires(task.extremes, task, room)
     for lane in range(LANES):
         own.taken[lane] = 0.0
         if own.length[lane] > 0.0:
+            if bends and aims_at_kink(lane, task, room):
+                continue
             if not own.missed[lane] <= 1.0 and not is_rounding(lane, room):
                 shorten(lane, task, room)
             elif hides_top(lane, task, room):
@@ -220,6 +224,9 @@ def advance(task: WalkTask, room: Room) -> None:
     row, carried_errors = task.watched + SPEED, room.carried_errors
     if task.carries:
         carry_errors(task, room)
+    for q in range(task.width if task.displaces != 0.0 else 0):
+        for lane in range(LANES):
+            after[q, lane] += task.displaces * abs(room.errors[q, lane])
     for q in range(task.width):
         for lane in range(LANES):
             begin[q, lane] = after[q, lane] if own.taken[lane] > 0.0 else begin[q, lane]
@@ -290,7 +297,7 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
         speed = watched[task.watched + SPEED, lane]
         if task.along_time and not task.signed and own.why[lane] == GOING and 0.0 < speed < own.floor[lane]:
             own.why[lane] = FADED
-        own.trials[lane], own.refused[lane] = 0.0, math.inf
+        own.trials[lane], own.aims[lane], own.refused[lane] = 0.0, 0.0, math.inf
         own.alone[lane] = 1.0 if at_edge or switched or ends_at_instant(lane, room) else 0.0
         if task.fixed:
             own.pace[lane] = own.farthest[lane]
@@ -427,7 +434,7 @@ def take_in(first: int, batch: WalkBatch, task: WalkTask, room: Room) -> None:
         own.slow_off[lane], own.fast_off[lane] = math.nan, math.nan
         own.steps[lane], own.scale[lane], own.trials[lane], own.free[lane] = 0.0, 0.0, 0.0, -math.inf
         own.begins[lane], own.ends[lane], own.refused[lane] = -math.inf, math.inf, math.inf
-        own.alone[lane], own.exact[lane] = 1.0, 0.0
+        own.aim[lane], own.aims[lane], own.alone[lane], own.exact[lane] = math.inf, 0.0, 1.0, 0.0
         own.why[lane] = GOING if lane < last and own.at[lane] < own.goal[lane] else GOAL
         find_edge(lane, edges, task, room)
         look_ahead(lane, edges, room)

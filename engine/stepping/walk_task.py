@@ -15,6 +15,11 @@ import numpy as np
 LONGEST = 2.0
 WALKS = (1.0, LONGEST, math.sqrt(2.0))
 COARSER, COARSEST = 7, 1e-1
+# With friction in pairs, each walk displaces the ends of its steps by these multiples of their error estimates. A
+# reaction that passes near zero bends friction within a few degrees, so longer steps miss no more than shorter ones,
+# and the range of three results may be small by chance. The multiples fall as the errors of smooth steps grow, by the
+# eighth power of the factors. A motor so steep that steps are implicit would answer with a jump of its torque.
+DISPLACED = (0.0, -0.125, 2.0)
 
 
 def tolerance_of_walk(tolerance: float, longer: float) -> float:
@@ -68,6 +73,8 @@ class WalkTask(NamedTuple):
         Whether steps have fixed lengths.
     longer : float
         One of `WALKS`.
+    displaces : float
+        Multiple of their error estimates by which the ends of steps are displaced.
     steepest : float
         Limit of |h ∂f/∂y| for an explicit step.
     nodes : ndarray
@@ -89,6 +96,8 @@ class WalkTask(NamedTuple):
     watched, guards, endings : int
         Number of rows of `watch`, of the guards, which are the last ones, and of the first guards, which end the walk;
         others change held numbers.
+    kinks : ndarray of int
+        Rows of `watch` at whose changes of sign the rates have kinks.
     carries : bool
         Whether error estimates are propagated.
     first_place, places, rated : int
@@ -116,6 +125,7 @@ class WalkTask(NamedTuple):
     stages: int
     fixed: bool
     longer: float
+    displaces: float
     steepest: float
     implicit: bool
     solved: int
@@ -130,6 +140,7 @@ class WalkTask(NamedTuple):
     watched: int
     guards: int
     endings: int
+    kinks: np.ndarray
     carries: bool
     first_place: int
     places: int

@@ -68,15 +68,16 @@ def rate(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
 def solve_rates(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
     """Rates of a stage by secants, where the rate of a state depends on itself, as friction does on the acceleration.
 
-    It is sought from 0, so that no step depends on others or on other lanes. Where the iteration fails, the rate is NaN
-    and the step is rejected.
+    The search starts at the rate of the previous stage, or at 0, so that no step depends on others or on other lanes.
+    Where the iteration fails, the rate is NaN and the step is rejected.
     """
     own, row = room.lane, task.first_place + task.places
     here, state = in_lanes(room.numbers)[row + task.states], in_lanes(room.numbers)[row + task.solves]
     found = in_lanes(room.rates)[stage * task.width + task.solves]
     before, left_before = room.secants[0], room.secants[1]
+    known = in_lanes(room.rates)[max(stage - 1, 0) * task.width + task.solves]
     for lane in range(LANES):
-        here[lane] = 0.0
+        here[lane] = known[lane] if stage > 0 else 0.0
     for turn in range(MOST_SECANTS):
         fill_rates(stage, printed, task, room)
         pending = False

@@ -1,4 +1,4 @@
-"""Guards: roots at which a step must end, extremes of the speed, and numbers that a root changes."""
+"""Guards: roots at which a step must end, kinks, extremes of the speed, and numbers that a root changes."""
 
 import math
 
@@ -16,6 +16,9 @@ ROOT, MOST_TRIALS = 4e-16, 60
 TINY = 1e-292
 # Below this fraction of its final value a guard is too small for the secant; try this fraction of the step instead.
 NEXT_TO_NOTHING, LEAP = 1e-3, 0.1
+# A step that passes a kink is repeated up to the kink, unless that is within this fraction of the step from an end;
+# maximum number of repetitions, which a jump instead of a kink would need without end.
+NEXT_TO_END, MOST_AIMS = 2e-3, 6
 # An extreme of the speed is found once the slope is below the fraction FLAT √tolerance of its terms: the speed misses
 # the extreme by the square of that. To bracket it, a trial step overshoots by the fraction BEYOND of the bracket, the
 # second by BEHIND of its own distance.
@@ -270,6 +273,28 @@ def missed_top(lane: int, task: WalkTask, room: Room) -> float:
     far = guard(RISE, lane, 1, task, room)
     found = own.trials[lane] > 0.0 and near > 0.0 and far < 0.0
     return far * far * (own.length[lane] - own.short[lane]) / (near - far) if found else 0.0
+
+
+@inlined
+def aims_at_kink(lane: int, task: WalkTask, room: Room) -> bool:
+    """Whether a step passes a kink of the rates; the next trial ends there, by the secant.
+
+    The error estimate may be blind to a kink between two stages. Close to an end of the step it isn't, and the error is
+    small.
+    """
+    own, watched = room.lane, in_lanes(room.watched)
+    if not (own.missed[lane] < math.inf and own.trials[lane] == 0.0 and own.aims[lane] < MOST_AIMS):
+        return False
+    beside = min(NEXT_TO_END, own.tolerance[lane])
+    first = math.inf
+    for i in range(task.kinks.shape[0]):
+        near, far = watched[task.kinks[i], lane], watched[task.watched + task.kinks[i], lane]
+        share = near / (near - far) if near * far < 0.0 else math.inf
+        first = share if beside < share < min(first, 1.0 - beside) else first
+    if first < 1.0:
+        own.aim[lane] = first * own.length[lane]
+        own.aims[lane] += 1.0
+    return first < 1.0
 
 
 @inlined

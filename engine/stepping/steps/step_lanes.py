@@ -85,6 +85,8 @@ class Lane(NamedTuple):
         Speed by which a step that ends at an extreme of the speed misses it.
     settled : row
         Speed that may be reached within an implicit step with an extreme, unresolved; else NaN.
+    aim, aims : row
+        Length of the next trial step up to a kink, infinite if none; number of such trials since an accepted step.
     refused : row
         Error estimate, relative to the tolerance, of the last rejected step; infinite if none since an accepted step.
     alone : row
@@ -143,6 +145,8 @@ class Lane(NamedTuple):
     ended: Row
     top_off: Row
     settled: Row
+    aim: Row
+    aims: Row
     refused: Row
     alone: Row
     exact: Row

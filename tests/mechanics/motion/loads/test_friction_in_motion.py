@@ -160,6 +160,54 @@ def test_start__motors_pay_for_energy_loads_and_friction():
     assert abs(work["work_residual"]) <= found.figure("go.work_residual") + 1e-9
 
 
+def missed_by_runs(regime: dict, rough: float) -> tuple[np.ndarray, np.ndarray]:
+    """Errors of random machines over their estimates, and relative errors; the pins are `rough` times as rough."""
+    count, rng = 64, np.random.default_rng(6)
+
+    def around(value: float) -> np.ndarray:
+        return value * rng.uniform(0.5, 2.5, count)
+
+    varied = {"bodies.ram_body.mass": around(2.0), STALL: around(12.0), "friction.skirt.length": around(0.08)}
+    for name, pair in PAIRS.items():
+        varied[f"friction.{name}.coefficient"] = around(pair["coefficient"]) * (1.0 if name == "skirt" else rough)
+        if name != "skirt":
+            varied[f"friction.{name}.diameter"] = around(pair["diameter"])
+    names = of("go", "time angle final_speed motor_work harmful_work energy_change")
+    scene, found = rubbing({"go": regime}, flywheel=0.0), {}
+    for accuracy in (1e-10, 1e-3, 1e-4):
+        found[accuracy] = ask(scene, names, varied=varied, accuracy=accuracy)
+        assert set(found[accuracy].status) == {Verdict.OK}
+    exact, beyond, relative = found.pop(1e-10), [], []
+    for one in found.values():
+        for name, value in one.values.items():
+            off = np.abs(value - exact.values[name])
+            # The angle at the end is given, and its estimate is 0.
+            beyond.append(off / np.fmax(one.errors[name] + exact.errors[name], 1e-14 * np.abs(value)))
+            relative.append(off / np.abs(value))
+    return np.array(beyond), np.array(relative)
+
+
+def test_errors_of_runs__are_within_their_estimates_where_reactions_pass_near_zero():
+    """An estimate is the range of three runs, which may be small by chance; takes seconds, for hundreds of runs.
+
+    Of these 768 results 2 exceeded it, by factors of up to 2.2, when no run was displaced, and 20 when steps passed
+    kinks too.
+    """
+    beyond, _ = missed_by_runs(run("dc cut gravity", from_speed=30.0, cycles=3.3), 1.0)
+    assert (beyond > 1.0).sum() <= 1
+    assert beyond.max() <= 1.5
+
+
+def test_runs__end_steps_where_a_slider_changes_the_edge_it_bears_on():
+    """With smooth pins all kinks are the guide's; takes seconds, for hundreds of runs.
+
+    The median error is 8e-9, and was 1e-5 when steps passed kinks.
+    """
+    beyond, relative = missed_by_runs(run("dc push gravity", from_speed=40.0, cycles=4.3), 0.0)
+    assert beyond.max() <= 1.0
+    assert np.median(relative) <= 1e-7
+
+
 def test_steady_motion__is_in_balance_at_every_instant_and_without_friction_what_it_was():
     speed, fields = -10.0, ("input_moment", "input_moment_by_equilibrium", "friction_moment", "speed", "acceleration")
     asked = " ".join(f"on.{name}" for name in fields)
