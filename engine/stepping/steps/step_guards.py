@@ -34,10 +34,13 @@ def next_root(lane: int, task: WalkTask, room: Room) -> float:
     own, guards, count = room.lane, room.guards, FIRST + task.guards
     short, long = own.short[lane], own.long[lane]
     best = long
+    negligible = max(FLAT * FLAT * own.tolerance[lane], ROUNDED) * in_lanes(room.watched)[SPEED, lane]
     if long - short > task.root * long and own.trials[lane] <= MOST_TRIALS:
         for g in range(count):
             near, far = guards[g, lane], guards[count + g, lane]
-            if near > 0.0 and far <= 0.0:
+            # A step to the longer end misses an extreme by less than its slope there times the bracket.
+            missed = (short - long) * far if g == RISE else math.inf
+            if near > 0.0 and far <= 0.0 and missed > negligible:
                 share = top_between(near, far, lane, room) if g == RISE else near / (near - far)
                 # A guard that starts at its zero, or just after it, is too small for the secant.
                 share = LEAP if g != RISE and short == 0.0 and share < NEXT_TO_NOTHING else share
