@@ -34,13 +34,10 @@ def next_root(lane: int, task: WalkTask, room: Room) -> float:
     own, guards, count = room.lane, room.guards, FIRST + task.guards
     short, long = own.short[lane], own.long[lane]
     best = long
-    negligible = max(FLAT * FLAT * own.tolerance[lane], ROUNDED) * in_lanes(room.watched)[SPEED, lane]
     if long - short > task.root * long and own.trials[lane] <= MOST_TRIALS:
         for g in range(count):
             near, far = guards[g, lane], guards[count + g, lane]
-            # A step to the longer end misses an extreme by less than its slope there times the bracket.
-            missed = (short - long) * far if g == RISE else math.inf
-            if near > 0.0 and far <= 0.0 and missed > negligible:
+            if near > 0.0 and far <= 0.0 and not (g == RISE and is_reached(far, long - short, lane, room)):
                 share = top_between(near, far, lane, room) if g == RISE else near / (near - far)
                 # A guard that starts at its zero, or just after it, is too small for the secant.
                 share = LEAP if g != RISE and short == 0.0 and share < NEXT_TO_NOTHING else share
@@ -48,6 +45,16 @@ def next_root(lane: int, task: WalkTask, room: Room) -> float:
                 root = short + (long - short) * share + 0.5 * task.root * long
                 best = root if root < best else best
     return best
+
+
+@inlined
+def is_reached(comes: float, bracket: float, lane: int, room: Room) -> bool:
+    """Whether a step to the longer end of an extreme's bracket, where the slope is `comes`, misses it negligibly.
+
+    The speed falls from the extreme by less than that slope times the bracket.
+    """
+    negligible = max(FLAT * FLAT * room.lane.tolerance[lane], ROUNDED) * in_lanes(room.watched)[SPEED, lane]
+    return -comes * bracket <= negligible
 
 
 @inlined
@@ -260,11 +267,13 @@ def is_flat(lane: int, task: WalkTask, room: Room) -> bool:
     for g in range(FIRST + task.guards):
         if g != RISE and is_crossed(g, lane, task, room):
             return False
-    flat = FLAT * math.sqrt(room.lane.tolerance[lane])
+    own, near, far = room.lane, room.guards[RISE, lane], guard(RISE, lane, 1, task, room)
+    if is_reached(far, own.length[lane] - own.short[lane], lane, room):
+        return True
+    flat = FLAT * math.sqrt(own.tolerance[lane])
     if abs(watched[end + SLOPE, lane]) > flat * (abs(watched[SLOPE, lane]) + watched[SIZE, lane]):
         return False
     # A top flatter than the parabola through both slopes would be missed by more than `missed_top` says.
-    own, near, far = room.lane, room.guards[RISE, lane], guard(RISE, lane, 1, task, room)
     rise = math.copysign(1.0, watched[SLOPE, lane]) * (watched[end + SPEED, lane] - own.short_speed[lane])
     return 6.0 * rise / (own.length[lane] - own.short[lane]) - 2.0 * near - 4.0 * far >= 0.5 * (near - far)
 
