@@ -30,9 +30,7 @@ from machines import crank, frame, rrr
 
 from engine import Machine, Scene, Verdict
 from engine.compiling.threads import set_threads, threads
-from engine.machine.checks import MOST_POSITIONS
 from engine.machine.measuring.measuring import CLOSELY
-from engine.machine.results import AskError
 
 
 @pytest.fixture(scope="module")
@@ -290,16 +288,7 @@ def test_scaled_motion__goes_the_same_way(moving):
         np.testing.assert_allclose(found, found[0], rtol=2e4 * EPS[np.float64], err_msg=name)
 
 
-# How many
-
-
-def test_positions__that_cannot_be_are_refused():
-    scene = Scene.model_validate(SLIDER_CRANK)
-    for positions in (0, 1, 7, 9, 8.0):
-        with pytest.raises(AskError, match="even number"):
-            Machine(scene, positions=positions)
-    with pytest.raises(AskError, match="at most 1048576 are allowed"):
-        Machine(scene, positions=MOST_POSITIONS + 2)
+# Threads
 
 
 @pytest.mark.parametrize("shapes", [1, 60])

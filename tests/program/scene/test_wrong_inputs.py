@@ -12,7 +12,7 @@ from scene_samples import FROM_CSV, GOOD, PUNCH, SLIDING
 from slips import cases, changed
 from study_samples import STUDY, study_of
 
-from engine import AskError, Machine, Mechanics, Scene, SceneError
+from engine import Mechanics, Scene, SceneError
 from sweeps import InputError, read_scene
 
 GROUND = """\
@@ -314,17 +314,6 @@ ending | export press.toml --to a.xls | --to | ending '.xls': allowed are .csv
 picture | plot press.toml --out a.bmp | a.bmp | unknown picture format '.bmp'; allowed: .svg
 """)
 
-# What is given to a machine in Python that varies its crank.
-GIVEN = {
-    "unit": ({"input.length": "50 kg"}, "'input.length': expected a length such as '80 mm'"),
-    "no unit": ({"input.length": "50"}, '50 has no unit: write "50 mm"'),
-    "misspelt": ({"input.lenght": 0.05}, "'input.lenght' is not varied by this machine; known are: input.length"),
-    "nothing": ({}, "no values are given for 'input.length'"),
-    "two rows": ({"input.length": [[0.05], [0.06]]}, "'input.length' has 2 × 1 values: give one row of numbers"),
-    "no path": ([0.05], "give values by path, such as {'input.length': [...]}"),
-    "none": ({"input.length": None}, "give numbers in SI units, or texts with units such as '50 mm'"),
-}
-
 
 def check(message: str, place: str, words: list[str]) -> None:
     assert place in message, message
@@ -383,14 +372,6 @@ def test_wrong_command__is_answered(slip, press_result):
     check(answer.stderr, place, words)
 
 
-@each("slip", GIVEN)
-def test_wrong_numbers_in_python__are_answered(slip, machine):
-    given, words = GIVEN[slip]
-    with pytest.raises(AskError) as refused:
-        machine.evaluate(given)
-    check(str(refused.value), words, [])
-
-
 @each("slip", SCENES)
 def test_wrong_scene_in_python__is_answered(slip):
     """As in a file, except that numbers without a unit are in SI there."""
@@ -422,12 +403,3 @@ def test_wrong_scene_in_python__is_answered_key_by_key():
     assert "input.pin" not in dict(refused.value.problems)
     words = "there is no shaft 'j': add it to shafts, or name one of frame, i"
     assert dict(refused.value.problems)["elements.train.wheels.b.shaft"] == words
-
-
-@pytest.fixture(scope="module")
-def machine(tmp_path_factory) -> Machine:
-    path: Path = tmp_path_factory.mktemp("scene") / "press.toml"
-    path.write_text(PRESS_WITH_FLYWHEEL, encoding="utf8")
-    scene = read_scene(path)
-    assert isinstance(scene, Scene)
-    return Machine(scene, "ram.stroke", varied="input.length")
