@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from commands import said
 from each_case import each
-from press_texts import PRESS_WITH_FLYWHEEL, slider_crank_text
+from press_texts import COMPRESSOR, MOTION, PRESS_WITH_FLYWHEEL, slider_crank_text
 from scene_samples import FROM_CSV, GOOD, PUNCH, SLIDING
 from slips import cases, changed
 from study_samples import STUDY, study_of
@@ -69,8 +69,17 @@ exhaust = "1.1 bar"
 peak = "50 bar"
 """
 
+LOADED = f"""{PRESS_WITH_FLYWHEEL}{COMPRESSOR}
+[moments.cam]
+type = "table"
+on = "crank"
+over_angle = ["0 deg", "90 deg", "350 deg"]
+moment = ["0 N m", "5 N m", "3 N m"]
+interpolation = "linear"
+"""
+
 TEXTS = {"PRESS": PRESS_WITH_FLYWHEEL, "GOOD": GOOD, "FOUR_BAR": FOUR_BAR, "TRIAD": TRIAD, "SLIDING": SLIDING}
-TEXTS["ENGINE"] = ENGINE
+TEXTS |= {"ENGINE": ENGINE, "LOADED": LOADED, "MOTION": MOTION}
 
 # Words of Python and its libraries.
 FOREIGN = re.compile(
@@ -165,6 +174,18 @@ shaft on the frame | FOUR_BAR | [groups.bars] | [shafts.wheel]\ngeared_to = "fra
     | 14: shafts.wheel.geared_to | 'frame'
 cylinder on a rod | ENGINE | piston = "piston" | piston = "rod" | 23: cylinders.fire.piston | 'rod' doesn't slide
     | sliders are: piston
+no compression | LOADED | "1 bar" | "8 bar" | 36: cylinders.gas | discharge = 700 kPa is not above suction = 800 kPa
+beyond a period | LOADED | "350 deg" | "400 deg" | 48: moments.cam.moment
+    | row 3: over_angle [deg] = 400 is more than one period (360) after
+jump at a period | LOADED | "350 deg" | "360 deg" | 48: moments.cam.moment
+    | row 3: moment = 3 one period after the first row, whose moment = 0; make them
+unknown action | MOTION | "punch", "brake"] | "punhc", "brake"] | 52: regimes.start.off
+    | 'punhc' is not an action of this scene; known are: brake, gravity, motor, punch; did you mean 'punch'?
+two ends | MOTION | at_most = 20 | time = "3 s" | 50: regimes.start | after cycles, after a time, at a speed or at rest:
+    | time and speed are given; give exactly one of cycles, time, speed, rest = true
+no end | MOTION | rest = true |  | 60: regimes.stop | a run ends after cycles, after a time, at a speed or at rest: none
+unit of a run | MOTION | speed = "60 rpm"\nat | speed = "60 N"\nat | 53: regimes.start.speed | expected an angular speed
+name of a regime | MOTION | [regimes.work] | [regimes.punch] | 56: regimes.punch | the name 'punch' is already taken
 four strokes in a turn | ENGINE | revolutions = 2\n |  | 21: cylinders.fire.type | two turns | input.revolutions = 2
 """)
 
@@ -293,6 +314,7 @@ condition on a scene | plot press.toml --where ram.stroke>1mm | --where | no eff
 curves with plans | plot press.toml -y B.vx --plans --colour a | -y, --colour | no effect on the plot of a mechanism
 position of a sweep | plot r.h5 -y ram.stroke --at 30 | --at | no effect on the plot of a sweep, whose options are -x
 position in a result | plot r.h5 --at ten | --at | expected an angle such as '30 deg'
+hodograph of an engine | plot v_twin --hodograph | --hodograph | no effect on the plot of machine elements
 path of a rotor | plot fan_rotor --paths B | --paths | no effect on the plot of machine elements
 condition on an export | export press.toml --to a.csv --where ram.stroke>1mm | --where | a whole result file
 condition on a variant | export r.h5 --variant 1 --to a.csv --where ram.stroke>1mm | --where | a whole result file
@@ -331,7 +353,7 @@ def placed(file: str, place: str) -> str:
 
 def test_good_texts__are_read(tmp_path):
     (tmp_path / "punch.csv").write_text(PUNCH)
-    for i, text in enumerate((GOOD, FOUR_BAR, SLIDING, ENGINE, FROM_CSV)):
+    for i, text in enumerate((GOOD, FOUR_BAR, SLIDING, ENGINE, LOADED, FROM_CSV)):
         (tmp_path / f"{i}.toml").write_text(text)
         assert read_scene(tmp_path / f"{i}.toml").input.speed > 0
 
