@@ -112,9 +112,6 @@ start outside | minimise = "ram.stroke"\nstart = {"input.length" = "90 mm"}
 start not listed | minimise = "ram.stroke"\nstart = {"input.length" = "45 mm"} | lists |  | allowed: 40 mm, 50 mm
 start unknown | minimise = "ram.stroke"\nstart = {"input.lenght" = 1} |  |  | did you mean 'input.length'?
 start without unit | minimise = "ram.stroke"\nstart = {"input.length" = 0.04} |  |  | optimise.start.input.
-tolerance unknown | minimise = "ram.stroke" |  | [tolerances]\n"input.lenght" = "1 mm"\n
-    | tolerances.input.lenght: is not a number that the scene gives; did you mean
-tolerance unit | minimise = "ram.stroke" |  | [tolerances]\n"input.length" = "1 kg"\n | tolerances.input.length:
 tolerance zero | minimise = "ram.stroke" |  | [tolerances]\n"input.length" = {plus_minus = "0 mm"}\n
     | '0 mm': a tolerance must be greater than 0, such as '0.1 mm'
 """)

@@ -259,6 +259,8 @@ precision | positions | field_precision = "float16"\npositions | 4: field_precis
 unknown field | [outputs] | [outputs]\nfields = ["B.z"] | 14: outputs | 'B.z' is not a field | 'B.x'
 best without a name | minimise = "excess_work" | minimise = "" | 18: best.minimise | an expression is missing
 best of an expression | minimise = "excess_work" | minimise = "2 * excess_work" | 18: best.minimise | [optimise]
+entry of require | positions = 48\n | require = [\n"reach < 5",\n"input.length < bodies.ram.mass",\n]\n | 6: require
+    | compares a length with a mass:\n    input.length < bodies.ram.mass
 best where a list | "ram.stroke > '90 mm'" | ["reach > 1",\n"ram.stroke > 90 kg"] | 20: best.where
     | compares a length with a mass
 best of two | minimise = "excess_work" | minimise = "excess_work"\nmaximise = "ram.stroke" | 17: best | either

@@ -230,18 +230,6 @@ def refused(folder: Path, text: str) -> InputError:
     return caught.value
 
 
-def test_condition_of_several_lines__is_refused_with_its_own_line(study_folder):
-    require = """require = [
-  "reach < 5",
-  "groups.slide.first.length < '1 m'",
-  "input.length < bodies.ram.mass",
-]
-"""
-    error = refused(study_folder, changed(STUDY, "positions = 48\n", require))
-    assert [(line, key) for line, key, _ in error.problems] == [(7, "require")]
-    assert "compares a length with a mass:\n    input.length < bodies.ram.mass" in str(error)
-
-
 def test_several_problems__are_told_at_once(study_folder):
     text = changed(changed(STUDY, '"60 mm"', '"60 kg"'), "[3, 4, 5]", '["x"]')
     text = changed(text, "reach * input.length", "reech * input.length")
