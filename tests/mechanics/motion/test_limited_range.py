@@ -105,14 +105,6 @@ def test_falling_mass__arrives_at_the_lower_end(reading):
     np.testing.assert_allclose(np.ravel(found), expected, rtol=TOLERANCE, atol=TOLERANCE)
 
 
-def test_drag__is_the_hyperbolic_tangent(reading):
-    scene = reading(scene_of(RAM, go="time = '0.2 s'\noff = ['rub', 'gravity']"))
-    _, found = answers(scene, ["go.final_speed", "go.final_position"])
-    most, pace = np.sqrt(400.0 / 30.0), np.sqrt(400.0 * 30.0) / 20.0
-    expected = [most * np.tanh(pace * 0.2), 20.0 / 30.0 * np.log(np.cosh(pace * 0.2))]
-    np.testing.assert_allclose(np.ravel(found), expected, rtol=TOLERANCE)
-
-
 def test_lever_to_and_fro__is_the_integral_by_another_method(reading):
     keys = "end_of_range = true\noff = ['{}']"
     scene = reading(scene_of(LEVER, out=keys.format("back"), home=keys.format("oil")))

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from motion_scenes import MOMENTS, RADIUS, RAM_MASS, ask, crank_on_dc_motor, rotor, run, slider_crank, steady
+from motion_scenes import MOMENTS, ask, crank_on_dc_motor, rotor, run, slider_crank, steady
 from scipy.integrate import solve_ivp
 
 from engine import Machine, Scene, Verdict
@@ -14,8 +14,6 @@ MACHINES = {
     "induction motor, constant load": ("induction load gravity", 2.0, 19.0),
     "constant drive and fan": ("push fan gravity", 0.1, 50.0),
 }
-
-VARIED = {"input.length": RADIUS, "bodies.ram_body.mass": RAM_MASS, "forces.cut.scale": 1.0}
 
 
 def engine_with_fan() -> dict:
@@ -62,20 +60,6 @@ def test_steady_motion__is_the_limit_of_a_long_run(name):
     once = ask(scene_of(name, {"go": run("", from_speed=at_zero, cycles=1.0)}), "go.time go.final_speed", 960)
     assert once["go.time"] == pytest.approx(found["on.period"], rel=1e-9)
     assert found["on.mean_speed"] == pytest.approx(2 * math.pi / once["go.time"], rel=1e-9)
-
-
-def test_statistics_of_fields__differ_from_the_exact_ones_by_less_than_their_errors_at_any_accuracy():
-    fields = ("speed", "acceleration", "motor_moment", "kinetic_energy")
-    names = [f"on.{field}.{statistic}" for field in fields for statistic in ("min", "max", "mean", "rms")]
-    rng = np.random.default_rng(6)
-    varied = {path: size * rng.uniform(0.7, 1.3, 16) for path, size in VARIED.items()}
-    for name in MACHINES:
-        scene = Scene.model_validate(scene_of(name, {"on": steady("")}))
-        *found, exact = (Machine(scene, names, (), VARIED, accuracy=a).evaluate(varied) for a in (1e-2, 1e-4, 1e-13))
-        for own in found:
-            for key in names:
-                off = np.abs(own.summaries[key] - exact.summaries[key])
-                assert not (off > own.errors[key] + exact.errors[key]).any(), (name, key)
 
 
 @pytest.mark.parametrize("name", [*MACHINES, "engine with fan"])
