@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 from drawn_machines import geared_five_bar, quick_return, scotch_yoke, slider_crank, sliding_input
+from exact import top_between
 from machines import chain
 
 from engine import Machine, Scene, Verdict
@@ -85,14 +86,6 @@ def test_magnification__displacement_of_the_joint_by_an_error_of_a_length(group,
     # A quartic through the highest five of 720 misses harmonics m by some (m h)⁵/1000, 1e-8 of the tenth.
     for row in by_number:
         assert top_between(row) == pytest.approx(magnified[f"{group}.error_magnification"], rel=1e-8)
-
-
-def top_between(row: np.ndarray) -> float:
-    """Greatest value of the quartic through the highest position and two on either side."""
-    places = np.arange(-2, 3)
-    quartic = np.polynomial.Polynomial.fit(places, np.roll(row, 2 - row.argmax())[:5], 4)
-    tops = quartic.deriv().roots()
-    return quartic(tops[np.argmin(abs(tops))].real)
 
 
 def test_magnification_of_the_machine__that_of_its_worst_group(magnified):

@@ -26,7 +26,7 @@ from extreme_slider_crank import (
 )
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from machines import crank, frame, rrr
+from machines import four_bar, frame
 
 from engine import Machine, Scene, Verdict
 from engine.compiling.threads import set_threads, threads
@@ -137,11 +137,7 @@ def test_every_variant_impossible__says_why_and_gives_no_summary(machines, chang
 # Change points
 
 
-FOUR_BAR = {
-    "points": {"O": frame(0.0, 0.0), "D": frame(1.0, 0.0)},
-    "input": crank(speed=1.0),
-    "groups": {"bars": rrr("B", ("coupler", "A", 1.0), ("rocker", "D", 0.3))},
-}
+FOUR_BAR = four_bar(O=frame(0.0, 0.0), D=frame(1.0, 0.0))
 LENGTHS = ("points.O.x", "points.D.x", "input.length", "groups.bars.first.length", "groups.bars.second.length")
 
 

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from exact import top_between
 from motion_scenes import MOMENTS, ask, crank_on_dc_motor, rotor, run, slider_crank, steady
 from scipy.integrate import solve_ivp
 
@@ -174,13 +175,6 @@ def test_clockwise_machine__is_the_mirror_image():
         assert sign * two == pytest.approx(one, rel=1e-8, abs=1e-8 * np.abs(one).max()), name
 
 
-def top_of(along: np.ndarray) -> float:
-    """Maximum of equally spaced values over a cycle, on the parabola through the three highest."""
-    k = int(along.argmax())
-    before, here, after = along[k - 1], along[k], along[(k + 1) % along.size]
-    return here + (after - before) ** 2 / (8.0 * (2.0 * here - before - after))
-
-
 def test_extremes_close_together__are_found_with_long_steps_too():
     inertia, stall, light = 0.5, 100.0, 20.0
     # Of 4000, those whose slopes at both ends of a step of a quarter turn hide a turn of the speed between.
@@ -203,7 +197,7 @@ def test_extremes_close_together__are_found_with_long_steps_too():
     turn, speeds, how = 2.0 * math.pi, np.full(len(chosen), light), {"rtol": 1e-12, "atol": 1e-12, "max_step": 0.05}
     speeds = solve_ivp(rates, (0.0, 12 * turn), speeds, "DOP853", **how).y[:, -1]
     along = solve_ivp(rates, (0.0, turn), speeds, "DOP853", np.linspace(0.0, turn, 20_001)[:-1], **how).y
-    extremes = [(-top_of(-row), top_of(row)) for row in along]
+    extremes = [(-top_between(-row), top_between(row)) for row in along]
     for accuracy in (None, 1e-4, 1e-3):
         found = ask(scene, "on.speed_min on.speed_max", varied=varied, accuracy=accuracy)
         for name, true in zip(("on.speed_min", "on.speed_max"), np.transpose(extremes), strict=True):
