@@ -96,6 +96,7 @@ def interrupted(after: int) -> str:
 
 def test_interrupt__counts_what_an_earlier_run_left(press_folder):
     assert "Interrupted: 6 of 8 variants" in interrupted(6)
+    assert said("show", "r.part.h5").stdout.startswith("Which crank?: 6 of 8 variants done; run the study again")
     # Of the same study, before the file is checked; of an edited one, before any of it is copied; and in between.
     bar = ProgressBar(8, True, kept=variants_kept(Path("r.h5")))
     assert bar.kept_text() == "the 6 of the earlier run are kept"
@@ -103,16 +104,6 @@ def test_interrupt__counts_what_an_earlier_run_left(press_folder):
     assert "Interrupted: the 6 of the earlier run are kept; resume" in interrupted(0)
     assert "Interrupted: 3 of 12 variants are done, and the 6 of the earlier run are kept" in interrupted(3)
     assert variants_kept(Path("nothing.h5")) == 0
-
-
-def test_interrupt__tells_how_many_variants_are_done_and_goes_on_from_there(press_folder, monkeypatch):
-    again = "resume with: sweeps run study.toml --no-plots --out 'my r.h5'"
-    assert interrupted(3) == f"Interrupted: 3 of 8 variants are done and kept; {again}"
-    assert said("show", "r.part.h5").stdout.startswith("Which crank?: 3 of 8 variants done; run the study again")
-    assert "Interrupted: 6 of 8 variants" in interrupted(6)
-    monkeypatch.setattr("sweeps.run.runner.block_size", lambda *_: 3)
-    done("run", "study.toml", "--no-plots", "--out", "r.h5")
-    assert said("show", "r.h5").stdout.startswith("Which crank?: 8 variants, all done")
 
 
 class Clock:

@@ -321,17 +321,24 @@ def test_lines_of_many_variants__are_evenly_chosen(monkeypatch):
     assert len(axes.collections[0].get_paths()) == 5
 
 
-def test_chosen_columns__varied_then_the_colour_then_summaries_in_order():
-    data = columns(["a", "b"], ["mass", "cost", "force"])
-    assert chosen_columns(data, "force") == ["a", "b", "force", "mass", "cost"]
-    assert chosen_columns(data, "a") == ["a", "b", "mass", "cost", "force"]
+def named(letter, count):
+    return [f"{letter}{i}" for i in range(count)]
 
 
-def test_chosen_columns_of_many__ten_with_the_colour_among_them():
-    data = columns([f"p{i}" for i in range(12)], [f"s{i}" for i in range(5)])
-    assert chosen_columns(data, "s3") == [*(f"p{i}" for i in range(9)), "s3"]
-    data = columns(["p"], [f"s{i}" for i in range(12)])
-    assert chosen_columns(data, "s3") == ["p", "s3", "s0", "s1", "s2", *(f"s{i}" for i in range(4, 9))]
+SOME = (["a", "b"], ["mass", "cost", "force"])
+
+
+@each(
+    "varied, summaries, colour, expected",
+    [
+        (*SOME, "force", ["a", "b", "force", "mass", "cost"]),
+        (*SOME, "a", ["a", "b", "mass", "cost", "force"]),
+        (named("p", 12), named("s", 5), "s3", [*named("p", 9), "s3"]),
+        (["p"], named("s", 12), "s3", ["p", "s3", "s0", "s1", "s2", *named("s", 9)[4:]]),
+    ],
+)
+def test_chosen_columns__ten_at_most_varied_then_the_colour_then_summaries(varied, summaries, colour, expected):
+    assert chosen_columns(columns(varied, summaries), colour) == expected
 
 
 def test_column_that_is_the_same_in_all_computed_variants__left_out():
@@ -343,7 +350,7 @@ def test_column_that_is_the_same_in_all_computed_variants__left_out():
 
 
 def test_chosen_columns__none_for_what_the_condition_makes_equal():
-    data = columns(["a", "b"], ["mass", "cost", "force"])._replace(condition="cost == 3 and force < 2")
+    data = columns(*SOME)._replace(condition="cost == 3 and force < 2")
     assert chosen_columns(data, "mass") == ["a", "b", "mass", "force"]
     assert chosen_columns(data, "cost") == ["a", "b", "cost", "force", "mass"]
 
