@@ -1,5 +1,7 @@
 """Runs of inputs that don't turn fully: a crank between stops, a sliding input."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,7 +9,8 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from engine import Machine, Scene, SceneError, Verdict, history
-from sweeps import read_scene
+from sweeps.text.scene_text import scene_from
+from sweeps.text.toml_text import parse_toml
 
 RAM = """
 gravity = "9.81 m/s2"
@@ -46,21 +49,10 @@ TURNING = ROCKER.replace(', start = "-1 rad", stop = "1.5 rad"', "")
 TOLERANCE = 1e-8
 
 
-def scene_of(text, **regimes):
-    tables = [f"\n[regimes.{name}]\ntype = 'run'\n{keys}\n" for name, keys in regimes.items()]
-    return text + "".join(tables)
-
-
-@pytest.fixture(scope="module")
-def reading(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("scenes")
-
-    def read(text: str) -> Scene:
-        path = folder / "scene.toml"
-        path.write_text(text, encoding="utf8")
-        return read_scene(path)
-
-    return read
+def read(text: str, **regimes: str) -> Scene:
+    """A scene with runs."""
+    text += "".join(f"\n[regimes.{name}]\ntype = 'run'\n{keys}\n" for name, keys in regimes.items())
+    return scene_from(parse_toml(text, ""), text, "", Path())
 
 
 def answers(scene, names, **varied):
@@ -72,8 +64,8 @@ ENDS = ("time", "final_speed", "final_position", "end_reached", "impact_energy",
 
 
 @pytest.fixture(scope="module")
-def ram(reading):
-    scene = reading(scene_of(RAM, go="end_of_range = true\noff = ['valve', 'rub']"))
+def ram():
+    scene = read(RAM, go="end_of_range = true\noff = ['valve', 'rub']")
     names = [f"go.{key}" for key in ENDS]
     machine = Machine(scene, names, varied=["input.stop", "bodies.load.mass", "forces.oil.force"])
 
@@ -97,17 +89,17 @@ def test_constant_force__lifts_a_mass_as_in_the_textbook(ram, stop, mass, times_
     assert found == pytest.approx(expected, rel=TOLERANCE / (times_weight - 1.0))
 
 
-def test_falling_mass__arrives_at_the_lower_end(reading):
-    scene = reading(scene_of(RAM, fall="from_position = '0.5 m'\nend_of_range = true\noff = ['oil', 'valve']"))
+def test_falling_mass__arrives_at_the_lower_end():
+    scene = read(RAM, fall="from_position = '0.5 m'\nend_of_range = true\noff = ['oil', 'valve']")
     _, found = answers(scene, [f"fall.{key}" for key in ENDS])
     speed = np.sqrt(2.0 * 9.81 * 0.5)
     expected = [speed / 9.81, -speed, 0.0, -1.0, 10.0 * speed**2, -0.5]
     np.testing.assert_allclose(np.ravel(found), expected, rtol=TOLERANCE, atol=TOLERANCE)
 
 
-def test_lever_to_and_fro__is_the_integral_by_another_method(reading):
+def test_lever_to_and_fro__is_the_integral_by_another_method():
     keys = "end_of_range = true\noff = ['{}']"
-    scene = reading(scene_of(LEVER, out=keys.format("back"), home=keys.format("oil")))
+    scene = read(LEVER, out=keys.format("back"), home=keys.format("oil"))
     names = [f"{regime}.{key}" for regime in ("out", "home") for key in ("time", "final_speed", "impact_energy")]
     _, found = answers(scene, names)
     reduced = Machine(scene, fields=["reduced_inertia", "reduced_inertia_phi"], positions=2000).evaluate({})
@@ -132,44 +124,42 @@ def test_lever_to_and_fro__is_the_integral_by_another_method(reading):
     np.testing.assert_allclose(np.ravel(found), expected, rtol=2e-6)
 
 
-def test_rocker__swings_between_its_turning_points_or_hits_its_stop(reading):
-    scene = reading(
-        scene_of(ROCKER, swing="reversal = true", free="time = '0.05 s'\nfrom_angle = '1 rad'\nfrom_speed = 0")
-    )
+def test_rocker__swings_between_its_turning_points_or_hits_its_stop():
+    scene = read(ROCKER, swing="reversal = true", free="time = '0.05 s'\nfrom_angle = '1 rad'\nfrom_speed = 0")
     _, found = answers(scene, ["swing.time", "swing.angle", "swing.final_position", "free.final_position"])
     rate = np.sqrt(30.0 / (0.02 + 2.0 * 0.1**2))
     expected = [np.pi / rate, 2.0, 1.0, np.cos(rate * 0.05)]
     np.testing.assert_allclose(np.ravel(found), expected, rtol=TOLERANCE)
-    short = reading(scene_of(ROCKER.replace("1.5 rad", "0.5 rad"), swing="reversal = true"))
+    short = read(ROCKER.replace("1.5 rad", "0.5 rad"), swing="reversal = true")
     _, found = answers(short, ["swing.final_speed", "swing.end_reached"])
     np.testing.assert_allclose(np.ravel(found), [rate * np.sqrt(0.75), 1.0], rtol=TOLERANCE)
 
 
-def test_speed_beyond_the_range__does_not_end(reading):
-    scene = reading(scene_of(RAM, go="velocity = '30 m/s'\noff = ['valve', 'rub']"))
+def test_speed_beyond_the_range__does_not_end():
+    scene = read(RAM, go="velocity = '30 m/s'\noff = ['valve', 'rub']")
     outcome, _ = answers(scene, ["go.time"], **{"forces.oil.force": [400.0, 4e5]})
     assert outcome.status.tolist() == [Verdict.NO_END, Verdict.OK]
 
 
-def test_begin_outside_a_varied_range__is_a_verdict(reading):
-    scene = reading(scene_of(RAM, go="end_of_range = true\nfrom_position = '0.2 m'"))
+def test_begin_outside_a_varied_range__is_a_verdict():
+    scene = read(RAM, go="end_of_range = true\nfrom_position = '0.2 m'")
     outcome, _ = answers(scene, ["go.time"], **{"input.stop": [0.5, 0.1]})
     assert outcome.status.tolist() == [Verdict.OK, Verdict.OUTSIDE_LIMITS]
 
 
-def test_changing_load__presses_the_input_against_its_stop_until_the_time_is_over(reading):
+def test_changing_load__presses_the_input_against_its_stop_until_the_time_is_over():
     pulse = (
         "\n[forces.pulse]\ntype = 'formula'\non = 'P'\nangle = '0 deg'\nforce = '100 N * (1 + sin(3 * t / (1 s)))'\n"
     )
-    scene = reading(scene_of(LEVER + pulse, go="end_of_range = true", stay="time = '1 s'"))
+    scene = read(LEVER + pulse, go="end_of_range = true", stay="time = '1 s'")
     outcome, found = answers(scene, ["stay.time", "stay.final_position"])
     assert outcome.status.tolist() == [Verdict.OK]
     assert np.ravel(found).tolist() == [1.0, 0.3]
 
 
-def test_history__stands_at_the_end_of_the_range(reading):
+def test_history__stands_at_the_end_of_the_range():
     keys = "off = ['valve', 'rub']\n"
-    scene = reading(scene_of(RAM, go=keys + "end_of_range = true", stay=keys + "time = '1 s'"))
+    scene = read(RAM, go=keys + "end_of_range = true", stay=keys + "time = '1 s'")
     seen = history(scene, fields=["input.reaction"])
     stays = seen.regime == "stay"
     assert seen.time[-1] == pytest.approx(seen.time[~stays][-1] + 1.0)
@@ -190,9 +180,9 @@ def test_history__stands_at_the_end_of_the_range(reading):
         (TURNING, "type = 'run'\nend_of_range = true", "regimes.go.end_of_range", "the crank turns fully"),
     ],
 )
-def test_what_has_no_meaning__is_refused(reading, text, keys, path, mend):
+def test_what_has_no_meaning__is_refused(text, keys, path, mend):
     with pytest.raises((SceneError, ValueError)) as error:
-        reading(f"{text}\n[regimes.go]\n{keys}\n")
+        read(f"{text}\n[regimes.go]\n{keys}\n")
     assert path in str(error.value)
     assert mend in str(error.value)
 
@@ -220,8 +210,8 @@ def parallelogram_runs(machine, turned):
 
 
 @pytest.fixture(scope="module")
-def parallelogram(reading):
-    return reading(FOUR_BAR.replace('time = "1 ms"', "cycles = 0.1"))
+def parallelogram():
+    return read(FOUR_BAR.replace('time = "1 ms"', "cycles = 0.1"))
 
 
 def test_run_that_stays_off_a_change_point__is_computed(parallelogram):
@@ -236,7 +226,7 @@ def test_run_that_stays_off_a_change_point__is_computed(parallelogram):
     assert history(parallelogram).verdict == Verdict.OK
 
 
-def test_run_that_reaches_a_change_point__tells_it_with_its_position(parallelogram, reading):
+def test_run_that_reaches_a_change_point__tells_it_with_its_position(parallelogram):
     """Past 180°, at it, and on to 360°; where the group is singular to rounding the position is known to its root."""
     machine = Machine(parallelogram, ["go.final_speed"], varied=["regimes.go.cycles"])
     found = parallelogram_runs(machine, [np.pi / 2.0, 2.0, 4.0, 40.0])
@@ -245,13 +235,13 @@ def test_run_that_reaches_a_change_point__tells_it_with_its_position(parallelogr
     np.testing.assert_allclose(found.status_at[:2], np.pi, atol=1e-5)
     at = found.status_at[2:]
     assert np.allclose(np.minimum(np.abs(at - np.pi), np.minimum(at, 2.0 * np.pi - at)), 0.0, atol=1e-5)
-    past = history(reading(FOUR_BAR.replace('"1 ms"', '"1 s"')))
+    past = history(read(FOUR_BAR.replace('"1 ms"', '"1 s"')))
     assert past.verdict == Verdict.SINGULAR
     assert past.time.tolist() == [0.0]
 
 
-def test_what_is_asked_of_the_cycle__is_refused_for_a_position_that_no_run_reaches(reading):
-    steady = reading(
+def test_what_is_asked_of_the_cycle__is_refused_for_a_position_that_no_run_reaches():
+    steady = read(
         FOUR_BAR + '[regimes.on]\ntype = "steady"\n[moments.drag]\ntype = "linear_drag"\non = "crank"\n'
         'coefficient = "1 N m s/rad"\n'
     )
@@ -259,16 +249,14 @@ def test_what_is_asked_of_the_cycle__is_refused_for_a_position_that_no_run_reach
         assert Machine(steady, names).evaluate({}).status[0] == Verdict.SINGULAR
 
 
-def test_run_of_a_four_bar_that_comes_apart__is_judged_by_the_range_it_covers(reading):
+def test_run_of_a_four_bar_that_comes_apart__is_judged_by_the_range_it_covers():
     """Pins 2 m from O and 2 + 1 m from C at most: |AC| = 4 m sin(φ/2) stays below 3 m up to φ = 2 asin ¾ = 97.18°.
 
     In the very position the rocker turns infinitely fast, so that the crank stops there, whatever drives it.
     """
     limit, begin = 2.0 * np.arcsin(0.75), np.radians(60.0)
     text = FOUR_BAR.replace('"C", length = "2 m"', '"C", length = "1 m"').replace('"90 deg"', '"60 deg"')
-    machine = Machine(
-        reading(text.replace('time = "1 ms"', "cycles = 0.1")), ["go.angle"], varied=["regimes.go.cycles"]
-    )
+    machine = Machine(read(text.replace('time = "1 ms"', "cycles = 0.1")), ["go.angle"], varied=["regimes.go.cycles"])
     turned = np.array([1e-3, 0.5, limit - begin - 1e-4, limit - begin, limit - begin + 1e-4, 1.0, 40.0])
     found = machine.evaluate({"regimes.go.cycles": turned / (2.0 * np.pi)})
     assert found.status.tolist() == [Verdict.OK] * 3 + [Verdict.CANNOT_ASSEMBLE] * 4
@@ -278,9 +266,9 @@ def test_run_of_a_four_bar_that_comes_apart__is_judged_by_the_range_it_covers(re
     # Backwards the crank moves away from the limit, forward it reaches it in any time.
     ends = {"time = '10 s'": Verdict.CANNOT_ASSEMBLE, "reversal = true": Verdict.CANNOT_ASSEMBLE}
     for end, verdict in ends.items():
-        scene = reading(text.replace('time = "1 ms"', end))
+        scene = read(text.replace('time = "1 ms"', end))
         assert Machine(scene, ["go.angle"]).evaluate({}).status[0] == verdict
         assert history(scene).verdict == verdict
-    pulled = reading(text.replace('"5 N m"', '"-5 N m"').replace('"5 rad/s"', '"0 rad/s"').replace('"1 ms"', '"1 s"'))
+    pulled = read(text.replace('"5 N m"', '"-5 N m"').replace('"5 rad/s"', '"0 rad/s"').replace('"1 ms"', '"1 s"'))
     assert Machine(pulled, ["go.angle"]).evaluate({}).status[0] == Verdict.OK
     assert history(pulled).verdict == Verdict.OK

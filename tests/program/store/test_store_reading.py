@@ -20,7 +20,7 @@ import h5py
 import numpy as np
 import pytest
 from commands import done, refused, said
-from store_samples import NAMES, begun, complete, fill, layout, results, same_bits, sweep
+from store_samples import NAMES, begun, complete, fill, layout, results, same_bits, start_child, sweep
 
 import sweeps
 from sweeps.store import (
@@ -425,31 +425,10 @@ def test_record_of_another_version__is_told_with_both(press_result):
 
 # Readers that lock
 
-LOCKING = """
-import sys, time
-from pathlib import Path
-import h5py
-part, patience = Path(sys.argv[1]), float(sys.argv[2])
-print("here", flush=True)
-while not part.exists():
-    pass
-for attempt in range(2000):
-    try:
-        file = h5py.File(part, "r")
-        break
-    except OSError:
-        time.sleep(0.002)
-else:
-    sys.exit(0)
-print("holds", flush=True)
-time.sleep(patience)
-"""
 
-
-def locking_reader(part: Path, patience: float) -> object:
-    line = [sys.executable, "-c", LOCKING, str(part), str(patience)]
-    process = subprocess.Popen(line, stdout=subprocess.PIPE, text=True)
-    assert process.stdout.readline() == "here\n"
+def locking_reader(part: Path, seconds: float) -> subprocess.Popen:
+    process = start_child(f"child_locks(Path({str(part)!r}), {seconds})")
+    assert process.stdout.readline() == "locked\n"
     return process
 
 
@@ -457,12 +436,10 @@ def test_reader_that_locks_for_a_moment__is_waited_for_and_a_lasting_one_told(tm
     path, part = tmp_path / "out.h5", tmp_path / "out.part.h5"
     begun(path, 0)
     process = locking_reader(part, 0.4)
-    assert process.stdout.readline() == "holds\n"
     with Store.open(path, layout()) as store:
         assert store.pending == [1, 2, 3, 4, 5]
     process.communicate()
     process = locking_reader(part, 60)
-    assert process.stdout.readline() == "holds\n"
     with pytest.raises(StoreError, match="locking=False"):
         Store.open(path, layout())
     process.kill()
