@@ -131,16 +131,12 @@ def test_plot_result__suits_the_grid(shape, asked, axes, failed, tmp_path):
     assert len(figure.axes) == (1 if len(failed) > 2 and shape == (6, 5) else axes)
 
 
-@pytest.mark.parametrize(("shape", "parameters", "along"), [((30,), ("a",), ["a"]), ((5, 6), ("a", "b"), [])])
-def test_random_samples__are_no_grid_unless_of_one_number(shape, parameters, along):
-    data = grid_data(shape, parameters=parameters)
-    shuffled = np.random.default_rng(1).permutation(30)
-    data = data._replace(arrays={name: values[shuffled] for name, values in data.arrays.items()})
-    assert data.grid_parameters() == along
-
-
-def test_axis_of_one_value__is_none_of_the_grid():
-    assert grid_data((4, 1, 5), parameters=("a", "b", "c")).grid_parameters() == ["a", "c"]
+@each("shape, along, shuffled", [((30,), "a", True), ((5, 6), "", True), ((4, 1, 5), "ac", False)])
+def test_grid__is_of_more_than_one_value_a_number_in_their_order(shape, along, shuffled):
+    data = grid_data(shape, parameters=("a", "b", "c")[: len(shape)])
+    rows = np.random.default_rng(1).permutation(math.prod(shape)) if shuffled else slice(None)
+    data = data._replace(arrays={name: values[rows] for name, values in data.arrays.items()})
+    assert data.grid_parameters() == list(along)
 
 
 # Variants that miss the condition for the best one
