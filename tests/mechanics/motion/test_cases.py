@@ -132,19 +132,14 @@ def method_of(regime):
     return "energy form" if "kick" in regime["off"] else "time form"
 
 
-def test_constant_inertia__its_cases():
+def test_cases__of_a_machine_with_constant_inertia_and_of_one_whose_inertia_varies():
     regimes = {f"r{i}": regime for i, (regime, *_) in enumerate(CASES)}
-    found = regime_text(Mechanics(Scene.model_validate(crank(ACTIONS, regimes))))
-    expected = [(f"case {sentence}", method_of(regime)) for regime, sentence, _ in CASES]
-    assert found == [(f"r{i}", *case) for i, case in enumerate(expected)]
-
-
-def test_inertia_that_varies__its_cases():
-    regimes = {f"r{i}": regime for i, (regime, *_) in enumerate(CASES)}
-    found = regime_text(Mechanics(Scene.model_validate(with_ram(ACTIONS, regimes))))
-    for (_, sentence, method), (regime, _, number) in zip(found, CASES, strict=True):
-        assert sentence.startswith(f"case {number}: I(φ), ")
-        assert method == method_of(regime)
+    same, varies = (regime_text(Mechanics(Scene.model_validate(of(ACTIONS, regimes)))) for of in (crank, with_ram))
+    for one, other, (regime, sentence, number) in zip(same, varies, CASES, strict=True):
+        assert one[1:] == (f"case {sentence}", method_of(regime))
+        assert other[1].startswith(f"case {number}: I(φ), ")
+        assert other[2] == method_of(regime)
+    assert [name for name, *_ in same] == list(regimes)
 
 
 @pytest.mark.parametrize(("x", "number"), [(0.0, 1), (0.01, 2)])
