@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from engine import ElementsAlone, Machine, Scene, SceneError, Verdict, made_ready, scene_numbers
 from sweeps import SweepResult, read_study, run_study
+from sweeps.pictures.sweep.result_pictures import result_pictures
 from sweeps.study.bundled import bundled_studies
 from sweeps.text.scene_text import read_scene, scene_from, write_scene
 from sweeps.text.toml_text import parse_toml
@@ -108,13 +109,6 @@ test_what_only_a_mechanism_has__is_refused = refusals(
 # Studies and commands
 
 
-@pytest.fixture(scope="module")
-def result(tmp_path_factory):
-    """Result of the bundled study of a screw jack."""
-    path = tmp_path_factory.mktemp("jack") / "screw_jack.h5"
-    return SweepResult(run_study(read_study(bundled_studies()["screw_jack"]), path))
-
-
 def test_commands__on_elements_alone_work_or_say_why_not(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "jack.toml").write_text(TEXT, encoding="utf8")
@@ -133,10 +127,9 @@ def test_commands__on_elements_alone_work_or_say_why_not(tmp_path, monkeypatch):
     assert "def named" in done("check", "jack.toml", "--source")
 
 
-def test_plot_of_a_sweep_of_elements__has_the_best_one_over_its_friction(result):
-    from sweeps.pictures.sweep.result_pictures import result_pictures
-
-    made = result_pictures(result)
+def test_plot_of_a_sweep_of_elements__has_the_best_one_over_its_friction(tmp_path):
+    result = run_study(read_study(bundled_studies()["screw_jack"]), tmp_path / "screw_jack.h5")
+    made = result_pictures(SweepResult(result))
     assert [path.name for path in made] == ["screw_jack.png", "screw_jack_best_jack_friction.png"]
     assert all(path.stat().st_size > 10_000 for path in made)
 

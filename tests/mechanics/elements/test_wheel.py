@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import fixed_quad
 
 from engine.elements.flywheel_wheels import MATERIALS, make_wheel
 from engine.parts.bodies import WheelForm
@@ -27,12 +28,14 @@ def wheel(form, inertia, speed, **arrays):
     return make_wheel(form, np.asarray(inertia), np.asarray(speed), numbers_of(form, **arrays))
 
 
-def integral_of_r2(density, inner, outer, width, nodes=8):
-    """∫ρ r² 2πr b dr by Gauss quadrature, exact for the cubic integrand; and the mass, ∫ρ 2πr b dr."""
-    x, w = np.polynomial.legendre.leggauss(nodes)
-    r = (inner + outer) / 2 + (outer - inner) / 2 * x
-    ring = density * 2 * math.pi * r * width * w * (outer - inner) / 2
-    return (ring * r**2).sum(), ring.sum()
+def integral(power, inner, outer):
+    """∫ r^power dr by Gauss quadrature, exact for such powers."""
+    return fixed_quad(lambda r: r**power, inner, outer, n=8)[0]
+
+
+def integral_of_r2(density, inner, outer, width):
+    """∫ρ r² 2πr b dr; and the mass, ∫ρ 2πr b dr."""
+    return tuple(density * 2 * math.pi * width * integral(power, inner, outer) for power in (3, 1))
 
 
 # The inertia of what is made, by quadrature over its material
@@ -77,10 +80,7 @@ def test_arms__have_with_rim_and_hub_the_inertia_asked_for(diameter, thickness, 
     )  # fmt: skip
     rho = 7850.0
     j_hub, m_hub = integral_of_r2(rho, 0.0, hub / 2, hub / 2)
-    x, w = np.polynomial.legendre.leggauss(8)
-    r = (hub + inner) / 4 + (inner - hub) / 4 * x
-    pieces = rho * form.arm_area * w * (inner - hub) / 4
-    j_arms, m_arms = arms * (pieces * r**2).sum(), arms * pieces.sum()
+    j_arms, m_arms = (arms * rho * form.arm_area * integral(power, hub / 2, inner / 2) for power in (2, 0))
     asked = (j_hub + j_arms) * (1 + excess)
     made = wheel(form, asked, 10.0)
     j_rim, m_rim = integral_of_r2(rho, inner / 2, diameter / 2, made.width)
@@ -179,10 +179,8 @@ def test_wheel__bursts_where_its_halves_pull_with_all_of_their_section(diameter,
     made = wheel(form, 1.0, -15.0)
     outer, inner = diameter / 2, diameter * (0.5 - thickness)
     omega = made.burst_speed * ratio
-    x, w = np.polynomial.legendre.leggauss(8)
-    r = (inner + outer) / 2 + (outer - inner) / 2 * x
     # Across the cut ∫ρω²r sin θ r dr dθ over the half: 2ρω²∫r² dr.
-    pull = 2 * 7850.0 * omega**2 * (w * r**2).sum() * (outer - inner) / 2
+    pull = 2 * 7850.0 * omega**2 * integral(2, inner, outer)
     assert pull == pytest.approx(2 * strength * (outer - inner), rel=ROUNDED / thickness)
     assert made.burst_margin == pytest.approx(made.burst_speed / 15.0, rel=ROUNDED)
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from driving_cams import BALANCE, asked, changed
+from driving_cams import BALANCE, asked, changed, rows_of
 from geared_links import CRANK
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -25,22 +25,14 @@ PAIR_OF_WHEELS = {
 FIELDS = ["input_moment_with_friction", "input_moment", "second.mesh_loss", "input.reaction", "second.reaction"]
 
 
-def rows_of(data: dict, fields: list[str], summaries: list[str], **values: float) -> dict[str, np.ndarray]:
-    machine = Machine(Scene.model_validate(data), [*BALANCE, *summaries], fields, list(values), 48)
-    outcome = machine.evaluate({path: np.array([value]) for path, value in values.items()})
-    assert outcome.status[0] == Verdict.OK
-    # A few roundings of what a handful of links pass on, against the greatest.
-    assert all(outcome.summaries[name][0] < 1e-13 for name in BALANCE)
-    return {n: outcome.fields[n][0] for n in fields} | {n: outcome.summaries[n][0] for n in summaries}
-
-
 @settings(max_examples=5)
 @given(st.floats(0.5, 1.0), st.sampled_from([-1, 1]), st.sampled_from([-0.5, 2.5]), st.booleans())
 def test_two_wheels__lose_what_their_efficiency_says(efficiency, load, ratio, teeth):
     data = changed(PAIR_OF_WHEELS, shafts__second__ratio=ratio, moments__load__moment=12.0 * load)
     data = changed(data, **({"shafts__second__pressure_angle": "20 deg"} if teeth else {}))
     summaries = ["friction_loss", "second.mesh_work", "mechanical_efficiency"]
-    rows = rows_of(data, FIELDS, summaries, **{"shafts.second.efficiency": efficiency})
+    varied = {"shafts.second.efficiency": efficiency}
+    rows = rows_of(Machine(Scene.model_validate(data), [*BALANCE, *summaries], FIELDS, list(varied), 48), **varied)
     taken = -12.0 * load * ratio
     driven = taken / efficiency if taken > 0 else taken * efficiency
     if 1.0 - ratio * (1 / efficiency if taken > 0 else efficiency) == 0.0:

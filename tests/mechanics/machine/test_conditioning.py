@@ -7,14 +7,12 @@ from functools import cache
 import numpy as np
 import pytest
 from drawn_machines import geared_five_bar, quick_return, scotch_yoke, slider_crank, sliding_input
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from exact import top_between
 from machines import chain
 
 from engine import Machine, Scene, Verdict
 from engine.graph.nodes import Application, Node, name_of
 from engine.graph.values import NodeValues
-from engine.laws.kinematics.closure import guide_gap, link_gap
 from engine.mechanism.mechanics import Mechanics
 from engine.scene.scene import Numbers, scene_numbers
 
@@ -88,14 +86,6 @@ def test_magnification__displacement_of_the_joint_by_an_error_of_a_length(group,
     # A quartic through the highest five of 720 misses harmonics m by some (m h)⁵/1000, 1e-8 of the tenth.
     for row in by_number:
         assert top_between(row) == pytest.approx(magnified[f"{group}.error_magnification"], rel=1e-8)
-
-
-def top_between(row: np.ndarray) -> float:
-    """Greatest value of the quartic through the highest position and two on either side."""
-    places = np.arange(-2, 3)
-    quartic = np.polynomial.Polynomial.fit(places, np.roll(row, 2 - row.argmax())[:5], 4)
-    tops = quartic.deriv().roots()
-    return quartic(tops[np.argmin(abs(tops))].real)
 
 
 def test_magnification_of_the_machine__that_of_its_worst_group(magnified):
@@ -185,26 +175,3 @@ def test_wrong_position__is_what_the_loop_misses(function, places, groups):
         found = closures(function, added(place, 1e-6))
         # Links are some metres long at most; a spoilt direction or place is missed by 1e-6, over that.
         assert all(1e-8 < found[group] < 1e-4 for group in groups), (place, found)
-
-
-numbers = st.floats(-10, 10)
-directions = st.floats(-math.pi, math.pi)
-
-
-@given(numbers, numbers, numbers, numbers, st.floats(0.01, 10), directions)
-@settings(max_examples=50)
-def test_link_gap__is_the_greater_of_what_its_length_and_its_end_miss(ax, ay, bx, by, r, angle):
-    c, s = math.cos(angle), math.sin(angle)
-    x, y = bx - ax, by - ay
-    expected = max(abs(math.hypot(x, y) - r), math.hypot(x - r * c, y - r * s)) / r
-    # Differences of coordinates up to 10, and a few operations on them.
-    assert link_gap((ax, ay), (bx, by), (r, c, s)) == pytest.approx(expected, rel=0, abs=16 * EPS * (20 + r) / r)
-
-
-@given(numbers, numbers, numbers, numbers, directions, numbers, numbers, st.floats(0.01, 10))
-@settings(max_examples=50)
-def test_guide_gap__is_the_greater_of_what_is_missed_along_and_across(x, y, gx, gy, angle, offset, slide, size):
-    place = complex(x - gx, y - gy) * complex(math.cos(angle), -math.sin(angle))
-    expected = max(abs(place.imag - offset), abs(place.real - slide)) / size
-    found = guide_gap((x, y), (gx, gy, math.cos(angle), math.sin(angle)), offset, slide, size)
-    assert found == pytest.approx(expected, rel=0, abs=400 * EPS / size)

@@ -5,12 +5,13 @@ import math
 import mpmath
 import numpy as np
 import pytest
+from element_samples import JACK, scene
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from machines import slider_crank as crank_and_ram
 from mpmath import mpf
 
-from engine import AskError, Machine, Outcome, Scene, Verdict, made_ready
+from engine import Machine, Outcome, Scene, Verdict, made_ready
 from engine.machine.derivatives import LADDERS, Move, derivatives_along, scale_of, unit_over
 from engine.machine.extrapolation import Differences, derivative_of
 
@@ -254,19 +255,9 @@ def test_variant_that_fails__has_its_own_verdict(machine):
     assert all(np.isnan(values[0]) for values in (*failed.values.values(), *failed.errors.values()))
 
 
-def test_refusals__name_what_is_wrong(machine):
-    scene, mode = machine.scene, "groups.drive.mode"
-    with pytest.raises(AskError, match=r"'groups.drive.mode' is one of \[1, -1\]: it has no derivative"):
-        derivatives(Machine(scene, ["ram.stroke"], varied=[mode]), {mode: np.array([1.0])}, mode)
-    with pytest.raises(AskError, match=r"'ram.slide.max_at' is the position of an extreme"):
-        derivatives(Machine(scene, ["ram.slide.max_at"], varied=[ROD]), {ROD: np.array([0.2])}, ROD)
-
-
 def test_machine_elements__exact_where_linear():
-    jack = {"type": "screw", "load": 6400.0, "mean_diameter": 0.03, "pitch": 0.004, "starts": 2, "thread": "square"}
-    jack |= {"friction": 0.08, "collar_diameter": 0.04, "collar_friction": 0.08}
     name, load = "jack.raise_moment", "elements.jack.load"
-    alone = made_ready(Scene.model_validate({"elements": {"jack": jack}}), [name], (), [load])
+    alone = made_ready(scene(jack=JACK), [name], (), [load])
     values = {load: np.array([6400.0, 100.0])}
     made = derivatives(alone, values, load)
     # Moments are in proportion to the load.

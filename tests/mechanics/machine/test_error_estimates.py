@@ -7,7 +7,7 @@ import mpmath
 import numpy as np
 import pytest
 from closed_forms import rocker_swing, slider_motion
-from machines import crank, frame, rpp, rpr, rrp, rrr, slider_crank
+from machines import crank, four_bar, frame, rpp, rpr, rrp, slider_crank
 from noncircular_wheels import ELLIPSES
 from scenes_of_parts import SCENES
 
@@ -17,18 +17,8 @@ from engine.compiling.running import mean_of_rows, sum_of_rows
 TURN = 2.0 * math.pi
 
 
-def four_bar(length, rod, rocker, base):
-    return Scene.model_validate(
-        {
-            "points": {"O": frame(0.0, 0.0), "D": frame(base, 0.0)},
-            "input": crank(length=length, speed=10.0),
-            "groups": {"g": rrr("B", ("rod", "A", rod), ("rocker", "D", rocker))},
-            "bodies": {"rocker_body": {"link": "rocker", "mass": 1.0, "x": 0.1, "y": 0, "inertia": 0.01}},
-        }
-    )
-
-
-LENGTHS = ("input.length", "groups.g.first.length", "groups.g.second.length", "points.D.x")
+FOUR_BAR = four_bar(O=frame(0.0, 0.0), D=frame(1.0, 0.0))
+LENGTHS = ("input.length", "groups.bars.first.length", "groups.bars.second.length", "points.D.x")
 BESIDE = ("rocker.angular_velocity.max", "rocker.angular_acceleration.max", "B.x.mean")
 
 
@@ -47,7 +37,7 @@ def test_swing_near_a_change_point__is_right_whatever_else_is_asked():
     with mpmath.workdps(40):
         true = [rocker_swing(*variant) for variant in lengths.T]
         for beside in ((), BESIDE[:1], BESIDE):
-            found = Machine(four_bar(0.5, 1.5, 1.5, 1.5), ["rocker.swing", *beside], (), LENGTHS).evaluate(varied)
+            found = Machine(Scene.model_validate(FOUR_BAR), ["rocker.swing", *beside], (), LENGTHS).evaluate(varied)
             swing, error = found.summaries["rocker.swing"], found.errors["rocker.swing"]
             off = np.array([float(abs(value - exact)) for value, exact in zip(swing, true, strict=True)])
             assert (found.status == 0).all()

@@ -26,13 +26,11 @@ from extreme_slider_crank import (
 )
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from machines import crank, frame, rrr
+from machines import four_bar, frame
 
 from engine import Machine, Scene, Verdict
 from engine.compiling.threads import set_threads, threads
-from engine.machine.checks import MOST_POSITIONS
 from engine.machine.measuring.measuring import CLOSELY
-from engine.machine.results import AskError
 
 
 @pytest.fixture(scope="module")
@@ -139,11 +137,7 @@ def test_every_variant_impossible__says_why_and_gives_no_summary(machines, chang
 # Change points
 
 
-FOUR_BAR = {
-    "points": {"O": frame(0.0, 0.0), "D": frame(1.0, 0.0)},
-    "input": crank(speed=1.0),
-    "groups": {"bars": rrr("B", ("coupler", "A", 1.0), ("rocker", "D", 0.3))},
-}
+FOUR_BAR = four_bar(O=frame(0.0, 0.0), D=frame(1.0, 0.0))
 LENGTHS = ("points.O.x", "points.D.x", "input.length", "groups.bars.first.length", "groups.bars.second.length")
 
 
@@ -290,16 +284,7 @@ def test_scaled_motion__goes_the_same_way(moving):
         np.testing.assert_allclose(found, found[0], rtol=2e4 * EPS[np.float64], err_msg=name)
 
 
-# How many
-
-
-def test_positions__that_cannot_be_are_refused():
-    scene = Scene.model_validate(SLIDER_CRANK)
-    for positions in (0, 1, 7, 9, 8.0):
-        with pytest.raises(AskError, match="even number"):
-            Machine(scene, positions=positions)
-    with pytest.raises(AskError, match="at most 1048576 are allowed"):
-        Machine(scene, positions=MOST_POSITIONS + 2)
+# Threads
 
 
 @pytest.mark.parametrize("shapes", [1, 60])

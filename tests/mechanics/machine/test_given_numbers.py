@@ -6,6 +6,7 @@ from each_case import refusals
 from machines import changed, crank, frame, on, rrp
 
 from engine import AskError, Machine, NonZero, Scene, SceneError, Verdict, scene_numbers
+from engine.machine.checks import MOST_POSITIONS
 
 SCENE = {
     "points": {"O": frame(0.0, 0.0), "C": on("rod", 0.2, 0.0), "P": frame(0.1, 0.03)},
@@ -57,8 +58,9 @@ test_what_is_no_row_of_numbers__is_refused_by_name = refusals(
     ({TWO[0]: [GOOD, [0.05]], TWO[1]: [0.2, 0.2]}, "'input.length': rows differ in length"),
     ({TWO[0]: ["50 mm", "60 kg"], TWO[1]: [0.2, 0.2]}, "'input.length': expected a length such as '80 mm'"),
     ({TWO[0]: ["50 mm", 0.06], TWO[1]: [0.2, 0.2]}, "'input.length': 0.06 has no unit"),
+    ({TWO[0]: "50", TWO[1]: [0.2, 0.2]}, '50 has no unit: write "50 mm"'),
     ({TWO[0]: [True, False], TWO[1]: [0.2, 0.2]}, "'input.length' has non-numeric values, such as True"),
-    ({TWO[0]: [None, 0.05], TWO[1]: [0.2, 0.2]}, "'input.length'"),
+    ({TWO[0]: [None, 0.05], TWO[1]: [0.2, 0.2]}, "give numbers in SI units, or texts with units such as '50 mm'"),
     ({TWO[0]: GOOD}, "no values are given for 'groups.drive.first.length'"),
     ({"input.lenght": GOOD, TWO[1]: [0.2, 0.2]}, "'input.lenght' is not varied by this machine"),
     (GOOD, "give values by path, such as {'input.length': [...]}"),
@@ -95,6 +97,8 @@ test_what_makes_no_machine__is_refused_in_words = refusals(
     (lambda scene: Machine(scene, "piston.strok"), "did you mean 'piston.stroke'"),
     (lambda scene: Machine(scene, accuracy="high"), "accuracy: expected a number"),
     (lambda scene: Machine(scene, accuracy=5), "accuracy = 5: a share between 0 and 1 is needed"),
+    *((lambda scene, n=n: Machine(scene, positions=n), "even number") for n in (0, 1, 7, 9, 8.0)),
+    (lambda scene: Machine(scene, positions=MOST_POSITIONS + 2), "at most 1048576 are allowed"),
 )
 
 

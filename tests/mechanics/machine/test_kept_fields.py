@@ -117,6 +117,10 @@ def test_variant_that_cannot_be_assembled__keeps_what_there_is_and_spoils_no_oth
     apart = np.hypot(0.22 - 0.13 * np.cos(q), 0.01 - 0.13 * np.sin(q))
     assert (np.isnan(outcome.fields["B.x"][1]) == ((apart > 0.35) | (apart < 0.05))).all()
     assert (np.isnan(outcome.fields["rod.angle"][1]) == np.isnan(outcome.fields["B.x"][1])).all()
+    assert machine.groups[outcome.status_group[1]] == "g"
+    base = complex(0.22, 0.01)
+    lost = np.angle(base) + np.arccos((abs(base) ** 2 + 0.13**2 - 0.35**2) / (2 * 0.13 * abs(base)))
+    assert outcome.status_at[1] == pytest.approx(lost, rel=1e-9)
 
 
 def test_force_that_is_not_there__has_the_direction_zero():

@@ -6,7 +6,7 @@ Where nothing else is said, tolerances are some roundings (EPS) of the greatest 
 import numpy as np
 import pytest
 from each_case import refusals
-from machines import changed, four_bar, frame, moving, on, variants_of
+from machines import changed, four_bar, frame, moving, on, rpr, variants_of
 from machines import slider_crank as crank_and_ram
 from oracle import EPS
 from press import bodies, press
@@ -111,34 +111,14 @@ def test_variant_that_cannot_be_replaced__is_told_and_has_no_numbers():
     assert np.isnan(found.summaries["reduced_inertia.max"]).tolist() == [False, True]
 
 
-# Body | link | points: the places that every kind of link has.
-PLACES = {
-    "crank": ("crank", ["O", "A"]),
-    "rod": ("rod", ["A", "P", "B"]),
-    "gear": ("gear", ["S", "T", "M"]),
-    "slider": ("slider", ["B", "K", "L"]),
-    "rocker": ("rocker", ["D", "E", "F"]),
-    "stone": ("stone", ["A", "G", "H"]),
-}
-
-
-@pytest.mark.parametrize(("link", "at"), PLACES.values(), ids=PLACES)
-def test_points_of_every_kind_of_link__may_carry_masses(link, at):
-    scene = slider_crank()
-    scene["points"] |= {
-        "S": frame(-0.6, 0.0),
-        "D": frame(0.1, -0.9),
-        "T": on("gear", 0.2, 0.0),
-        "M": on("gear", 0, 0.1),
-    }
-    scene["points"] |= {"K": on("slider", 0.2, 0.0), "L": on("slider", 0, 0.1)}
-    scene["points"] |= {"E": on("rocker", 0.5, 0.0), "F": on("rocker", 0.2, 0.3)}
-    scene["points"] |= {"G": on("stone", 0.1, 0.0), "H": on("stone", 0.0, 0.1)}
-    scene["shafts"] = {"gear": {"geared_to": "crank", "ratio": -2.0, "pivot": "S"}}
-    second = {"link": "rocker", "joint": "D"}
-    scene["groups"]["q"] = {"type": "RPR", "first": {"link": "stone", "joint": "A"}, "second": second}
-    scene["bodies"] = {"b": {"link": link, "mass": 2.0, "x": 0.11, "y": 0.0 if len(at) == 2 else 0.07, "inertia": 0.03}}
+@pytest.mark.parametrize("place", ["crank.O", "crank.A", "coupler.A", "gear.S", "ram.E", "rocker.D", "stone.A"])
+def test_joints_of_every_kind_of_link__may_carry_masses(place):
+    link, joint = place.split(".")
+    scene = press(bodies={"b": {"link": link, "mass": 2.0, "x": 0.11, "y": 0.07, "inertia": 0.03}})
+    scene["groups"]["q"] = rpr(("stone", "A"), ("slotted", "D"))
+    scene = with_points(scene)
     # What the masses add: a body with the inertia that the static replacement says.
+    at = [joint, f"Q_{link}", f"V_{link}"]
     replaced = changed(scene, {"bodies.b.replace": {"type": "static", "at": at}})
     missed = Machine(Scene.model_validate(replaced), ["b.replacement_error"]).evaluate({}).summaries
     scene["bodies"]["b"]["inertia"] += float(missed["b.replacement_error"][0])

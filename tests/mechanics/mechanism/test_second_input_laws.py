@@ -210,7 +210,7 @@ INDEX = {
 def test_index_table__goes_on_by_a_quarter_in_each_turn_and_rests():
     names = ["table.angle", "table.angle_phi", "reduced_inertia", "table.driving_moment", "input_moment_by_equilibrium"]
     machine = Machine(Scene.model_validate(INDEX), [*BALANCE, "reduced_inertia.max"], names, positions=4 * NODES)
-    angle, rate, inertia, moment, own = rows_of(machine).values()
+    angle, rate, inertia, moment, own, *_ = rows_of(machine).values()
     since = machine.nodes - math.pi / 3
     gone = np.floor(since / (2 * math.pi))
     on, slope, bend = cycloidal(since - 2 * math.pi * gone, 2 * math.pi / 3, math.pi / 2)

@@ -105,11 +105,6 @@ def test_speed_that_is_come_to_slowly__is_waited_for():
     assert found["go.time"] == pytest.approx(INERTIA / 0.25 * math.log(1e4), rel=1e-9)
 
 
-def test_end_by_time__is_waited_for():
-    scene = pendulum({"go": run("gravity", from_angle=-math.pi / 2 - 0.6, from_speed=0.0, time=4 * PERIOD)})
-    assert ask(scene, "go.time")["go.time"] == pytest.approx(4 * PERIOD, rel=1e-9)
-
-
 # Friction of 60 N·m against Kloss' moment 2 · 100 N·m/(s/0.2 + 0.2/s), s the slip below 100 rad/s: they are equal at
 # 40 rad/s, where the machine's speed is unstable, and at 93.3 rad/s, where it is stable.
 def loaded_motor(**regime: object) -> dict:

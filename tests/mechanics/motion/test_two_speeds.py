@@ -286,16 +286,15 @@ def test_clutch_between_sides_at_rest__slips_where_one_is_held_and_the_other_pul
     assert (found.values["go.motor_shaft_final_speed"] == 0.0).all()
 
 
-@pytest.mark.parametrize("end", [{"lock_up": True}, {"rest": True}, {"speed": 30.0}, {"cycles": 3.0}])
-def test_load_that_falls_through_its_clutch__is_known_to_fall_for_ever_after_a_cycle(end):
-    scene = coupled(rotor({"go": run("dc load", from_shaft_speed=80.0, **end)}, load={"moment": -40.0}))
-    assert ask(scene, of("go", NAMES)).status == [Verdict.SLIPS]
-    assert history(Scene.model_validate(scene)).angle[-1] == pytest.approx(-4.0 * math.pi)
+SLIPS = [{"lock_up": True}, {"rest": True}, {"speed": 30.0}, {"cycles": 3.0}]
+FALLS = [*((run("dc load", from_shaft_speed=80.0, **end), 4.0, Verdict.SLIPS) for end in SLIPS)]
+FALLS += [(run("load", from_speed=0.0, rest=True), 90.0, Verdict.NO_END)]
 
 
-def test_load_that_falls_with_its_clutch_held__is_known_to_fall_for_ever_after_a_cycle():
-    scene = coupled(rotor({"go": run("load", from_speed=0.0, rest=True)}, load={"moment": -40.0}), capacity=90.0)
-    assert ask(scene, of("go", NAMES)).status == [Verdict.NO_END]
+@pytest.mark.parametrize(("go", "capacity", "verdict"), FALLS)
+def test_load_that_falls__is_known_to_fall_for_ever_after_a_cycle(go, capacity, verdict):
+    scene = coupled(rotor({"go": go}, load={"moment": -40.0}), capacity=capacity)
+    assert ask(scene, of("go", NAMES)).status == [verdict]
     assert history(Scene.model_validate(scene)).angle[-1] == pytest.approx(-4.0 * math.pi)
 
 

@@ -33,7 +33,7 @@ inertia = "400 lb-in2"
 for metric, american in OHIO.items():
     MACHINE = MACHINE.replace(f'"{metric}"', f'"{american}"')
 STUDY = """\
-scene = "press.toml"
+scene = "inches.toml"
 [vary]
 "input.length" = "2 in to 3 in, 3"
 [outputs]
@@ -53,10 +53,9 @@ def test_pattern__finds_units_of_another_system(shown, system):
 
 
 @pytest.fixture
-def press(folder):
-    Path("press.toml").write_text(MACHINE)
-    Path("study.toml").write_text(STUDY)
-    yield
+def inches(press_folder):
+    Path("inches.toml").write_text(MACHINE)
+    yield "inches.toml"
     show_units({})
 
 
@@ -75,23 +74,24 @@ def written(monkeypatch):
     return found
 
 
-def test_everything_about_a_machine__is_in_its_units(press, written):
+def test_everything_about_a_machine__is_in_its_units(inches, written):
+    Path("study.toml").write_text(STUDY)
     texts = {
         "run": done("run", "study.toml", "--no-plots"),
         # Name, symbol, unit and meaning; symbols are letters too.
-        "quantities": re.sub(r"(?m)^(  \S+ +)\S+", r"\1", done("quantities", "press.toml")),
+        "quantities": re.sub(r"(?m)^(  \S+ +)\S+", r"\1", done("quantities", inches)),
         "show": done("show", "results/study.h5"),
-        "at": done("show", "press.toml", "--at", "20,100"),
-        "machine": done("run", "press.toml", "--no-plots"),
+        "at": done("show", inches, "--at", "20,100"),
+        "machine": done("run", inches, "--no-plots"),
     }
-    done("plot", "press.toml", "--out", "press.svg")
+    done("plot", inches, "--out", "machine.svg")
     done("report", "results/study.h5", "--out", "page.html")
     done("export", "results/study.h5", "--to", "study.csv", "--columns", "excess_work,reduced_inertia_phi")
-    done("export", "press.toml", "--to", "press.csv")
+    done("export", inches, "--to", "machine.csv")
     texts["page"] = words_of_page(Path("page.html"))
-    heads = [Path(name).read_text().partition("\n")[0] for name in ("study.csv", "press.csv")]
+    heads = [Path(name).read_text().partition("\n")[0] for name in ("study.csv", "machine.csv")]
     texts["tables"] = ",".join(heads).replace(",", "\n")
-    plan_pictures(read_scene("press.toml"), Path("plan.svg"))
+    plan_pictures(read_scene(inches), Path("plan.svg"))
     texts["pictures"] = "\n".join(written)
     assert len(written) > 20
     assert any("lbf" in text for text in written)
@@ -113,13 +113,6 @@ def test_system__is_that_of_most_texts_or_the_one_named():
     assert show_units_of({"a": "3 ft", "b": "2 ft-lb"}) == "US"
     assert [quantity_text(0.3048, unit) for unit in ("m", "m s-1")] == ["1 ft", "1 ft/s"]
     assert quantity_text(1.3558179483314004, "N m") == "1 ft·lbf"
-    show_units({})
-
-
-@pytest.fixture
-def inches(press_folder):
-    Path("inches.toml").write_text(MACHINE)
-    yield "inches.toml"
     show_units({})
 
 

@@ -131,16 +131,12 @@ def test_plot_result__suits_the_grid(shape, asked, axes, failed, tmp_path):
     assert len(figure.axes) == (1 if len(failed) > 2 and shape == (6, 5) else axes)
 
 
-@pytest.mark.parametrize(("shape", "parameters", "along"), [((30,), ("a",), ["a"]), ((5, 6), ("a", "b"), [])])
-def test_random_samples__are_no_grid_unless_of_one_number(shape, parameters, along):
-    data = grid_data(shape, parameters=parameters)
-    shuffled = np.random.default_rng(1).permutation(30)
-    data = data._replace(arrays={name: values[shuffled] for name, values in data.arrays.items()})
-    assert data.grid_parameters() == along
-
-
-def test_axis_of_one_value__is_none_of_the_grid():
-    assert grid_data((4, 1, 5), parameters=("a", "b", "c")).grid_parameters() == ["a", "c"]
+@each("shape, along, shuffled", [((30,), "a", True), ((5, 6), "", True), ((4, 1, 5), "ac", False)])
+def test_grid__is_of_more_than_one_value_a_number_in_their_order(shape, along, shuffled):
+    data = grid_data(shape, parameters=("a", "b", "c")[: len(shape)])
+    rows = np.random.default_rng(1).permutation(math.prod(shape)) if shuffled else slice(None)
+    data = data._replace(arrays={name: values[rows] for name, values in data.arrays.items()})
+    assert data.grid_parameters() == list(along)
 
 
 # Variants that miss the condition for the best one
@@ -321,17 +317,24 @@ def test_lines_of_many_variants__are_evenly_chosen(monkeypatch):
     assert len(axes.collections[0].get_paths()) == 5
 
 
-def test_chosen_columns__varied_then_the_colour_then_summaries_in_order():
-    data = columns(["a", "b"], ["mass", "cost", "force"])
-    assert chosen_columns(data, "force") == ["a", "b", "force", "mass", "cost"]
-    assert chosen_columns(data, "a") == ["a", "b", "mass", "cost", "force"]
+def named(letter, count):
+    return [f"{letter}{i}" for i in range(count)]
 
 
-def test_chosen_columns_of_many__ten_with_the_colour_among_them():
-    data = columns([f"p{i}" for i in range(12)], [f"s{i}" for i in range(5)])
-    assert chosen_columns(data, "s3") == [*(f"p{i}" for i in range(9)), "s3"]
-    data = columns(["p"], [f"s{i}" for i in range(12)])
-    assert chosen_columns(data, "s3") == ["p", "s3", "s0", "s1", "s2", *(f"s{i}" for i in range(4, 9))]
+SOME = (["a", "b"], ["mass", "cost", "force"])
+
+
+@each(
+    "varied, summaries, colour, expected",
+    [
+        (*SOME, "force", ["a", "b", "force", "mass", "cost"]),
+        (*SOME, "a", ["a", "b", "mass", "cost", "force"]),
+        (named("p", 12), named("s", 5), "s3", [*named("p", 9), "s3"]),
+        (["p"], named("s", 12), "s3", ["p", "s3", "s0", "s1", "s2", *named("s", 9)[4:]]),
+    ],
+)
+def test_chosen_columns__ten_at_most_varied_then_the_colour_then_summaries(varied, summaries, colour, expected):
+    assert chosen_columns(columns(varied, summaries), colour) == expected
 
 
 def test_column_that_is_the_same_in_all_computed_variants__left_out():
@@ -343,7 +346,7 @@ def test_column_that_is_the_same_in_all_computed_variants__left_out():
 
 
 def test_chosen_columns__none_for_what_the_condition_makes_equal():
-    data = columns(["a", "b"], ["mass", "cost", "force"])._replace(condition="cost == 3 and force < 2")
+    data = columns(*SOME)._replace(condition="cost == 3 and force < 2")
     assert chosen_columns(data, "mass") == ["a", "b", "mass", "force"]
     assert chosen_columns(data, "cost") == ["a", "b", "cost", "force", "mass"]
 

@@ -59,12 +59,8 @@ def test_garbled_texts__are_read_or_refused_in_words(folder, monkeypatch):
 
 # Name | text of the file | words of the message.
 TABLES = cases(r"""
-no unit in brackets | over_stroke mm,force [kN]\n0,0\n1,1\n | line 1 | over_stroke mm | 'force [kN]'
 unknown column | stroke [mm],force [kN]\n0,0\n1,1\n | unknown key | did you mean 'over_stroke'?
 column without unit | over_stroke [mm],force\n0,0\n1,1\n | has no unit | "1 kN"
-cell too many | over_stroke [mm],force [kN]\n0,0\n1,1,5\n | line 3 | 3 cells, the header 2
-no rows | over_stroke [mm],force [kN]\n | at least one row
-nothing |  | header line
 unit in a cell | over_stroke [mm],force [kN]\n0,0\n1,1 mm\n | punch.csv, line 3: column force: expected a force | 'mm'
 unit in no cell | over_stroke [mm],force\n0,0 kN\n1,1\n | punch.csv, line 3: column force: 1 has no unit: write "1 kN"
 not finite | over_stroke [mm],force [kN]\n0,0\ninf,1\n | a length | inf

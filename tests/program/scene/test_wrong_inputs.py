@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 from commands import said
 from each_case import each
-from press_texts import PRESS_WITH_FLYWHEEL, slider_crank_text
+from press_texts import COMPRESSOR, MOTION, PRESS_WITH_FLYWHEEL, slider_crank_text
 from scene_samples import FROM_CSV, GOOD, PUNCH, SLIDING
 from slips import cases, changed
 from study_samples import STUDY, study_of
 
-from engine import AskError, Machine, Mechanics, Scene, SceneError
+from engine import Mechanics, Scene, SceneError
 from sweeps import InputError, read_scene
 
 GROUND = """\
@@ -69,8 +69,17 @@ exhaust = "1.1 bar"
 peak = "50 bar"
 """
 
+LOADED = f"""{PRESS_WITH_FLYWHEEL}{COMPRESSOR}
+[moments.cam]
+type = "table"
+on = "crank"
+over_angle = ["0 deg", "90 deg", "350 deg"]
+moment = ["0 N m", "5 N m", "3 N m"]
+interpolation = "linear"
+"""
+
 TEXTS = {"PRESS": PRESS_WITH_FLYWHEEL, "GOOD": GOOD, "FOUR_BAR": FOUR_BAR, "TRIAD": TRIAD, "SLIDING": SLIDING}
-TEXTS["ENGINE"] = ENGINE
+TEXTS |= {"ENGINE": ENGINE, "LOADED": LOADED, "MOTION": MOTION}
 
 # Words of Python and its libraries.
 FOREIGN = re.compile(
@@ -165,6 +174,18 @@ shaft on the frame | FOUR_BAR | [groups.bars] | [shafts.wheel]\ngeared_to = "fra
     | 14: shafts.wheel.geared_to | 'frame'
 cylinder on a rod | ENGINE | piston = "piston" | piston = "rod" | 23: cylinders.fire.piston | 'rod' doesn't slide
     | sliders are: piston
+no compression | LOADED | "1 bar" | "8 bar" | 36: cylinders.gas | discharge = 700 kPa is not above suction = 800 kPa
+beyond a period | LOADED | "350 deg" | "400 deg" | 48: moments.cam.moment
+    | row 3: over_angle [deg] = 400 is more than one period (360) after
+jump at a period | LOADED | "350 deg" | "360 deg" | 48: moments.cam.moment
+    | row 3: moment = 3 one period after the first row, whose moment = 0; make them
+unknown action | MOTION | "punch", "brake"] | "punhc", "brake"] | 52: regimes.start.off
+    | 'punhc' is not an action of this scene; known are: brake, gravity, motor, punch; did you mean 'punch'?
+two ends | MOTION | at_most = 20 | time = "3 s" | 50: regimes.start | after cycles, after a time, at a speed or at rest:
+    | time and speed are given; give exactly one of cycles, time, speed, rest = true
+no end | MOTION | rest = true |  | 60: regimes.stop | a run ends after cycles, after a time, at a speed or at rest: none
+unit of a run | MOTION | speed = "60 rpm"\nat | speed = "60 N"\nat | 53: regimes.start.speed | expected an angular speed
+name of a regime | MOTION | [regimes.work] | [regimes.punch] | 56: regimes.punch | the name 'punch' is already taken
 four strokes in a turn | ENGINE | revolutions = 2\n |  | 21: cylinders.fire.type | two turns | input.revolutions = 2
 """)
 
@@ -238,6 +259,8 @@ precision | positions | field_precision = "float16"\npositions | 4: field_precis
 unknown field | [outputs] | [outputs]\nfields = ["B.z"] | 14: outputs | 'B.z' is not a field | 'B.x'
 best without a name | minimise = "excess_work" | minimise = "" | 18: best.minimise | an expression is missing
 best of an expression | minimise = "excess_work" | minimise = "2 * excess_work" | 18: best.minimise | [optimise]
+entry of require | positions = 48\n | require = [\n"reach < 5",\n"input.length < bodies.ram.mass",\n]\n | 6: require
+    | compares a length with a mass:\n    input.length < bodies.ram.mass
 best where a list | "ram.stroke > '90 mm'" | ["reach > 1",\n"ram.stroke > 90 kg"] | 20: best.where
     | compares a length with a mass
 best of two | minimise = "excess_work" | minimise = "excess_work"\nmaximise = "ram.stroke" | 17: best | either
@@ -293,6 +316,7 @@ condition on a scene | plot press.toml --where ram.stroke>1mm | --where | no eff
 curves with plans | plot press.toml -y B.vx --plans --colour a | -y, --colour | no effect on the plot of a mechanism
 position of a sweep | plot r.h5 -y ram.stroke --at 30 | --at | no effect on the plot of a sweep, whose options are -x
 position in a result | plot r.h5 --at ten | --at | expected an angle such as '30 deg'
+hodograph of an engine | plot v_twin --hodograph | --hodograph | no effect on the plot of machine elements
 path of a rotor | plot fan_rotor --paths B | --paths | no effect on the plot of machine elements
 condition on an export | export press.toml --to a.csv --where ram.stroke>1mm | --where | a whole result file
 condition on a variant | export r.h5 --variant 1 --to a.csv --where ram.stroke>1mm | --where | a whole result file
@@ -314,17 +338,6 @@ ending | export press.toml --to a.xls | --to | ending '.xls': allowed are .csv
 picture | plot press.toml --out a.bmp | a.bmp | unknown picture format '.bmp'; allowed: .svg
 """)
 
-# What is given to a machine in Python that varies its crank.
-GIVEN = {
-    "unit": ({"input.length": "50 kg"}, "'input.length': expected a length such as '80 mm'"),
-    "no unit": ({"input.length": "50"}, '50 has no unit: write "50 mm"'),
-    "misspelt": ({"input.lenght": 0.05}, "'input.lenght' is not varied by this machine; known are: input.length"),
-    "nothing": ({}, "no values are given for 'input.length'"),
-    "two rows": ({"input.length": [[0.05], [0.06]]}, "'input.length' has 2 × 1 values: give one row of numbers"),
-    "no path": ([0.05], "give values by path, such as {'input.length': [...]}"),
-    "none": ({"input.length": None}, "give numbers in SI units, or texts with units such as '50 mm'"),
-}
-
 
 def check(message: str, place: str, words: list[str]) -> None:
     assert place in message, message
@@ -342,7 +355,7 @@ def placed(file: str, place: str) -> str:
 
 def test_good_texts__are_read(tmp_path):
     (tmp_path / "punch.csv").write_text(PUNCH)
-    for i, text in enumerate((GOOD, FOUR_BAR, SLIDING, ENGINE, FROM_CSV)):
+    for i, text in enumerate((GOOD, FOUR_BAR, SLIDING, ENGINE, LOADED, FROM_CSV)):
         (tmp_path / f"{i}.toml").write_text(text)
         assert read_scene(tmp_path / f"{i}.toml").input.speed > 0
 
@@ -383,14 +396,6 @@ def test_wrong_command__is_answered(slip, press_result):
     check(answer.stderr, place, words)
 
 
-@each("slip", GIVEN)
-def test_wrong_numbers_in_python__are_answered(slip, machine):
-    given, words = GIVEN[slip]
-    with pytest.raises(AskError) as refused:
-        machine.evaluate(given)
-    check(str(refused.value), words, [])
-
-
 @each("slip", SCENES)
 def test_wrong_scene_in_python__is_answered(slip):
     """As in a file, except that numbers without a unit are in SI there."""
@@ -422,12 +427,3 @@ def test_wrong_scene_in_python__is_answered_key_by_key():
     assert "input.pin" not in dict(refused.value.problems)
     words = "there is no shaft 'j': add it to shafts, or name one of frame, i"
     assert dict(refused.value.problems)["elements.train.wheels.b.shaft"] == words
-
-
-@pytest.fixture(scope="module")
-def machine(tmp_path_factory) -> Machine:
-    path: Path = tmp_path_factory.mktemp("scene") / "press.toml"
-    path.write_text(PRESS_WITH_FLYWHEEL, encoding="utf8")
-    scene = read_scene(path)
-    assert isinstance(scene, Scene)
-    return Machine(scene, "ram.stroke", varied="input.length")

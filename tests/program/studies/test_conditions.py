@@ -85,6 +85,23 @@ def test_condition_and_contrary__are_never_both_met_or_missed(condition, a, b, e
                 assert condition_of(text).judged({"a": a, "b": there}, {"a": error}, 1).met[0] == expected
 
 
+WILD_SIZES = st.floats(0, 1e3, allow_subnormal=False) | st.sampled_from([0.0, np.nan, np.inf])
+WILD = st.floats(-1e6, 1e6, allow_subnormal=False) | st.sampled_from([0.0, 1.0, np.nan])
+
+
+@settings(max_examples=60)
+@given(linear_conditions(3), st.lists(st.tuples(WILD, WILD, WILD_SIZES, WILD_SIZES), min_size=1, max_size=6))
+def test_margin__with_error_estimates_is_below_zero_only_where_the_condition_is_met(written, rows):
+    a, b, a_error, b_error = np.array(rows).T
+    condition, known = condition_of(written[0]), ({"a": a, "b": b}, {"a": a_error, "b": b_error})
+    sure = condition.judged(*known, a.size).met
+    worst = condition.margins(*known, a.size).max(axis=0)
+    defined = ~(np.isnan(a) | np.isnan(b))
+    assert not (sure & defined & (worst > 0)).any()
+    assert not (~sure & defined & (worst < 0)).any()
+    assert (np.abs(worst) <= 1).all()
+
+
 @settings(max_examples=200)
 @given(
     st.sampled_from(["<=", ">=", "==", "<", ">", "!="]), st.floats(1e-6, 1e6), st.integers(1, 12), st.integers(1, 12)

@@ -101,9 +101,9 @@ def asked(data: dict, fields: list[str], positions: int = 24) -> tuple[np.ndarra
 
 
 def rows_of(machine: Machine, **values: float) -> dict[str, np.ndarray]:
-    """Fields of one variant of a machine that is asked for BALANCE, too, and is in balance."""
+    """Fields and summaries of one variant of a machine that is asked for BALANCE, too, and is in balance."""
     outcome = machine.evaluate({path: np.array([value]) for path, value in values.items()})
     assert outcome.status[0] == Verdict.OK
     # A few roundings of what a handful of links pass on, against the greatest.
     assert all(outcome.summaries[name][0] < 1e-13 for name in BALANCE)
-    return {name: outcome.fields[name][0] for name in machine.asked_fields}
+    return {name: values[0] for name, values in {**outcome.fields, **outcome.summaries}.items()}

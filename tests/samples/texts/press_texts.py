@@ -49,3 +49,48 @@ PRESS_WITH_FLYWHEEL = f"""{PRESS}
 [flywheel]
 speed_fluctuation = "1/10"
 """
+
+COMPRESSOR = """
+[cylinders.gas]
+type = "compressor"
+piston = "ram"
+bore = "80 mm"
+clearance = "6 %"
+suction = "1 bar"
+discharge = "7 bar"
+"""
+
+# A press that starts, works and is stopped.
+_USEFUL = PRESS.replace('force = "100 kN"', 'force = "5 kN"\nrole = "useful"')
+MOTION = f"""{_USEFUL}
+[flywheel]
+inertia = "30 kg m2"
+
+[moments.motor]
+type = "dc_motor"
+on = "crank"
+stall_moment = "800 N m"
+no_load_speed = "66 rpm"
+
+[moments.brake]
+type = "block_brake"
+on = "crank"
+force = "2 kN"
+friction = 0.3
+radius = "200 mm"
+
+[regimes.start]
+type = "run"
+off = ["punch", "brake"]
+speed = "60 rpm"
+at_most = 20
+
+[regimes.work]
+type = "steady"
+off = ["brake"]
+
+[regimes.stop]
+type = "run"
+off = ["motor", "punch"]
+rest = true
+"""

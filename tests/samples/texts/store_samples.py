@@ -4,8 +4,10 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 from sweeps.store import Column, FieldAxis, FileLayout, Store, StoreError, read_columns
@@ -153,6 +155,13 @@ def child_holds(path: Path) -> None:
     with Store.open(path, layout()):
         print("held", flush=True)
         sys.stdin.readline()
+
+
+def child_locks(part: Path, seconds: float) -> None:
+    """As a program does that reads a file."""
+    with h5py.File(part):
+        print("locked", flush=True)
+        time.sleep(seconds)
 
 
 def child_tries(path: Path) -> None:

@@ -55,14 +55,3 @@ def test_rows_on_the_lines_of_a_table__change_no_result(place):
         # Values between the corners are rounded.
         rounding = 1e-13 * np.abs(short.summaries[name])
         assert (apart <= long.errors[name] + short.errors[name] + rounding).all(), name
-
-
-def test_loads_at_one_place__are_one_load():
-    def machine(count):
-        scene = machine_with("from the guide", 1).scene.model_dump(exclude_none=True)
-        pushes = {f"push{i}": {"type": "constant", "on": "B", "angle": 0.1 * i, "force": 1.0 + i} for i in range(count)}
-        drags = {f"drag{i}": {"type": "linear_drag", "on": "B", "coefficient": 1.0 + i} for i in range(count)}
-        return Machine(Scene.model_validate(scene | {"forces": pushes | drags}), ASKED)
-
-    few, many = machine(2), machine(60)
-    assert many.source() == few.source()

@@ -7,19 +7,11 @@ from pathlib import Path
 import pytest
 from commands import done, said
 from each_case import each
+from element_samples import JACK, scene
 
+from sweeps import write_scene
 from sweeps.report.sweep_result import SweepResult
 
-SCENE = """\
-title = "Screw jack"
-[elements.jack]
-type = "screw"
-thread = "square"
-load = "20 kN"
-mean_diameter = "33 mm"
-pitch = "6 mm"
-friction = 0.12
-"""
 STUDY = """\
 title = "Jack"
 scene = "jack.toml"
@@ -37,7 +29,7 @@ where = "{where}"
 @pytest.fixture
 def jack(folder):
     """A function that runs the study of a jack, and returns the answer."""
-    Path("jack.toml").write_text(SCENE)
+    Path("jack.toml").write_text(write_scene(scene(jack=JACK)))
 
     def run(diameter: str, where: str, *options: str) -> str:
         Path("study.toml").write_text(STUDY.format(diameter=diameter, where=where))

@@ -7,20 +7,12 @@ from pathlib import Path
 import h5py
 import pytest
 from commands import done, refused
-from press_texts import PRESS
+from press_texts import COMPRESSOR, PRESS
 
 from engine import WARNING_KINDS
 from sweeps.guide.chapters import chapters
 
-COMPRESSOR = """
-[cylinders.gas]
-type = "compressor"
-piston = "ram"
-bore = "80 mm"
-clearance = 0.6
-suction = "1 bar"
-discharge = "2 bar"
-"""
+LOOSE = PRESS + COMPRESSOR.replace("6 %", "60 %").replace("7 bar", "2 bar")
 CLEARANCE = "cylinders.gas.clearance: 60 % of the swept volume exceeds limits.clearance = 50 %; is it a percentage?"
 STUDY = """
 scene = "press.toml"
@@ -35,7 +27,7 @@ minimise = "required_power"
 
 @pytest.fixture
 def gas_folder(press_folder):
-    Path("press.toml").write_text(PRESS + COMPRESSOR)
+    Path("press.toml").write_text(LOOSE)
     return press_folder
 
 
@@ -50,7 +42,7 @@ def test_run__names_those_of_the_only_machine(gas_folder):
 
 
 def test_limits__of_a_scene_replace_the_usual_ones(gas_folder):
-    Path("press.toml").write_text(PRESS + COMPRESSOR + "[limits]\nclearance = 0.61\n")
+    Path("press.toml").write_text(LOOSE + "[limits]\nclearance = 0.61\n")
     assert "clearance" not in done("check", "press.toml").partition("Variants")[0]
     assert "did you mean" in refused("check", "press.toml", "--set", "limits.clearence=2")
 

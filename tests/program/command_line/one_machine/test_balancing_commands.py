@@ -233,13 +233,3 @@ def test_result_without_a_goal__shows_the_reactions_of_the_first_variant_that_wo
     assert made == ["rods.png", "rods_1_reactions.png", "rods_1_bearing_drive_inner.png"]
     # A picture that was asked for comes alone.
     assert len(result_pictures(result, Path("a.png"))) == 1
-
-
-@blank
-def test_elements_alone__are_no_mechanism(folder):
-    assert "--hodograph: has no effect on the plot of machine elements" in refused("plot", "v_twin", "--hodograph")
-    assert "there is no mechanism to draw" in refused("export", "v_twin", "--to", "a.dxf")
-
-
-def test_plot_of_a_rotor__draws_its_plan(folder):
-    assert wrote(done("plot", "fan_rotor", "--out", "fan.svg")) == ["fan_plan.svg"]

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from commands import done, refused, said
 from each_case import each
-from press_texts import PRESS
+from press_texts import MOTION, PRESS
 from slips import cases, changed
 
 from engine import Machine, Scene, Verdict
@@ -20,40 +20,6 @@ from sweeps.study.default_summaries import informative_summaries
 
 # Tests of pictures look at what is drawn.
 pytestmark = pytest.mark.usefixtures("blank_pictures")
-
-USEFUL = PRESS.replace('force = "100 kN"', 'force = "5 kN"\nrole = "useful"')
-MOTION = f"""{USEFUL}
-[flywheel]
-inertia = "30 kg m2"
-
-[moments.motor]
-type = "dc_motor"
-on = "crank"
-stall_moment = "800 N m"
-no_load_speed = "66 rpm"
-
-[moments.brake]
-type = "block_brake"
-on = "crank"
-force = "2 kN"
-friction = 0.3
-radius = "200 mm"
-
-[regimes.start]
-type = "run"
-off = ["punch", "brake"]
-speed = "60 rpm"
-at_most = 20
-
-[regimes.work]
-type = "steady"
-off = ["brake"]
-
-[regimes.stop]
-type = "run"
-off = ["motor", "punch"]
-rest = true
-"""
 
 STUDY = """\
 scene = "press.toml"
@@ -241,34 +207,6 @@ def test_export_history_of_a_motion_that_fails__tells_why_on_standard_error(fold
     assert answer.exit_code == 0
     assert "The history ends early: regime start: 80 rpm is not reached" in answer.stderr
     assert {line.partition(",")[0] for line in Path("h.csv").read_text().splitlines()[1:]} == {"start"}
-
-
-# Refusals
-
-
-# Name | what stands in the scene | what stands there instead | key at its line | words of the message.
-REGIMES = cases(r"""
-unknown action | "punch", "brake"] | "punhc", "brake"] | regimes.start.off
-    | 'punhc' is not an action of this scene; known are: brake, gravity, motor, punch; did you mean 'punch'?
-two ends | at_most = 20 | time = "3 s" | regimes.start | a run ends after cycles, after a time, at a speed or at rest:
-    | time and speed are given; give exactly one of cycles, time, speed, rest = true
-no end | rest = true |  | regimes.stop | a run ends after cycles, after a time, at a speed or at rest: none
-unit | speed = "60 rpm"\nat | speed = "60 N"\nat | regimes.start.speed | expected an angular speed
-name | [regimes.work] | [regimes.punch] | regimes.punch | the name 'punch' is already taken
-""")
-
-
-@each("case", REGIMES)
-def test_wrong_regime__is_refused_with_file_line_key_and_mend(case, folder):
-    old, new, key, *words = REGIMES[case]
-    change(old, new)
-    message = refused("check", "press.toml")
-    assert message.startswith("Error: press.toml, line ")
-    number = int(message.split("line ")[1].split(":")[0])
-    if key:
-        assert f"line {number}: {key}: {words[0]}" in message
-        assert Path("press.toml").read_text().splitlines()[number - 1].startswith((key.split(".")[-1], "[regime"))
-    assert all(word in message for word in words), message
 
 
 # Words

@@ -7,29 +7,11 @@ from pathlib import Path
 import pytest
 from commands import done, refused, said
 from each_case import each
-from press_texts import PRESS
+from press_texts import COMPRESSOR, PRESS
 from slips import changed
 
 from sweeps.text.csv_text import read_csv
 from sweeps.text.input_files import InputError
-
-COMPRESSOR = """
-[cylinders.gas]
-type = "compressor"
-piston = "ram"
-bore = "80 mm"
-clearance = "6 %"
-suction = "1 bar"
-discharge = "7 bar"
-"""
-TABLE = """
-[moments.cam]
-type = "table"
-on = "crank"
-over_angle = ["0 deg", "90 deg", "360 deg"]
-moment = ["0 N m", "5 N m", "3 N m"]
-interpolation = "linear"
-"""
 
 
 def test_mode_that_no_point_selects__is_told_with_the_file(folder):
@@ -43,21 +25,6 @@ def test_mode_that_no_point_selects__is_told_with_the_file(folder):
         line = Path(file).read_text().splitlines().index(table) + 1
         told = f"{file}, line {line}: near: rod, lower, upper, plate have 2 assembly modes"
         assert told in refused(*command.split())
-
-
-@each(
-    "addition, words",
-    [
-        (COMPRESSOR.replace("1 bar", "8 bar"), "discharge = 700 kPa is not above suction = 800 kPa"),
-        (TABLE.replace("360 deg", "400 deg"), "row 3: over_angle [deg] = 400 is more than one period (360) after"),
-        (TABLE, "moments.cam.moment: row 3: moment = 3 one period after the first row, whose moment = 0; make them"),
-    ],
-)
-def test_what_no_machine_does__is_refused_with_its_line(addition, words, press_folder):
-    Path("press.toml").write_text(PRESS + addition)
-    message = refused("check", "press.toml")
-    assert words in message
-    assert "press.toml, line " in message
 
 
 # Numbers beyond all bounds

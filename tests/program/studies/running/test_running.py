@@ -10,7 +10,7 @@ import xarray
 from each_case import each
 from press_sweeps import DISTINCT, FIELDS, GOOD, STROKE, numbers_in, run, study_of, text_of
 
-from engine import Verdict, set_threads
+from engine import Verdict
 from sweeps import SweepResult
 from sweeps.report.check_report import check_text
 from sweeps.report.result_report import counts_text
@@ -176,17 +176,6 @@ def test_press_that_does_not_reach__is_blamed_at_the_first_angle(tmp_path):
 
 
 # What results don't depend on
-
-
-def test_results__do_not_depend_on_threads(tmp_path):
-    found = []
-    try:
-        for threads in (1, 7):
-            set_threads(threads)
-            found.append(numbers_in(run(tmp_path, DISTINCT + f"# {threads}\n", f"t{threads}")))
-    finally:
-        set_threads(0)
-    assert found[0] == found[1]
 
 
 def test_results__do_not_depend_on_blocks(monkeypatch, tmp_path):
