@@ -4,7 +4,8 @@ The return map takes the kinetic energy E at the start of a cycle to the energy 
 computed along with it, ln(dP/dE) = ∮ ∂M/∂E dφ. Motions never cross, so P increases with E: a machine that stalls from
 some energy stalls from every lower one, and one that is faster after a cycle settles at a higher energy. The search
 starts at an energy at which loads should dominate, and stays within the known bounds. Step lengths are chosen in the
-first cycle and then reused as long as their errors are small enough.
+first cycle and then reused as long as their errors are small enough. A last cycle, from the energy found, has the
+results; all lanes make it together, so that it can also end steps at the extremes of the speed.
 """
 
 import math
@@ -17,7 +18,7 @@ from engine.compiling.decorators import driver, routine
 from engine.compiling.packed import call_at
 from engine.cycle.panels.lanes import one, rows
 from engine.stepping.steps.step_edges import find_edge
-from engine.stepping.steps.step_lanes import Room, WalkBatch
+from engine.stepping.steps.step_lanes import Room, WalkBatch, store_block
 from engine.stepping.walk import StepAddresses, take_in
 from engine.stepping.walk_task import FULL, GOAL, GOING, STEEP, WalkTask
 from engine.words.verdicts import Verdict
@@ -47,7 +48,7 @@ class CycleSearch(NamedTuple):
     Attributes
     ----------
     energy : row
-        At the start of the current cycle, in the end of the one found.
+        At the start of the current cycle.
     off : row
         |P(E) − E|/E of the cycle found.
     verdict : row
@@ -68,6 +69,8 @@ class CycleSearch(NamedTuple):
         1 if any step was made.
     laying : row
         1 if the next cycle chooses its steps.
+    last : row
+        1 in the cycle from the energy found.
     """
 
     energy: Row
@@ -82,6 +85,7 @@ class CycleSearch(NamedTuple):
     change: Row
     moved: Row
     laying: Row
+    last: Row
 
 
 # The first rows are the outcome of the search.
@@ -101,13 +105,19 @@ class CycleBatch(NamedTuple):
     Attributes
     ----------
     walks : WalkBatch
-        From the first trial energies.
+        From the first trial energies; updated to the ends of the last cycles.
+    last : WalkTask
+        Settings of the last cycle.
+    farthest : float
+        Its largest step [rad]; infinite if it takes those of the search, 0 if there is none.
     outcome : ndarray (OUTCOME, variants)
     fading : int
         Row of the states with ∮ ∂M/∂E dφ.
     """
 
     walks: WalkBatch
+    last: WalkTask
+    farthest: float
     outcome: np.ndarray
     fading: int
 
@@ -147,6 +157,9 @@ def judge_cycle(lane: int, fading: int, edges: int, task: WalkTask, room: CycleR
         search.laying[lane] = 1.0
         begin_cycle(lane, before, edges, task, room)
         return
+    if search.last[lane] > 0.0:
+        own.why[lane], search.verdict[lane] = GOAL, OK if whole else NOT_FINITE
+        return
     search.cycles[lane] += 1.0
     newton, multiplier = math.nan, math.nan
     if whole:
@@ -166,7 +179,8 @@ def judge_cycle(lane: int, fading: int, edges: int, task: WalkTask, room: CycleR
             return
         if settled and (laid or own.worst[lane] <= ALLOWED):
             search.off[lane], search.carried_error[lane] = left * abs(1.0 - multiplier) / newton, unsure + left
-            search.energy[lane], search.verdict[lane] = newton, OK
+            search.last[lane], search.laying[lane] = 1.0, 1.0 if own.kept[lane] <= 0.0 else 0.0
+            begin_cycle(lane, newton, edges, task, room)
             return
         if settled:
             # New steps disturb the cycle, by less than the energy itself.
@@ -208,6 +222,36 @@ def next_energy(
     return lower if least < lower < before else least
 
 
+@routine
+def make_cycles(
+    first: int, last: float, addresses: StepAddresses, batch: CycleBatch, task: WalkTask, room: CycleRoom
+) -> None:
+    """Go through cycles, those of the search or, if `last` is 1, the last ones, until all lanes have made theirs."""
+    walks, own, search = batch.walks, room.walk.lane, room.search
+    edges, slots = walks.edges.shape[0] // 2, room.walk.lengths.shape[0]
+    while True:
+        going, most = False, 0
+        for lane in range(LANES):
+            goes = search.verdict[lane] == SEARCHING and search.last[lane] == last
+            lays = goes and search.laying[lane] > 0.0
+            going = going or goes
+            own.halt[lane] = math.inf if lays else -math.inf
+            own.able[lane] = 1.0 if goes and not lays else 0.0
+            # Nothing repeats the last cycle.
+            stores = slots > 1 and last == 0.0
+            own.kept[lane] = (0.0 if stores else -1.0) if lays else own.kept[lane]
+            own.pace[lane] = own.farthest[lane] if lays else own.pace[lane]
+            most = max(most, int(own.kept[lane]) if own.able[lane] > 0.0 else 0)
+        if not going:
+            break
+        call_at(addresses.lay_steps, (first, addresses, walks, task, room.walk))
+        if most > 0:
+            call_at(addresses.repeat_steps, (most, addresses, walks, task, room.walk))
+        for lane in range(LANES):
+            if search.verdict[lane] == SEARCHING and search.last[lane] == last:
+                judge_cycle(lane, batch.fading, edges, task, room)
+
+
 @driver
 def find_cycles(
     begin: int, end: int, addresses: StepAddresses, batch: CycleBatch, task: WalkTask, room: CycleRoom
@@ -224,34 +268,25 @@ def find_cycles(
     room : CycleRoom
     """
     walks, own, search = batch.walks, room.walk.lane, room.search
-    edges, slots = walks.edges.shape[0] // 2, room.walk.lengths.shape[0]
+    edges = walks.edges.shape[0] // 2
     for b in range(begin, end):
         first = b * LANES
         take_in(first, walks, task, room.walk)
         for lane in range(LANES):
             search.low[lane], search.high[lane], search.change[lane] = 0.0, math.inf, math.inf
-            search.off[lane], search.carried_error[lane] = math.inf, 0.0
+            search.off[lane] = math.inf
             search.stalls[lane], search.rising[lane], search.moved[lane] = 0.0, 0.0, 0.0
             search.cycles[lane], search.laying[lane] = 0.0, 1.0
+            search.carried_error[lane], search.last[lane] = 0.0, 0.0
             search.verdict[lane] = SEARCHING if own.why[lane] == GOING else OK
             begin_cycle(lane, room.walk.begin[0, lane], edges, task, room)
-        while True:
-            going, most = False, 0
-            for lane in range(LANES):
-                goes = search.verdict[lane] == SEARCHING
-                lays = goes and search.laying[lane] > 0.0
-                going = going or goes
-                own.halt[lane] = math.inf if lays else -math.inf
-                own.able[lane] = 1.0 if goes and not lays else 0.0
-                own.kept[lane] = (0.0 if slots > 1 else -1.0) if lays else own.kept[lane]
-                own.pace[lane] = own.farthest[lane] if lays else own.pace[lane]
-                most = max(most, int(own.kept[lane]) if own.able[lane] > 0.0 else 0)
-            if not going:
-                break
-            call_at(addresses.lay_steps, (first, addresses, walks, task, room.walk))
-            if most > 0:
-                call_at(addresses.repeat_steps, (most, addresses, walks, task, room.walk))
-            for lane in range(LANES):
-                if search.verdict[lane] == SEARCHING:
-                    judge_cycle(lane, batch.fading, edges, task, room)
+        make_cycles(first, 0.0, addresses, batch, task, room)
+        for lane in range(LANES):
+            if search.verdict[lane] == SEARCHING and batch.farthest == 0.0:
+                search.verdict[lane] = OK
+            elif search.verdict[lane] == SEARCHING and batch.farthest < math.inf:
+                own.farthest[lane], search.laying[lane] = batch.farthest, 1.0
+                begin_cycle(lane, search.energy[lane], edges, task, room)
+        make_cycles(first, 1.0, addresses, batch, batch.last, room)
+        store_block(first, walks, task, room.walk)
         scatter_rows(search, first, batch.outcome)

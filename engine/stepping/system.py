@@ -149,6 +149,8 @@ class Closed(NamedTuple):
 
     Attributes
     ----------
+    cycle : Walks
+        Meaningless without a last cycle.
     energy : ndarray (variants,)
         At its start [J].
     off : ndarray (variants,)
@@ -159,6 +161,7 @@ class Closed(NamedTuple):
         Error estimate of the energy [J].
     """
 
+    cycle: Walks
     energy: np.ndarray
     off: np.ndarray
     verdict: np.ndarray
@@ -273,8 +276,7 @@ class PrintedSystem:
         task, batch = asked.record, self._batch(asked.record, start)
         repeats = not (task.along_time or task.implicit or start.recorded) and np.isfinite(task.cycle)
         self._go(walk, asked, batch, room_of, bool(repeats))
-        errors, parts = batch.carried_errors, (batch.recorded, batch.numbers)
-        return Walks(batch.states, errors, batch.ending, *batch.found, *parts)
+        return _walks(batch)
 
     def at(
         self,
@@ -315,12 +317,16 @@ class PrintedSystem:
         spread(evaluate_states, -(-places.size // LANES), lambda: (given, asked, room_of(asked, len(numbers), 1)))
         return found.reshape(len(wanted), *places.shape)
 
-    def close(self, asked: Packed, start: Start) -> Closed:
-        """Find the cycles that return to their own energies, from energies at which loads should dominate."""
+    def close(self, asked: Packed, start: Start, last: Packed, farthest: float) -> Closed:
+        """Find the cycles that return to their own energies, from energies at which loads should dominate.
+
+        Other parameters are those of `run` and `CycleBatch`.
+        """
+        walks = self._batch(asked.record, start)
         outcome = np.empty((len(OUTCOME), start.states.shape[1]))
-        batch = CycleBatch(self._batch(asked.record, start), outcome, self.names["fading"])
+        batch = CycleBatch(walks, last.record, farthest, outcome, self.names["fading"])
         self._go(find_cycles, asked, batch, cycle_room_of, not asked.record.implicit)
-        return Closed(*outcome)
+        return Closed(_walks(walks), *outcome)
 
     def _batch(self, task: WalkTask, start: Start) -> WalkBatch:
         """Memory of walks; numbers that don't change are shared with their start."""
@@ -369,6 +375,12 @@ class PrintedSystem:
         return numbers
 
 
+def _walks(batch: WalkBatch) -> Walks:
+    """Results of walks from their memory."""
+    errors, parts = batch.carried_errors, (batch.recorded, batch.numbers)
+    return Walks(batch.states, errors, batch.ending, *batch.found, *parts)
+
+
 @kept_by_thread
 def room_of(asked: Packed, numbers: int, edges: int, instants: int = 0, repeats: bool = False) -> Packed:
     """Scratch memory of the calling thread for one block of a walk; parameters as for `new_room`."""
@@ -406,4 +418,4 @@ def compile_walks() -> None:
     one_radian = {"goal": 1.0, "tolerance": 1e-3, "pace": 1.0, "farthest": 1.0}
     start = Start(numbers, one_radian, np.ones((2, 1)))
     body.run(task, start)
-    body.close(task, start)
+    body.close(task, start, task, np.inf)

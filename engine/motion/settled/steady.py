@@ -21,7 +21,7 @@ from engine.motion.one_speed import CHANNELS
 from engine.stepping.closed_cycle import TOO_STEEP
 from engine.stepping.methods import EIGHT, NINE
 from engine.stepping.recorded import RECORDED, made_steps
-from engine.stepping.records import put, some, variant_columns
+from engine.stepping.records import put, some
 from engine.stepping.system import RECORDED_AT, Closed, Start, Walks
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
@@ -100,7 +100,8 @@ def steady_motion(
         Whether the minimum and maximum speed are also located within steps.
     """
     with np.errstate(all="ignore"):
-        motion, key = _Motion(dynamics, variants, tolerance, extremes, (observers, off_observers)), "closed"
+        recorded = bool(observers or off_observers)
+        motion, key = _Motion(dynamics, variants, tolerance, extremes, recorded), ("closed", extremes, recorded)
         if key not in variants.kept:
             closed = motion.closed(np.arange(variants.count), False)
             steep = closed.verdict == TOO_STEEP
@@ -109,23 +110,16 @@ def steady_motion(
             variants.kept[key] = closed, steep
         closed, steep = variants.kept[key]
         verdict = np.where(closed.verdict == TOO_STEEP, Verdict.NOT_FINITE, closed.verdict)
-        return motion.final_cycles(closed, steep.copy(), verdict.astype(np.uint8))
+        return motion.final_cycles(closed, steep.copy(), verdict.astype(np.uint8), (observers, off_observers))
 
 
 class _Motion:
     """Machines whose steady running is sought."""
 
     def __init__(
-        self,
-        dynamics: Dynamics,
-        variants: Variants,
-        tolerance: float,
-        extremes: bool,
-        observers: tuple[Sequence[Observer], ...],
+        self, dynamics: Dynamics, variants: Variants, tolerance: float, extremes: bool, recorded: bool
     ) -> None:
-        self.observers, self.recorded = observers, RECORDED if any(observers) else 0
-        self.extremes = extremes or self.recorded > 0
-        self.farthest = CLOSEST if self.recorded else CLOSER if extremes else FARTHEST
+        self.extremes, self.farthest = extremes, 0.0 if recorded else CLOSER if extremes else np.inf
         self.dynamics, self.variants, self.tolerance, self.system = dynamics, variants, tolerance, dynamics.by_angle
         sizes = self.system.sizes
         # No guard ends the cycle while there is any energy. No load depends on time.
@@ -139,18 +133,21 @@ class _Motion:
         states[ENERGY], errors[ENERGY], pace = energy, error, np.full(who.size, farthest)
         lanes = {"direction": self.variants.direction[who], "turned": np.zeros(who.size), "pace": pace}
         lanes |= {"goal": self.dynamics.cycle, "tolerance": self.tolerance, "farthest": farthest}
-        return Start(variant_columns(self.numbers, who), lanes, states, self.edges[:, who], None, errors)
+        return Start(self.numbers[:, who], lanes, states, self.edges[:, who], None, errors)
 
     def closed(self, who: np.ndarray, implicit: bool) -> Closed:
         """Cycles that return to their own energies; the search starts at the no-load speed, where loads dominate."""
         part = self.variants.some(who)
         top = 0.5 * self.dynamics.inertia(part, np.zeros(who.size)) * self.dynamics.no_load_speed(part)[0] ** 2
-        return self.system.close(self._task(implicit, False), self._start(who, FARTHEST, top))
+        task, last = self._task(implicit, False), self._task(implicit, self.extremes)
+        return self.system.close(task, self._start(who, FARTHEST, top), last, self.farthest)
 
     def _task(self, implicit: bool, extremes: bool) -> Packed:
         return self.system.task(self.dynamics.cycle, NINE if implicit else EIGHT, extremes=extremes, timed=False)
 
-    def final_cycles(self, closed: Closed, steep: np.ndarray, verdict: np.ndarray) -> tuple[Steady, Steady]:
+    def final_cycles(
+        self, closed: Closed, steep: np.ndarray, verdict: np.ndarray, observers: tuple[Sequence[Observer], ...]
+    ) -> tuple[Steady, Steady]:
         """The cycles found, computed with all requested results, and their error estimates."""
         count = self.variants.count
         shapes = [(count,)] * 9 + [(1 + len(CHANNELS), count)]
@@ -160,7 +157,7 @@ class _Motion:
             if not who.size:
                 continue
             begin = closed.energy[who], closed.carried_error[who]
-            gone = self._cycle(who, implicit, *begin)
+            gone = self._cycle(who, implicit, *begin, observers) if any(observers) else some(closed.cycle, who)
             # A cycle with shorter steps may reveal that a motor is steep.
             steep[who] |= gone.why == Why.STEEP
             verdict[who[(gone.why != Why.GOAL) & (implicit | (gone.why != Why.STEEP))]] = Verdict.NOT_FINITE
@@ -198,22 +195,27 @@ class _Motion:
         off += [gone.slow_off, gone.fast_off, fluctuation_off, squares_off, works_off]
         return own, off
 
-    def _cycle(self, who: np.ndarray, implicit: bool, energy: np.ndarray, carried_error: np.ndarray) -> Walks:
+    def _cycle(
+        self,
+        who: np.ndarray,
+        implicit: bool,
+        energy: np.ndarray,
+        carried_error: np.ndarray,
+        observers: tuple[Sequence[Observer], ...],
+    ) -> Walks:
         """A cycle from given energies, seen by observers and by those of the shifted cycle."""
-        task, start = self._task(implicit, self.extremes), self._start(who, self.farthest, energy, carried_error)
-        start, whole, left = start._replace(recorded=self.recorded), None, np.arange(who.size)
+        task, start = self._task(implicit, True), self._start(who, CLOSEST, energy, carried_error)
+        start, whole, left = start._replace(recorded=RECORDED), None, np.arange(who.size)
         while left.size:
             gone = self.system.run(task, some(start, left))
-            if self.recorded:
-                self._show(gone, who[left])
-            gone = gone._replace(recorded=np.empty((0, 0, left.size)))
-            whole = gone if whole is None else _continued(whole, left, gone)
+            self._show(gone, who[left], observers)
+            whole = gone if whole is None else _joined(whole, left, gone)
             lanes = start.lanes | {"turned": whole.turned, "pace": whole.pace}
             start = start._replace(lanes=lanes, states=whole.states, carried_errors=whole.carried_errors)
             left = left[(gone.why == Why.FULL) & (gone.steps > 0.0)]
-        return whole
+        return whole._replace(recorded=np.empty((0, 0, who.size)))
 
-    def _show(self, gone: Walks, who: np.ndarray) -> None:
+    def _show(self, gone: Walks, who: np.ndarray, observers: tuple[Sequence[Observer], ...]) -> None:
         """Show recorded steps to observers; the speed determines the torque unless the motor is very steep."""
         made = made_steps(gone.recorded, gone.steps)
         if not made.variant.size:
@@ -222,7 +224,7 @@ class _Motion:
         equation = EquationOfMotion(self.dynamics, variants, np.zeros(variants.count))
         steep = (-gone.states[self.system.names["fading"]] > STEEP * gone.steps)[made.variant]
         turned, facing = made.begin + RECORDED_AT[:, None] * made.length, np.ones(made.variant.size)
-        for seers, off in zip(self.observers, (0.0, made.errors[:, None]), strict=True):
+        for seers, off in zip(observers, (0.0, made.errors[:, None]), strict=True):
             states = made.samples + off
             samples = np.array([states[TIME], turned, states[ENERGY]])
             motion = OneSpeedMotion(equation, who[made.variant], facing, samples, made.length, steep)
@@ -230,11 +232,14 @@ class _Motion:
                 seer.see(motion)
 
 
-def _continued(whole: Walks, who: np.ndarray, gone: Walks) -> Walks:
-    """Walks continued by those of some variants, in place, with the extremes of both parts."""
+def _joined(whole: Walks, who: np.ndarray, gone: Walks) -> Walks:
+    """Walks continued by others, with the extremes of both parts."""
+    made = [row.copy() for row in whole[:-1]]
+    for mine, new in zip(made, gone[:-1], strict=True):
+        mine[..., who] = new
+    joined = Walks(*made, whole.numbers)
     for extreme, off, better in (("slowest", "slow_off", np.less), ("fastest", "fast_off", np.greater)):
         kept = ~better(getattr(gone, extreme), getattr(whole, extreme)[who])
         for name in (extreme, off):
-            getattr(gone, name)[kept] = getattr(whole, name)[who[kept]]
-    put(whole, who, gone)
-    return whole
+            getattr(joined, name)[who[kept]] = getattr(whole, name)[who[kept]]
+    return joined
