@@ -66,13 +66,14 @@ class RunMotion(RegimeMotion):
         return np.where(outside, Verdict.OUTSIDE_LIMITS, verdict).astype(np.uint8)
 
     def _number(self, key: str, variants: Variants) -> np.ndarray:
-        """A number of a run for every variant, of a lead its cycles; infinite if it is not given."""
+        """A number of a run for every variant, infinite if it is not given; a lead's cycles are those up to its end."""
         if getattr(self.regime, key) is None:
             return np.full(variants.count, np.inf)
         if self.name in self._asked.leads:
             place = f"regimes.{self._asked.leads[self.name]}.{self._asked.keys.from_place}"
             share = variants.direction * variants.numbers.of_each(place, variants.count) / self.reduction.cycle
-            return 1.0 - np.mod(-share, 1.0)
+            share = np.mod(share, 1.0)
+            return np.where(share > 0.0, share, 1.0)
         return variants.numbers.of_each(f"regimes.{self.name}.{key}", variants.count)
 
     def run(

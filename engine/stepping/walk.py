@@ -226,7 +226,9 @@ def advance(task: WalkTask, room: Room) -> None:
         carry_errors(task, room)
     for q in range(task.width if task.displaces != 0.0 else 0):
         for lane in range(LANES):
-            after[q, lane] += task.displaces * abs(room.errors[q, lane])
+            displaced = after[q, lane] + task.displaces * abs(room.errors[q, lane])
+            # A side that moves doesn't come to rest by this.
+            after[q, lane] = displaced if displaced * after[q, lane] > 0.0 else after[q, lane]
     for q in range(task.width):
         for lane in range(LANES):
             begin[q, lane] = after[q, lane] if own.taken[lane] > 0.0 else begin[q, lane]

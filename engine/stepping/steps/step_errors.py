@@ -112,7 +112,7 @@ def is_rounding(lane: int, room: Room) -> bool:
 
 @inlined
 def is_short(length: float, lane: int, task: WalkTask, room: Room) -> bool:
-    """Whether a step turns by so little, or if no angle limits it, the last one was so exact, that an implicit pays."""
+    """Whether an implicit step pays: a step turns by little; without a limit of the angle, the last one was exact."""
     own = room.lane
     turns = length * abs(room.begin[1, lane]) if task.along_time else length
     return turns < WORTH_SOLVING * own.farthest[lane] if own.farthest[lane] < math.inf else own.exact[lane] > 0.0

@@ -66,8 +66,8 @@ def top_between(leaves: float, comes: float, lane: int, room: Room) -> float:
     Source: Hermite's cubic, whose slope is a quadratic with one root between slopes of different signs.
     """
     own, watched = room.lane, in_lanes(room.watched)
-    way = own.long[lane] - own.short[lane]
-    a, b = leaves * way, comes * way
+    bracket = own.long[lane] - own.short[lane]
+    a, b = leaves * bracket, comes * bracket
     c = math.copysign(1.0, watched[SLOPE, lane]) * (own.long_speed[lane] - own.short_speed[lane])
     linear, squared = 6.0 * c - 4.0 * a - 2.0 * b, 3.0 * (a + b) - 6.0 * c
     share = 2.0 * a / (math.sqrt(max(linear * linear - 4.0 * squared * a, 0.0)) - linear)
@@ -303,6 +303,9 @@ def aims_at_kink(lane: int, task: WalkTask, room: Room) -> bool:
         near, far = watched[task.kinks[i], lane], watched[task.watched + task.kinks[i], lane]
         share = near / (near - far) if near * far < 0.0 else math.inf
         first = share if beside < share < min(first, 1.0 - beside) else first
+    # A step that is lost in the rounding of its angle never reaches the kink.
+    turned = first * own.length[lane] * (abs(room.begin[1, lane]) if task.along_time else 1.0)
+    first = first if turned > ROUNDED * abs(own.turned[lane]) else math.inf
     if first < 1.0:
         own.aim[lane] = first * own.length[lane]
         own.aims[lane] += 1.0

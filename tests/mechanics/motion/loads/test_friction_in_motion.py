@@ -160,8 +160,8 @@ def test_start__motors_pay_for_energy_loads_and_friction():
     assert abs(work["work_residual"]) <= found.figure("go.work_residual") + 1e-9
 
 
-def missed_by_runs(regime: dict, rough: float) -> tuple[np.ndarray, np.ndarray]:
-    """Errors of random machines over their estimates, and relative errors; the pins are `rough` times as rough."""
+def random_pairs(rough: float) -> dict[str, np.ndarray]:
+    """Numbers of random machines; their pins are `rough` times as rough."""
     count, rng = 64, np.random.default_rng(6)
 
     def around(value: float) -> np.ndarray:
@@ -172,6 +172,12 @@ def missed_by_runs(regime: dict, rough: float) -> tuple[np.ndarray, np.ndarray]:
         varied[f"friction.{name}.coefficient"] = around(pair["coefficient"]) * (1.0 if name == "skirt" else rough)
         if name != "skirt":
             varied[f"friction.{name}.diameter"] = around(pair["diameter"])
+    return varied
+
+
+def missed_by_runs(regime: dict, rough: float) -> tuple[np.ndarray, np.ndarray]:
+    """Errors of random machines over their estimates, and relative errors; the pins are `rough` times as rough."""
+    varied = random_pairs(rough)
     names = of("go", "time angle final_speed motor_work harmful_work energy_change")
     scene, found = rubbing({"go": regime}, flywheel=0.0), {}
     for accuracy in (1e-10, 1e-3, 1e-4):
@@ -194,7 +200,8 @@ def test_errors_of_runs__are_within_their_estimates_where_reactions_pass_near_ze
     kinks too.
     """
     beyond, _ = missed_by_runs(run("dc cut gravity", from_speed=30.0, cycles=3.3), 1.0)
-    assert (beyond > 1.0).sum() <= 1
+    # At least 99.9 % of the estimates cover.
+    assert (beyond > 1.0).mean() <= 1e-3
     assert beyond.max() <= 1.5
 
 
@@ -206,6 +213,13 @@ def test_runs__end_steps_where_a_slider_changes_the_edge_it_bears_on():
     beyond, relative = missed_by_runs(run("dc push gravity", from_speed=40.0, cycles=4.3), 0.0)
     assert beyond.max() <= 1.0
     assert np.median(relative) <= 1e-7
+
+
+def test_step_up_to_a_kink__may_be_lost_in_rounding():
+    """A third of these runs aimed at a kink nearer than the last digit of the angle, again and again."""
+    scene = rubbing({"go": run("dc cut gravity", from_speed=30.0, cycles=1.3)}, flywheel=0.0)
+    found = ask(scene, of("go", "time final_speed"), varied=random_pairs(1.0), accuracy=1e-12)
+    assert set(found.status) == {Verdict.OK}
 
 
 def test_steady_motion__is_in_balance_at_every_instant_and_without_friction_what_it_was():
@@ -227,6 +241,13 @@ def test_steady_motion__is_in_balance_at_every_instant_and_without_friction_what
     # where the greatest of |d/ds s³(1 − s)³| is 0.0537 and ω⁽⁵⁾ at most 1.1 ω⁶.
     within = 0.1**5 / 720.0 * 0.0537 * 1.1 * smooth["on.mean_speed"]
     np.testing.assert_allclose(found[1e-12].fields["on.speed"], smooth.fields["on.speed"], rtol=0, atol=room + within)
+
+
+def test_stop_from_the_start_of_a_steady_cycle__may_be_next_to_it():
+    scene = rubbing({"on": steady("dc gravity"), "stop": run("brake", from_angle=2.0, rest=True)})
+    found = ask(scene, "stop.time", varied={"regimes.stop.from_angle": [0.0, 1e-20]})
+    assert found.status == [Verdict.OK] * 2
+    assert np.ptp(found.values["stop.time"]) <= found.errors["stop.time"].sum()
 
 
 def test_motor_of_any_steepness__turns_a_rubbing_machine_as_at_constant_speed():
