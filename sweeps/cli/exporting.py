@@ -61,7 +61,7 @@ def export(asked: shared.Options) -> None:
     is_sweep = asked.to.suffix in tables and needed.is_result(asked.file) and not of_one
     for option in ("where", "sort", "descending", "limit"):
         if getattr(asked, option) and not is_sweep:
-            raise InputError.of(f"--{option}", "chooses variants of a whole result file; here there is one machine")
+            raise InputError.of(f"--{option}", "is for the table of a whole result file; here one machine is written")
     if is_sweep:
         chosen = asked.where, asked.sort, asked.descending, asked.limit
         with doing("Writing the table"):

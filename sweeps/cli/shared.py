@@ -241,9 +241,15 @@ def _ascending(_: click.Context, __: click.Parameter, column: str | None) -> str
     return column
 
 
+def _sorted(context: click.Context, _: click.Parameter, descending: bool) -> bool:
+    if descending and not context.params.get("sort"):
+        raise click.BadParameter("needs a column to sort by, such as --sort required_power")
+    return descending
+
+
 ORDER = with_options(
-    click.option("--sort", help="Column to sort by.", callback=_ascending),
-    click.option("--descending", is_flag=True, help="Descending order."),
+    click.option("--sort", help="Column to sort by.", callback=_ascending, is_eager=True),
+    click.option("--descending", is_flag=True, help="Descending order.", callback=_sorted),
 )
 POSITIONS = click.option("--positions", type=WholeNumber(0), help="Number of field positions per cycle, even.")
 ACCURACY = click.option("--accuracy", help="Tolerance of every summary, such as '0.1 %'.")

@@ -113,6 +113,8 @@ def key_texts() -> dict[str, str]:
 def _about(words: Sequence[str]) -> str:
     """Keys, chapters, bundled studies and templates that speak of all of some words; "" if none do."""
     words = [word for word in words if word not in ("a", "of", "the")]
+    if not words:
+        return ""
     rows: dict[str, str] = {}
     for key in _keys():
         kind = key.kind if key.is_type else ""

@@ -329,6 +329,9 @@ curve for a number | show r.h5 --columns ram.velocity | columns | 'ram.velocity'
 no condition | show r.h5 --where true | where | 'true' compares nothing | condition
 dimension of a condition | show r.h5 --where ram.stroke>'2kg' | where | compares a length with a mass
 limit of none | show r.h5 --limit 0 | --limit
+descending in no column | show r.h5 --descending | --descending | a column to sort by
+order of one machine | export r.h5 --sort ram.stroke --to a.svg | --sort | one machine is written
+nothing but articles | help of the | help | no key or type 'of the'
 one equals sign | plot r.h5 --where ram.stroke=90 | where: write == instead of =
 words for a count | run press.toml --jobs two | --jobs | 'two' is not a whole number of at least 1
 too few frames | animate press.toml --frames 2 | --frames | '2' is not a whole number from 4 to 1000
