@@ -114,7 +114,7 @@ def _governed_system(governor: Element, machine: bool) -> tuple[System, Graph, G
     own = moving_inertia(ball, sleeve, rates)
     acceleration = (pull - 0.5 * rate_by(own, x) * velocity * velocity) / own
     place = position / width
-    inner, outer = (graph.apply(motion.room_ahead, *way) for way in ((-held.sense, place), (held.sense, 1.0 - place)))
+    inner, outer = (graph.apply(motion.room_ahead, *room) for room in ((-held.sense, place), (held.sense, 1.0 - place)))
     ahead = held.sense * velocity + BEHIND * swift
     releasing = graph.apply(motion.releasing_speeds, place, there.speed / ratio, friction / there.sleeve + SURELY)
     margin = graph.apply(motion.holding_margin, held.sense, speed, *releasing)

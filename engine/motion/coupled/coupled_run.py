@@ -471,7 +471,9 @@ class CoupledRuns(MachineRuns):
         tested = whole & (count & (count - 1) == 0) & (crank_speed > 0.0) & held & ~self.done[who]
         if tested.any() and (self.ends.lock_up | self.ends.standing):
             slipping = who[tested & slips]
-            parted = np.any([self._parts(slipping, *between) for between in BETWEEN], axis=0)
+            parted = np.zeros(slipping.size, bool)
+            if slipping.size:
+                parted = np.any([self._parts(slipping, *between) for between in BETWEEN], axis=0)
             endless = np.concatenate([slipping[parted], who[tested & (mode == TOGETHER)]])
             if not self.ends.lock_up:
                 endless = endless[np.any([self._turns_on(endless, share) for share in NOT_FASTER], axis=0)]

@@ -324,7 +324,10 @@ class MachineRuns(WalkedRuns):
     def beside(
         self, who: np.ndarray, ends: Ends, omega: np.ndarray, coupled: CoupledStanding | None = None
     ) -> "MachineRuns":
-        """Runs over a cycle with other speeds from where some variants are now; `ends` may end them before."""
+        """Runs over a cycle with other speeds from where some variants are now; `ends` may end them before.
+
+        Runs at two speeds start whole cycles before that.
+        """
         place = self.start[who] + self.variants.direction[who] * self.turned[who]
         begin = Standing(place, omega, self.clock[who] + self.time[who], np.zeros(who.size, np.uint8), coupled)
         ends = ends._replace(turned=np.full(who.size, self.dynamics.cycle), most_turned=np.full(who.size, np.inf))

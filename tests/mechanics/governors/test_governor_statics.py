@@ -23,9 +23,13 @@ def least_sleeve_force(exact, inner, outer):
     """The least force at the sleeve: at a stop, or where it neither rises nor falls."""
     angles = mp.linspace(inner, outer, 33)
     least = min(range(len(angles)), key=lambda i: exact.sleeve_force(angles[i]))
-    if 0 < least < len(angles) - 1:
-        return exact.sleeve_force(mp.findroot(lambda a: mp.diff(exact.sleeve_force, a), angles[least]))
-    return exact.sleeve_force(angles[least])
+    low, high = angles[max(least - 1, 0)], angles[min(least + 1, len(angles) - 1)]
+
+    def slope(angle):
+        return mp.diff(exact.sleeve_force, angle)
+
+    turns = slope(low) < 0 < slope(high)
+    return exact.sleeve_force(mp.findroot(slope, (low, high), solver="anderson") if turns else angles[least])
 
 
 def exact_results(governor, digits=40):

@@ -264,12 +264,12 @@ def test_jump_that_turns_a_machine_back_from_both_sides__holds_it_after_endlessl
         found.covers(name, value)
 
 
-@pytest.mark.parametrize("way", [1.0, -1.0])
-def test_braked_machine__rests_where_the_brake_has_taken_its_energy(way):
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_braked_machine__rests_where_the_brake_has_taken_its_energy(direction):
     begin, speed, brake = 0.7, 30.0, MOMENTS["brake"]
     braking = brake["blocks"] * brake["force"] * brake["friction"] * brake["radius"]
-    place = (begin + way * 0.5 * INERTIA * speed**2 / braking) % (2 * math.pi)
-    scene = rotor({"go": run("brake", from_speed=speed, from_angle=begin, rest=True)}, way)
+    place = (begin + direction * 0.5 * INERTIA * speed**2 / braking) % (2 * math.pi)
+    scene = rotor({"go": run("brake", from_speed=speed, from_angle=begin, rest=True)}, direction)
     found = ask(scene, "go.final_position go.ram.final_position")
     exact = {"go.final_position": place, "go.ram.final_position": slider_motion(place, RADIUS, ROD)[0]}
     for name, value in exact.items():
@@ -278,10 +278,10 @@ def test_braked_machine__rests_where_the_brake_has_taken_its_energy(way):
         found.covers(name, value)
 
 
-@pytest.mark.parametrize("way", [1.0, -1.0])
-def test_run_from_an_angle_after_steady_running__begins_with_the_speed_there(way):
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_run_from_an_angle_after_steady_running__begins_with_the_speed_there(direction):
     regimes = {"on": steady("dc gravity"), "stop": run("brake", from_angle=2.0, rest=True)}
-    scene, positions = slider_crank(regimes, 10.0 * way, flywheel=0.2), np.array([0, 17, 80, 119])
+    scene, positions = slider_crank(regimes, 10.0 * direction, flywheel=0.2), np.array([0, 17, 80, 119])
     angles = positions * 2 * math.pi / 120
     # Whole turns more or less are the same position.
     varied = {"regimes.stop.from_angle": [*angles, angles[1] - 2 * math.pi, angles[2] + 4 * math.pi]}
@@ -297,6 +297,6 @@ def test_run_from_an_angle_after_steady_running__begins_with_the_speed_there(way
     seen = history(Scene.model_validate(scene))
     assert list(dict.fromkeys(seen.regime)) == ["on", "stop"]
     first = np.flatnonzero(seen.regime == "stop")[0]
-    before = (np.arange(seen.regime.size) < first) & (way * seen.angle <= (way * 2.0) % (2 * math.pi))
+    before = (np.arange(seen.regime.size) < first) & (direction * seen.angle <= (direction * 2.0) % (2 * math.pi))
     assert seen.angle[first] == 2.0
     assert seen.speed[first] == pytest.approx(seen.speed[before][-1], rel=1e-3)
