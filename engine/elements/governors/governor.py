@@ -121,7 +121,7 @@ class Governor(Element):
             cycle = np.array([n[key] for key in n if key.startswith(CYCLE)]).reshape(-1, verdicts.size)
             changes = [follow_changes(g, marks, verdicts, cycle, longer) for longer in WALKS]
             highest, lowest, _, settled, *_ = changes[0].answers
-            # All walks may share an error of some tolerances of a step; settled engines still change by less than one.
+            # All walks may share an error of some tolerances of a step; settled engines still change by one.
             scales = SPEED_SCALE * highest, SPEED_SCALE * lowest, SPEED_SCALE, settled, 4.0 * SPEED_SCALE, 0.0, 0.0
             for result, scale, *rows in zip(_TRANSIENT, scales, *(each.answers for each in changes), strict=True):
                 found[result.name] = rows[0]

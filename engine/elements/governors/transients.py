@@ -47,9 +47,6 @@ BEHIND, TURNED, SURELY = 1e-15, 1e-4, 1e-12
 BELOW_SWITCH = 0.99
 # Relative tolerance of event times in a step: the speed, exact to rounding, allows no smaller one.
 ROOT = 1e-12
-# A run is over once its states are within this fraction of the tolerance of the equilibrium without friction: what
-# moves them then is the errors of steps.
-SETTLED = 0.1
 
 
 class Moving(NamedTuple):
@@ -140,7 +137,8 @@ def _governed_system(governor: Element, machine: bool) -> tuple[System, Graph, G
     slopes = [[derivative(each, {by: graph.one}) for by in (speed, velocity)] for each in rises]
     scales = SPEED_SCALE * steady, width, swift
     away = zip((speed - steady, position - rest, velocity), scales, strict=True)
-    # The engine never runs steadily on a mechanism or a valve.
+    # Nearer to the equilibrium than the tolerance of a step, only the errors of steps move an engine. On a mechanism or
+    # a valve it never runs steadily.
     settling = () if machine or governor.has_valve else (sum(abs(each) / scale for each, scale in away) - near,)
     system = System(
         along="time",
@@ -240,7 +238,7 @@ class _Runs(WalkedRuns):
             "mean speed": marks.mean_speed / ratio,
             "steady": self.steady,
             "rest": marks.after - low,
-            "settled": np.full(count, SETTLED * self.tolerance),
+            "settled": np.full(count, self.tolerance),
             "band": band,
             "swift": swift,
             "width": width,
