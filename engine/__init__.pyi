@@ -165,6 +165,7 @@ from engine.units.standard_sizes import STANDARD_SIZES
 from engine.warnings import is_warning
 from engine.warnings.kinds import KINDS as WARNING_KINDS
 from engine.words.quantity import STATISTICS, Quantity, Rank
+from engine.words.user_error import UserError
 from engine.words.verdicts import Verdict
 
 __version__: str
@@ -272,6 +273,7 @@ __all__ = [
     "TurningMoment",
     "UnitError",
     "UnitSystem",
+    "UserError",
     "VelocityPicture",
     "Verdict",
     "Yoke",

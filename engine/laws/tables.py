@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from engine.compiling.decorators import scalar
 from engine.compiling.instructions import chosen
 from engine.words.glossary import listed
+from engine.words.user_error import UserError
 
 INTERPOLATIONS = ("linear", "pchip", "spline")
 OUTSIDE = ("hold", "zero")
@@ -32,7 +33,7 @@ _HALVINGS = 60
 HEAD = 3
 
 
-class TableError(ValueError):
+class TableError(UserError, ValueError):
     """Rows that don't form a table; the message names the row, the value and the remedy."""
 
 

@@ -7,12 +7,13 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.words.glossary import counted
+from engine.words.user_error import UserError
 from engine.words.verdicts import Verdict
 
 CACHE_LINE = 64
 
 
-class AskError(ValueError):
+class AskError(UserError, ValueError):
     """A field, summary or setting that a machine can't provide."""
 
 

@@ -39,12 +39,13 @@ from engine.parts.skeleton import (
 )
 from engine.units.dimensions import described
 from engine.units.display import UnitSystem, quantity_text
+from engine.words.user_error import UserError
 
 # Path and message, for the user.
 Problem = tuple[str, str]
 
 
-class SceneError(ValueError):
+class SceneError(UserError, ValueError):
     """A rejected scene."""
 
     def __init__(self, problems: list[Problem]) -> None:

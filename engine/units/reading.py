@@ -22,12 +22,13 @@ from decimal import Context, Decimal, localcontext
 import numpy as np
 
 from engine.units.dimensions import DIMENSIONS, Powers, common_units, described, in_words, with_example
+from engine.words.user_error import UserError
 
 # Whole numbers up to this are numbers of float64.
 COUNTED = 2**53
 
 
-class UnitError(ValueError):
+class UnitError(UserError, ValueError):
     """A quantity that cannot be read, or whose unit does not fit; the message says how to correct it."""
 
 

@@ -8,7 +8,7 @@ from threading import Thread
 import click
 
 from sweeps.cli import needed
-from sweeps.cli.shared import ERRORS, foreseen_errors, main, tell, tell_altered
+from sweeps.cli.shared import ERRORS, main, tell, tell_altered
 from sweeps.cli.waiting import doing
 from sweeps.text.input_files import InputError
 from sweeps.text.interruption import keeping
@@ -52,9 +52,7 @@ def watch(file: str) -> None:
     """
     if needed.is_result(file):
         raise InputError.of(file, "is a result, which doesn't change; sweeps report makes its page")
-    page = needed.WatchedPage(
-        needed.find_study(file).name, lambda: needed.machine_of(file, None).scene, foreseen_errors()
-    )
+    page = needed.WatchedPage(needed.find_study(file).name, lambda: needed.machine_of(file, None).scene)
     with needed.PageServer(page) as server, keeping(lambda: "the page isn't served any more"):
         Thread(target=server.serve_forever, daemon=True).start()
         tell(f"{file} is shown at {server.address} (Ctrl-C ends this)")

@@ -4,7 +4,7 @@ import json
 import re
 import sys
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from functools import reduce, wraps
 from pathlib import Path
 from types import SimpleNamespace
@@ -66,9 +66,7 @@ class Commands(click.Group):
             try:
                 with status_line(), _legible():
                     return super().invoke(ctx)
-            except Exception as error:
-                if not isinstance(error, foreseen_errors()):
-                    raise
+            except engine.UserError as error:
                 print_on_stderr(f"Error: {shown_message(str(_in_its_file(error, files)))}")
                 sys.exit(NOT_ALL_DONE if isinstance(error, needed.UnfinishedError) else WRONG_INPUT)
 
@@ -143,7 +141,8 @@ def _legible() -> Iterator[None]:
 
 def _in_its_file(error: Exception, files: Iterable[Path]) -> Exception:
     """An error, with file and line if a scene turns out to be invalid only when it is computed."""
-    if not isinstance(error, engine.SceneError):
+    # Only a wrong scene has loaded the slow class.
+    if isinstance(error, InputError) or not isinstance(error, engine.SceneError):
         return error
     texts = {path: read_text(path) for path in [*files] if path.suffix == ".toml"}
     if not texts:
@@ -154,18 +153,6 @@ def _in_its_file(error: Exception, files: Iterable[Path]) -> Exception:
         return error
     path, prefix = (scenes[0], ()) if scenes else (next(iter(texts)), ("scene",))
     return InputError(path.name, needed.problems_in(texts[path], error.problems, prefix))
-
-
-def foreseen_errors() -> tuple[type[Exception], ...]:
-    """Errors meant for the user; imported only when one occurs, as that is slow.
-
-    None if an import fails: the error that occurred says why.
-    """
-    with suppress(Exception):
-        of_engine = (engine.AskError, engine.BalanceError, engine.SceneError, engine.TableError, engine.UnitError)
-        of_sweeps = (needed.StoreError, needed.SynthesisError, needed.PictureError, needed.ClusterError)
-        return (InputError, *of_engine, *of_sweeps)
-    return ()
 
 
 CLUSTER = click.option(

@@ -6,7 +6,7 @@ from pathlib import Path
 from threading import Condition
 from typing import Any
 
-from engine import Scene, warnings_in_words
+from engine import Scene, UserError, warnings_in_words
 from sweeps.page.machine_motion import BRIEF, looks, motion_data
 from sweeps.page.page_text import page_text
 from sweeps.pictures.drawing import DrawnMotion
@@ -24,8 +24,6 @@ class WatchedPage:
         Its name, the heading as long as there is no machine.
     read : callable
         Reads the scene.
-    errors : tuple of exception types
-        Errors meant for the user.
 
     Attributes
     ----------
@@ -36,8 +34,8 @@ class WatchedPage:
         What is wrong, with file and line; "" if nothing is.
     """
 
-    def __init__(self, file: str, read: Callable[[], Scene], errors: tuple[type[Exception], ...]) -> None:
-        self._read, self._errors = read, errors
+    def __init__(self, file: str, read: Callable[[], Scene]) -> None:
+        self._read = read
         self._changed, self._files = Condition(), dict[Path, Stamp | None]()
         self._file, self._parts = file, {"title": file}
         self.version = self.text = self.message = ""
@@ -66,7 +64,7 @@ class WatchedPage:
         with files_read() as self._files:
             try:
                 self._parts, self.message = _parts(self._read(), self._file), ""
-            except self._errors as error:
+            except UserError as error:
                 self.message = str(error)
         version = secrets.token_hex(8)
         now = {"version": version}

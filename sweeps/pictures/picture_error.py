@@ -2,11 +2,13 @@
 
 from typing import TYPE_CHECKING
 
+from engine import UserError
+
 if TYPE_CHECKING:
     from engine import Scene
 
 
-class PictureError(ValueError):
+class PictureError(UserError, ValueError):
     """A plot can't be drawn."""
 
     @classmethod

@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from engine import UserError
+
 _FULL = "The disk or the quota is full, or a file-size limit is reached. Make room or give another --out."
 _DENIED = "The system does not allow it. Look at the permissions, or give another --out."
 _NO_LOCKS = "This file system has no locks: set HDF5_USE_FILE_LOCKING=FALSE and run one sweep per file."
@@ -24,7 +26,7 @@ _REMEDIES = {
 }
 
 
-class StoreError(Exception):
+class StoreError(UserError):
     """A result file cannot be made, continued, written or read; the text says why and what to do."""
 
 

@@ -8,7 +8,7 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import NamedTuple
 
-from engine import did_you_mean
+from engine import UserError, did_you_mean
 
 # Maximum size of a scene or study [bytes]; long ones have some ten thousand.
 LARGEST_TEXT = 16_000_000
@@ -17,7 +17,7 @@ _SHOWN = 60
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
-class InputError(ValueError):
+class InputError(UserError, ValueError):
     """Invalid input; `problems` holds (line or None, key path, message)."""
 
     def __init__(self, source: str, problems: list[tuple[int | None, str, str]]) -> None:

@@ -27,6 +27,7 @@ from engine.parts.bodies import Body
 from engine.scene.scene import Scene
 from engine.units.display import quantity_text
 from engine.words.glossary import did_you_mean
+from engine.words.user_error import UserError
 from engine.words.verdicts import Verdict
 
 # Tolerance for a full balance, relative to the sum of all terms; kinematics near dead centres lose digits.
@@ -36,7 +37,7 @@ ROWS = ("shaking_force_x", "shaking_force_y", "shaking_moment")
 Criterion = Literal["full", "rms", "peak"]
 
 
-class BalanceError(ValueError):
+class BalanceError(UserError, ValueError):
     """A balance that is impossible or wrongly specified."""
 
 

@@ -1,7 +1,9 @@
 """Errors of clusters."""
 
+from engine import UserError
 
-class ClusterError(RuntimeError):
+
+class ClusterError(UserError, RuntimeError):
     """There is no such cluster, or it has no usable worker."""
 
 

@@ -15,7 +15,6 @@ from commands import ROOT, refused
 from test_page import BROWSER, QUIET, data_in, in_browser
 
 from sweeps.cli.named_machine import machine_of
-from sweeps.cli.shared import foreseen_errors
 from sweeps.page import page_server
 from sweeps.page.page_server import PageServer
 from sweeps.page.watched_page import WatchedPage
@@ -32,7 +31,7 @@ def scene(tmp_path):
 
 
 def watched(path: Path) -> WatchedPage:
-    return WatchedPage(path.name, lambda: machine_of(str(path), None).scene, foreseen_errors())
+    return WatchedPage(path.name, lambda: machine_of(str(path), None).scene)
 
 
 @contextlib.contextmanager
