@@ -40,6 +40,8 @@ LEAST_LOAD = 1e-3
 NEAR_CUT = 1e-6
 # Room for stretches.
 MOST_STRETCHES = 1024
+# A force below this multiple of the least one at a position may be still smaller next to it.
+NEAR_LEAST = 32.0
 # Parts of the interval between two positions, in each of which a force turns back, and is shortest, at most once.
 PARTS = 4
 
@@ -132,11 +134,32 @@ def add_stretch(angle: float, margin: float, step: int, j: int, count: int, stre
 
 
 @routine
+def continues(record: Record, force: Force, step: int, j: int) -> bool:
+    """Whether a force counts at two neighbouring positions, j the later, and between them, and doesn't turn sharply."""
+    lane, least = force.lane, force.least * force.least
+    slot_x, slot_y = known_slot(record, force.x, step), known_slot(record, force.y, step)
+    of_x, of_y = record.values[slot_x], record.values[slot_y]
+    x, y, x_after, y_after = of_x[j - 1, lane], of_y[j - 1, lane], of_x[j, lane], of_y[j, lane]
+    smaller_square = min(x * x + y * y, x_after * x_after + y_after * y_after)
+    if smaller_square < least or abs(turn_to(x, y, x_after, y_after)) > SHARP:
+        return False
+    if smaller_square > NEAR_LEAST * NEAR_LEAST * least:
+        return True
+    series = VectorSeries(record.coefficients[slot_x], record.coefficients[slot_y], lane)
+    stride = DEGREE // record.degree
+    place, limit = PLACES[stride * (j - 1)], PLACES[stride * j]
+    if vector_at(series, place)[3] >= 0.0 or vector_at(series, limit)[3] <= 0.0:
+        return True
+    x, y, _, _ = vector_at(series, place_where(series, place, limit, IS_LEAST))
+    return x * x + y * y >= least
+
+
+@routine
 def find_stretches(record: Record, force: Force, stretches: Stretches) -> int:
     """Find the stretches of a force's directions over the panels of a lane, from its values at the positions.
 
-    Where the force starts or ceases to count, or turns sharply, it may turn back and forth between two positions: the
-    adjacent positions then become separate stretches too, with a margin of π.
+    Where the force starts or ceases to count, also between two positions, or turns sharply, it may turn back and forth
+    there: the adjacent positions then become separate stretches too, with a margin of π.
 
     Returns
     -------
@@ -155,18 +178,18 @@ def find_stretches(record: Record, force: Force, stretches: Stretches) -> int:
             fx, fy = of_x[j, lane], of_y[j, lane]
             counts = fx * fx + fy * fy >= least * least
             turned = turn_to(x_before, y_before, fx, fy)
-            continues = counts & loaded & (abs(turned) <= SHARP)
-            if loaded and not continues:
+            goes_on = j > 0 and continues(record, force, step, j)
+            if loaded and not goes_on:
                 count = add_stretch(angle, math.pi, step, j - 1, count, stretches)
-            angle, x_before, y_before = angle + turned if continues else math.atan2(fy, fx), fx, fy
-            if counts and not continues:
+            angle, x_before, y_before = angle + turned if goes_on else math.atan2(fy, fx), fx, fy
+            if counts and not goes_on:
                 count = add_stretch(angle, math.pi, step, j, count, stretches) if j > 0 else count
                 count = add_stretch(angle, 0.0, step, j, count, stretches)
                 low = high = angle
             if count > ends.shape[0]:
                 return count
             loaded = counts
-            if continues:
+            if goes_on:
                 # Between positions it may turn further by as much as it turns between the adjacent ones.
                 lower, upper = min(angle, angle - turned) - abs(turned), max(angle, angle - turned) + abs(turned)
                 low, high = min(low, lower), max(high, upper)
@@ -174,7 +197,7 @@ def find_stretches(record: Record, force: Force, stretches: Stretches) -> int:
                 ends[count - 1, 0], places[count - 1, 0] = angle, j
             if counts and angle > ends[count - 1, 1]:
                 ends[count - 1, 1], places[count - 1, 1] = angle, j
-            if continues:
+            if goes_on:
                 margins[count - 1, 0], margins[count - 1, 1] = ends[count - 1, 0] - low, high - ends[count - 1, 1]
     return count
 
@@ -194,25 +217,29 @@ def farthest_turn(series: VectorSeries, place: float, limit: float, sense: float
     farthest, sensitivity, start = 0.0, 1.0 / math.sqrt(x * x + y * y), place
     for part in range(1, PARTS + 1):
         end = place + way * part / PARTS
-        _, _, turning_after, growing_after = vector_at(series, end)
-        turns_back = turning * sense * way > 0.0 >= turning_after * sense * way
-        back = place_where(series, start, end, TURNS_BACK) if turns_back else end
+        _, _, _, growing_after = vector_at(series, end)
         dip = place_where(series, start, end, IS_LEAST) if growing * way < 0.0 <= growing_after * way else end
-        turning, growing = turning_after, growing_after
-        # Between these corners the force is nowhere farther ahead or smaller than at them.
-        for corner in (back, dip, end) if abs(back - start) < abs(dip - start) else (dip, back, end):
-            hx, hy, _, _ = vector_at(series, corner)
-            ceases, moved = hx * hx + hy * hy < least * least, 0.0
-            if ceases:
-                hx, hy, turns, grows = vector_at(series, place_where(series, start, corner, least * least))
-                # The position where the force ceases to count is only as accurate as the force.
-                moved = abs(turns / grows)
-            turned += turn_to(x, y, hx, hy)
-            if turned * sense > farthest:
-                farthest, sensitivity = turned * sense, (1.0 + moved) / math.sqrt(hx * hx + hy * hy)
-            if ceases:
-                return farthest, sensitivity
-            x, y, start = hx, hy, corner
+        growing = growing_after
+        # Where a force nearly vanishes it turns fast, and may turn back on either side.
+        for side in (dip, end):
+            _, _, turning_after, _ = vector_at(series, side)
+            turns_back = turning * sense * way > 0.0 >= turning_after * sense * way
+            back = place_where(series, start, side, TURNS_BACK) if turns_back else side
+            turning = turning_after
+            # Between these corners the force is nowhere farther ahead or smaller than at them.
+            for corner in (back, side):
+                hx, hy, _, _ = vector_at(series, corner)
+                ceases, moved = hx * hx + hy * hy < least * least, 0.0
+                if ceases:
+                    hx, hy, turns, grows = vector_at(series, place_where(series, start, corner, least * least))
+                    # The position where the force ceases to count is only as accurate as the force.
+                    moved = abs(turns / grows)
+                turned += turn_to(x, y, hx, hy)
+                if turned * sense > farthest:
+                    farthest, sensitivity = turned * sense, (1.0 + moved) / math.sqrt(hx * hx + hy * hy)
+                if ceases:
+                    return farthest, sensitivity
+                x, y, start = hx, hy, corner
     return farthest, sensitivity
 
 
@@ -239,7 +266,7 @@ def extend(record: Record, force: Force, stretches: Stretches, i: int, side: int
         while 0 <= j + way <= record.degree:
             fx, fy, gx, gy = of_x[j, lane], of_y[j, lane], of_x[j + way, lane], of_y[j + way, lane]
             turned = turn_to(fx, fy, gx, gy)
-            if not apart and (gx * gx + gy * gy < least * least or abs(turned) > SHARP):
+            if not apart and not continues(record, force, step, max(j, j + way)):
                 break
             # Between positions it may turn further by as much as it turns between the adjacent ones.
             if apart or max(reached, reached + turned * sense) + max(before, abs(turned)) > farthest:

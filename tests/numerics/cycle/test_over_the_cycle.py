@@ -108,6 +108,38 @@ def test_unloaded_arc__is_as_uncertain_as_the_peak_by_which_its_force_ceases_to_
     assert within(found, exact), (np.abs(found.value - exact) / found.error).max()
 
 
+@at_positions
+def dipping_force(P, lane, q, c, s, tile, i, room):
+    # It nearly vanishes at the phase, where it turns by almost π, and turns back on either side.
+    turned = math.sin(q - P[4, lane])
+    x, y = turned, P[2, lane] + P[3, lane] * turned * turned
+    tile[i, lane], tile[room + i, lane], tile[2 * room + i, lane] = x, y, x * x + y * y
+
+
+@at_positions
+def fading_force(P, lane, q, c, s, tile, i, room):
+    # It points to every direction in turn, but fades at the phase.
+    turned = q - P[4, lane]
+    size = P[2, lane] + 1.0 - math.cos(turned)
+    x, y = size * math.cos(turned), size * math.sin(turned)
+    tile[i, lane], tile[room + i, lane], tile[2 * room + i, lane] = x, y, size * size
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
+def test_unloaded_arc__of_a_force_that_nearly_vanishes_between_two_positions(tolerance):
+    random, count = np.random.default_rng(3), 400
+    ends, phase = np.repeat([[-math.pi], [math.pi]], count, axis=1), random.uniform(-math.pi, math.pi, count)
+    plan = planned(ends=(0, 1), curves=3, arcs=((0, 1, 2),), tolerance=tolerance)
+    shortest, bend = 10.0 ** random.uniform(-4.0, -1.5, count), random.uniform(0.5, 3.0, count)
+    found = CycleMachine(plan, dipping_force()).evaluate(np.array([*ends, shortest, bend, phase])).arcs
+    # (d + c s²)/|s| is least, 2 √(c d), at s² = d/c, where the force still counts.
+    assert within(found, math.pi + 2.0 * np.arctan(2.0 * np.sqrt(bend * shortest)), share=1.0)
+    shortest = random.uniform(0.0, 0.99, count) * 2.0 * LEAST_LOAD / (1.0 - LEAST_LOAD)
+    found = CycleMachine(plan, fading_force()).evaluate(np.array([*ends, shortest, bend, phase])).arcs
+    off = LEAST_LOAD * (shortest + 2.0)
+    assert within(found, 2.0 * np.arccos(1.0 + shortest - off), share=1.0)
+
+
 def of_a_turn():
     graph = Graph()
     return graph, OneVariant(graph, {}, (graph.zero, graph.constant(2.0 * math.pi)), 1)
