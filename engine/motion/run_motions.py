@@ -21,6 +21,7 @@ from engine.motion.runs.run import run_to_end
 from engine.motion.runs.run_progress import CoupledStanding, Ends, RunOutcome, Standing, Stepping
 from engine.motion.runs.spread_errors import spread_errors
 from engine.stepping.records import over_all, put, some
+from engine.stepping.walk_task import LONGEST
 from engine.words.verdicts import Verdict
 
 # Creates the observers of a run from its fields.
@@ -176,7 +177,8 @@ class RunAtOneSpeed(RunMotion):
             before, known = run.kept[key]
             # In an earlier regime coarser steps may have failed where these didn't, or the reverse.
             _, mine, theirs = np.intersect1d(run.which, before.which, return_indices=True)
-            outcome = over_all(some(known.shifted(known.changed), theirs), mine, run.which.size)
+            predicted = known.shifted(known.changed) if longer == LONGEST else known
+            outcome = over_all(some(predicted, theirs), mine, run.which.size)
             alike = np.zeros(run.which.size, bool)
             alike[mine] = run.some(mine).alike(before.some(theirs)) & known.known[theirs]
             left = np.flatnonzero(~alike)

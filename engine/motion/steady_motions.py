@@ -22,6 +22,7 @@ from engine.motion.settled.sizing import flywheel_for
 from engine.motion.settled.steady import Steady, steady_motion
 from engine.motion.settled.steady_with_friction import settled_motion
 from engine.stepping.records import over_all
+from engine.stepping.walk_task import LONGEST
 from engine.words.verdicts import Verdict
 
 
@@ -82,17 +83,24 @@ class SteadyAtOneSpeed(SteadyMotion):
         # A flywheel to be determined provides inertia everywhere.
         return np.zeros(variants.count, bool) if self.asks("flywheel") else super()._without_inertia(variants)
 
-    def with_sized_flywheel(self, variants: Variants, longer: float = 1.0) -> tuple[Variants, np.ndarray]:
-        """Variants with the flywheel for the required speed fluctuation, where that is requested, and verdicts on it.
+    def with_sized_flywheel(self, variants: Variants, longer: float = 1.0) -> tuple[Variants, np.ndarray, np.ndarray]:
+        """Variants with the flywheel for the required speed fluctuation, where that is requested.
 
         Where there is none, the flywheel stays as it is.
+
+        Returns
+        -------
+        variants : Variants
+        missed : ndarray (variants,)
+            As for `flywheel_for`.
+        verdict : ndarray (variants,)
         """
         if not self.asks("flywheel"):
-            return variants, np.full(variants.count, Verdict.OK, np.uint8)
+            return variants, np.zeros(variants.count), np.full(variants.count, Verdict.OK, np.uint8)
         delta = variants.numbers.of_each("flywheel.speed_fluctuation", variants.count)
-        wheel, verdict = flywheel_for(self.dynamics, variants, self._asked.tolerance, delta, longer)
+        wheel, missed, verdict = flywheel_for(self.dynamics, variants, self._asked.tolerance, delta, longer)
         wheel = np.where(verdict == Verdict.OK, wheel, variants.flywheel)
-        return variants._replace(flywheel=wheel, kept={}), verdict
+        return variants._replace(flywheel=wheel, kept={}), missed, verdict
 
     def after(self, variants: Variants, steady: Steady, verdict: np.ndarray) -> Standing:
         """State at the end of steady running, with given verdicts."""
@@ -103,11 +111,13 @@ class SteadyAtOneSpeed(SteadyMotion):
 
     def _follow(self, variants: Variants, standing: Standing, longer: float) -> OneRegime:
         kept = variants.kept
-        variants, verdict = self.with_sized_flywheel(variants, longer)
-        found = {"flywheel": variants.flywheel} if self.asks("flywheel") else {}
+        variants, too_heavy, verdict = self.with_sized_flywheel(variants, longer)
+        # The comparison takes the one that is too light.
+        wheel = variants.flywheel - (too_heavy if longer > 1.0 else 0.0)
+        found = {"flywheel": wheel} if self.asks("flywheel") else {}
         steady, off, answers = self._settled(variants, kept, longer)
         missed = {} if off is None else spread_errors(steady, off, partial(self._of_steady, variants), self.asks)
-        steady = steady if off is None or longer == 1.0 else steady.shifted(off)
+        steady = steady.shifted(off) if off is not None and longer == LONGEST else steady
         found |= self._of_steady(variants, steady)
         if self.two:
             key, held = f"{self.two.name}_moment_peak", f"{HELD}.peak"

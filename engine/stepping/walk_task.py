@@ -11,9 +11,10 @@ import numpy as np
 # factors: from one first step, 4^k, 2·16^k and √2·8^k times as long, those of two walks never have the same length. The
 # tolerance of those two is larger by the power COARSER of the factors, but at most COARSEST, beyond which it says
 # nothing; their steps differ even where growth, an instant or a longest step limits them. The range of the three
-# results estimates the error: the difference of two may cross zero.
-LONGEST = 2.0
-WALKS = (1.0, LONGEST, math.sqrt(2.0))
+# results estimates the error: the difference of two may cross zero. For the same reason, one of them alone adds known
+# errors: LONGEST those of the motion before, LONGER those of its stretches over the angle.
+LONGER, LONGEST = math.sqrt(2.0), 2.0
+WALKS = (1.0, LONGEST, LONGER)
 COARSER, COARSEST = 7, 1e-1
 # With friction in pairs, each walk displaces the ends of its steps by these multiples of their error estimates. A
 # reaction that passes near zero bends friction within a few degrees, so longer steps miss no more than shorter ones,

@@ -127,7 +127,7 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
             break
         record = _Record()
         if isinstance(motion, SteadyAtOneSpeed):
-            variants, verdict = motion.with_sized_flywheel(variants)
+            variants, _, verdict = motion.with_sized_flywheel(variants)
             steady = settled_motion(dynamics, variants, in_order.tolerance, 1.0, record.observers)
             standing = motion.after(variants, steady, np.maximum(steady.verdict, verdict))
             along = MotionFields(dynamics, variants, zero, zero, motion.loads)

@@ -9,9 +9,9 @@ from engine.motion.runs.run_progress import AT_SPEED, State
 from engine.motion.runs.settled_runs import pass_mark
 from engine.stepping.methods import EIGHT, FOUR, NINE
 from engine.stepping.recorded import RECORDED, made_steps
-from engine.stepping.records import variant_columns
+from engine.stepping.records import on_arrays, put, variant_columns
 from engine.stepping.system import RECORDED_AT, Start, Walks
-from engine.stepping.walk_task import WALKS, Why
+from engine.stepping.walk_task import LONGER, WALKS, Why
 
 # Relative energy change per radian above which the energy form is abandoned: near rest 1/ω is singular as the inverse
 # root of the angle. The limit is lower if values within steps are needed, as dense output resolves it less far.
@@ -60,9 +60,17 @@ def stretch_over_angle(runs: OneSpeedRuns, who: np.ndarray) -> None:
         onward |= np.isin(why, (Why.STEEP, Why.FULL))
         runs.set_marks(who[~onward & marked])
         left = onward & ~runs.done[who]
+        if runs.longer == LONGER:
+            _add_errors(runs, who[~left])
         runs.steep[who[why == Why.STEEP]] = 1.0
         many = np.where(at_goal, 2 * many, many)
         steep, many, pace, who = (steep | (why == Why.STEEP))[left], many[left], pace[left], who[left]
+
+
+def _add_errors(runs: OneSpeedRuns, who: np.ndarray) -> None:
+    """Add the error estimates at the end of a stretch to its state."""
+    off = State(*(getattr(runs.changed, name)[..., who] for name in State._fields))
+    put(runs.state, who, on_arrays(np.add, runs.part(who), off))
 
 
 def _walk(

@@ -25,7 +25,7 @@ BOUNDED = 1e-6
 
 def flywheel_for(
     dynamics: Dynamics, variants: Variants, tolerance: float, asked: np.ndarray, longer: float
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Flywheel for a required speed fluctuation in steady running.
 
     Parameters
@@ -44,6 +44,8 @@ def flywheel_for(
     -------
     flywheel : ndarray (variants,)
         Inertia on the input link [kg·m²]; 0 if the machine needs none, NaN without steady running.
+    missed : ndarray (variants,)
+        By how much it exceeds one that is too light [kg·m²]; 0 if it is found.
     verdict : ndarray (variants,) of uint8
     """
     lightest = np.log(dynamics.mean_inertia(variants._replace(flywheel=np.zeros(variants.count)), PLACES))
@@ -60,8 +62,8 @@ def flywheel_for(
     everyone, verdict = np.arange(variants.count), np.zeros(variants.count, np.uint8)
     heavy, f_heavy = _heavy_enough(excess, lightest + HEAVY, everyone)
     ruled = verdict.copy()
-    light, f_light = lightest.copy(), np.full(variants.count, np.inf)
-    best, slope = heavy.copy(), np.full(variants.count, -1.0)
+    light, f_light = lightest.copy(), np.full(variants.count, np.nan)
+    best, slope, missed = heavy.copy(), np.full(variants.count, -1.0), np.zeros(variants.count)
     pending = np.flatnonzero(np.isfinite(f_heavy))
     for _ in range(MOST_ROUNDS):
         if not pending.size:
@@ -70,7 +72,8 @@ def flywheel_for(
         inside = (straight > light[pending]) & (straight < heavy[pending])
         at_light = straight <= lightest[pending]
         trial = np.where(inside, straight, 0.5 * (light[pending] + heavy[pending]))
-        trial = np.where(at_light & ~np.isfinite(f_light[pending]), lightest[pending], trial)
+        # Once at most: without a flywheel the machine may not run.
+        trial = np.where(at_light & np.isnan(f_light[pending]), lightest[pending], trial)
         f = excess(trial, pending)
         enough = f <= 0.0
         with np.errstate(all="ignore"):
@@ -82,12 +85,14 @@ def flywheel_for(
             np.where(enough, trial, heavy[pending]),
             np.where(enough, f, f_heavy[pending]),
         )
-        best[pending] = np.where(np.abs(f) <= SIZED, trial, heavy[pending])
+        exact = np.abs(f) <= SIZED
+        best[pending] = np.where(exact, trial, heavy[pending])
+        missed[pending] = np.where(exact, 0.0, np.exp(heavy[pending]) - np.exp(light[pending]))
         narrow = heavy[pending] - light[pending] <= np.where(np.isfinite(f_light[pending]), SIZED, BOUNDED)
-        found = (np.abs(f) <= SIZED) | narrow | (heavy[pending] <= lightest[pending])
+        found = exact | narrow | (heavy[pending] <= lightest[pending])
         pending = pending[~found]
     flywheel = np.maximum(np.exp(best) - np.exp(lightest), 0.0)
-    return np.where(ruled == Verdict.OK, flywheel, np.nan), ruled
+    return np.where(ruled == Verdict.OK, flywheel, np.nan), missed, ruled
 
 
 def _heavy_enough(

@@ -8,6 +8,7 @@ from motion_scenes import CLUTCH, FLUID, RATIO, ask, behind, rotor, run, slider_
 
 from engine import Machine, Outcome, Scene, Verdict, scene_numbers
 from sweeps import read_scene
+from sweeps.text.templates import bundled_templates
 
 GRIPPING = CLUTCH | {"engagement": 0.1}
 # So stiff that stability limits the steps more than their errors do.
@@ -67,6 +68,19 @@ def test_what_a_walk_misses__is_covered_and_within_the_accuracy(found, accuracy)
 
 def test_accuracy__is_what_steps_are_made_for(found):
     assert (np.median(found[1e-11][1], axis=1) < 0.1 * np.median(found[1e-5][1], axis=1)).all()
+
+
+@pytest.mark.parametrize("accuracy", [1e-4, 1e-5, 1e-6])
+def test_stop_after_steady_running__is_covered_though_most_of_it_is_walked_over_the_angle(accuracy):
+    scene, random = read_scene(bundled_templates()["press_with_motor"]), np.random.default_rng(5)
+    varied = {"input.length": 0.04, "shafts.motor_shaft.inertia": 0.006, "moments.brake.inner_radius": 0.08}
+    varied = {path: value * 10.0 ** random.uniform(-0.3, 0.3, 128) for path, value in varied.items()}
+    names = ["stop.angle", "stop.time", "stop.brake_heat"]
+    found, exact = (Machine(scene, names, (), varied, accuracy=given).evaluate(varied) for given in (accuracy, 1e-12))
+    assert (found.status == Verdict.OK).sum() > 100
+    for name, value in found.summaries.items():
+        off, figures = np.abs(value - exact.summaries[name]), found.errors[name] + exact.errors[name]
+        assert not (off > figures).any(), (name, np.nanmax(off / figures))
 
 
 def shaper(asked: dict[str, list[str]], regime: dict) -> list[Outcome]:

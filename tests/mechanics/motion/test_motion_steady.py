@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from exact import top_between
-from motion_scenes import ask, crank_on_dc_motor, rotor, run, slider_crank, steady
+from motion_scenes import CUT, ask, crank_on_dc_motor, rotor, run, slider_crank, steady
 from scipy.integrate import solve_ivp
 
 from engine import Machine, Scene, Verdict
@@ -121,6 +121,23 @@ def test_flywheel_in_motion__gives_the_asked_fluctuation(only, asked):
     # The root is found to 1e-10 of ln(I + I_F).
     assert fitted["on.speed_fluctuation"] == pytest.approx(asked, rel=1e-8)
     assert found["on.speed_fluctuation"] == pytest.approx(asked, rel=1e-8)
+
+
+@pytest.mark.parametrize("times", [2.0, 16.0])
+def test_flywheel_of_a_machine_that_stalls_without__is_the_lightest_that_will_do(times):
+    scene = slider_crank({"on": steady("induction cut")})
+    scene["flywheel"]["speed_fluctuation"] = 1.99
+    scene["forces"] = {"cut": CUT | {"force": [times * force for force in CUT["force"]]}}
+    found = ask(scene, "on.flywheel on.speed_fluctuation")
+    wheel, figure = found["on.flywheel"], found.errors["on.flywheel"][0]
+    assert 0.0 < figure < 1e-5 * wheel
+    lighter = ask(scene, "on.speed_fluctuation", varied={"flywheel.inertia": [wheel, wheel - 2.0 * figure]})
+    if times == 2.0:
+        assert found["on.speed_fluctuation"] == pytest.approx(1.99, rel=1e-9)
+        # Of a machine that nearly stops in each turn, δ changes by no more than its inertia does.
+        assert 1.99 <= lighter.values["on.speed_fluctuation"][1] <= 2.0
+    else:
+        assert lighter.status == [Verdict.OK, Verdict.STALLS]
 
 
 def test_flywheel_light_enough__is_zero():
