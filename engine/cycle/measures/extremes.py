@@ -410,7 +410,10 @@ def compare(record: Record, sought: SoughtExtreme, work: Search, found: ExtremeR
         cut = search.cut_before[lane] if x <= -1.0 else (search.cut_after[lane] if x >= 1.0 else 0.0)
         value_error += cut * abs(search.slope[lane] / half)
         across = larger(math.sqrt(larger(1.0 - x * x, 0.0)), STEEPEST)
-        bend = larger(-search.top_bend[lane], TINY)
+        bend, of_slope = larger(-search.top_bend[lane], TINY), 2.0 * record.degree * tail / across
+        # At a position, too, the curve is flat only as far as its slope is known, and may rise next to it.
+        flat = (abs(x) < 1.0) | (abs(search.slope[lane]) <= of_slope)
+        value_error += smaller(0.5 * of_slope * of_slope / bend, 2.0 * tail) if flat else 0.0
         x_error = (2.0 * record.degree * tail + 8.0 * (noise + offset) / across) / bend
         x_error += search.length[lane] * search.length[lane]
         place_error = ROUNDING * abs(place) + (abs(half) * smaller(x_error, 1.0) if abs(x) < 1.0 else cut)

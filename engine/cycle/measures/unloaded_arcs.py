@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.blocks import LANES, Row
-from engine.compiling.decorators import routine
+from engine.compiling.decorators import inlined, routine
 from engine.cycle.measures.angles import (
     IS_LEAST,
     SHARP,
@@ -40,7 +40,7 @@ LEAST_LOAD = 1e-3
 NEAR_CUT = 1e-6
 # Room for stretches.
 MOST_STRETCHES = 1024
-# A force below this multiple of the least one at a position may be still smaller next to it.
+# Between two positions, a force may fall to this fraction of the lower one, or rise to this multiple of the higher.
 NEAR_LEAST = 32.0
 # Parts of the interval between two positions, in each of which a force turns back, and is shortest, at most once.
 PARTS = 4
@@ -134,72 +134,46 @@ def add_stretch(angle: float, margin: float, step: int, j: int, count: int, stre
 
 
 @routine
-def continues(record: Record, force: Force, step: int, j: int) -> bool:
-    """Whether a force counts at two neighbouring positions, j the later, and between them, and doesn't turn sharply."""
-    lane, least = force.lane, force.least * force.least
+def series_of(record: Record, force: Force, step: int) -> VectorSeries:
+    """The series of a force in a panel."""
     slot_x, slot_y = known_slot(record, force.x, step), known_slot(record, force.y, step)
-    of_x, of_y = record.values[slot_x], record.values[slot_y]
-    x, y, x_after, y_after = of_x[j - 1, lane], of_y[j - 1, lane], of_x[j, lane], of_y[j, lane]
-    smaller_square = min(x * x + y * y, x_after * x_after + y_after * y_after)
-    if smaller_square < least or abs(turn_to(x, y, x_after, y_after)) > SHARP:
-        return False
-    if smaller_square > NEAR_LEAST * NEAR_LEAST * least:
-        return True
-    series = VectorSeries(record.coefficients[slot_x], record.coefficients[slot_y], lane)
-    stride = DEGREE // record.degree
-    place, limit = PLACES[stride * (j - 1)], PLACES[stride * j]
-    if vector_at(series, place)[3] >= 0.0 or vector_at(series, limit)[3] <= 0.0:
-        return True
-    x, y, _, _ = vector_at(series, place_where(series, place, limit, IS_LEAST))
-    return x * x + y * y >= least
+    return VectorSeries(record.coefficients[slot_x], record.coefficients[slot_y], force.lane)
 
 
 @routine
-def find_stretches(record: Record, force: Force, stretches: Stretches) -> int:
-    """Find the stretches of a force's directions over the panels of a lane, from its values at the positions.
+def error_of(record: Record, force: Force, step: int) -> float:
+    """Error estimate of a force in a panel, and of the least one that counts."""
+    lane, slot = force.lane, step * record.curves
+    whole_x, whole_y = record.whole[force.x], record.whole[force.y]
+    # Next to a kink inside, the direction may go further by about the remainder of the series.
+    bent = 1.0 + record.panels[step].bent[lane]
+    off = bent * (record.left[slot + force.x].tail[lane] + record.left[slot + force.y].tail[lane]) + force.least_error
+    return off + ROUNDING * (whole_x.scale[lane] + whole_y.scale[lane]) + whole_x.offset[lane] + whole_y.offset[lane]
 
-    Where the force starts or ceases to count, also between two positions, or turns sharply, it may turn back and forth
-    there: the adjacent positions then become separate stretches too, with a margin of π.
 
-    Returns
-    -------
-    int
-        Number of stretches; one more than there is room for if there are too many.
+@routine
+def extreme_between(record: Record, force: Force, step: int, j: int) -> tuple[float, float]:
+    """Where a force is shortest or longest between two neighbouring positions, j the later, and its square there.
+
+    NaN if it isn't.
     """
-    lane, least, ends, places, count = force.lane, force.least, stretches.ends, stretches.places, 0
-    margins, low, high = stretches.margins, 0.0, 0.0
-    for step in range(record.steps[0]):
-        if record.panels[step].half[lane] == 0.0:
-            continue
-        of_x, of_y = record.values[step * record.curves + force.x], record.values[step * record.curves + force.y]
-        loaded, angle = False, 0.0
-        x_before = y_before = 0.0
-        for j in range(record.degree + 1):
-            fx, fy = of_x[j, lane], of_y[j, lane]
-            counts = fx * fx + fy * fy >= least * least
-            turned = turn_to(x_before, y_before, fx, fy)
-            goes_on = j > 0 and continues(record, force, step, j)
-            if loaded and not goes_on:
-                count = add_stretch(angle, math.pi, step, j - 1, count, stretches)
-            angle, x_before, y_before = angle + turned if goes_on else math.atan2(fy, fx), fx, fy
-            if counts and not goes_on:
-                count = add_stretch(angle, math.pi, step, j, count, stretches) if j > 0 else count
-                count = add_stretch(angle, 0.0, step, j, count, stretches)
-                low = high = angle
-            if count > ends.shape[0]:
-                return count
-            loaded = counts
-            if goes_on:
-                # Between positions it may turn further by as much as it turns between the adjacent ones.
-                lower, upper = min(angle, angle - turned) - abs(turned), max(angle, angle - turned) + abs(turned)
-                low, high = min(low, lower), max(high, upper)
-            if counts and angle < ends[count - 1, 0]:
-                ends[count - 1, 0], places[count - 1, 0] = angle, j
-            if counts and angle > ends[count - 1, 1]:
-                ends[count - 1, 1], places[count - 1, 1] = angle, j
-            if goes_on:
-                margins[count - 1, 0], margins[count - 1, 1] = ends[count - 1, 0] - low, high - ends[count - 1, 1]
-    return count
+    series, stride = series_of(record, force, step), DEGREE // record.degree
+    place, limit = PLACES[stride * (j - 1)], PLACES[stride * j]
+    if vector_at(series, place)[3] * vector_at(series, limit)[3] >= 0.0:
+        return math.nan, math.nan
+    place = place_where(series, place, limit, IS_LEAST)
+    x, y, _, _ = vector_at(series, place)
+    return place, x * x + y * y
+
+
+@inlined
+def ceases_between(record: Record, force: Force, step: int, j: int, square: float) -> bool:
+    """Whether a force that counts at two neighbouring positions, j the later, ceases between them.
+
+    `square` is the smaller of its squares there.
+    """
+    least = force.least * force.least
+    return square < NEAR_LEAST * NEAR_LEAST * least and extreme_between(record, force, step, j)[1] < least
 
 
 @routine
@@ -217,18 +191,22 @@ def farthest_turn(series: VectorSeries, place: float, limit: float, sense: float
     farthest, sensitivity, start = 0.0, 1.0 / math.sqrt(x * x + y * y), place
     for part in range(1, PARTS + 1):
         end = place + way * part / PARTS
-        _, _, _, growing_after = vector_at(series, end)
-        dip = place_where(series, start, end, IS_LEAST) if growing * way < 0.0 <= growing_after * way else end
-        growing = growing_after
+        at_end = vector_at(series, end)
+        dip = place_where(series, start, end, IS_LEAST) if growing * way < 0.0 <= at_end[3] * way else end
+        growing = at_end[3]
         # Where a force nearly vanishes it turns fast, and may turn back on either side.
         for side in (dip, end):
-            _, _, turning_after, _ = vector_at(series, side)
-            turns_back = turning * sense * way > 0.0 >= turning_after * sense * way
+            if side == start:
+                continue
+            at_side = at_end if side == end else vector_at(series, side)
+            turns_back = turning * sense * way > 0.0 >= at_side[2] * sense * way
             back = place_where(series, start, side, TURNS_BACK) if turns_back else side
-            turning = turning_after
+            turning = at_side[2]
             # Between these corners the force is nowhere farther ahead or smaller than at them.
             for corner in (back, side):
-                hx, hy, _, _ = vector_at(series, corner)
+                if corner == start:
+                    continue
+                hx, hy, _, _ = at_side if corner == side else vector_at(series, corner)
                 ceases, moved = hx * hx + hy * hy < least * least, 0.0
                 if ceases:
                     hx, hy, turns, grows = vector_at(series, place_where(series, start, corner, least * least))
@@ -244,6 +222,81 @@ def farthest_turn(series: VectorSeries, place: float, limit: float, sense: float
 
 
 @routine
+def add_between(record: Record, force: Force, step: int, j: int, count: int, stretches: Stretches) -> int:
+    """Add the stretch of a force that counts only between two positions, j the later; returns the new number."""
+    place, square = extreme_between(record, force, step, j)
+    if not square >= force.least * force.least:
+        return count
+    if count < stretches.ends.shape[0]:
+        series, stride = series_of(record, force, step), DEGREE // record.degree
+        x, y, _, _ = vector_at(series, place)
+        stretches.step[count] = step
+        for side in range(2):
+            sense, farthest, sensitivity = 2.0 * side - 1.0, 0.0, 1.0 / math.sqrt(square)
+            for to in range(2):
+                limit = PLACES[stride * (j - to)]
+                further, sensitivity_there = farthest_turn(series, place, limit, sense, force.least)
+                if further > farthest:
+                    farthest, sensitivity = further, sensitivity_there
+            stretches.ends[count, side], stretches.known[count, side] = math.atan2(y, x) + sense * farthest, True
+            stretches.errors[count, side] = min(error_of(record, force, step) * sensitivity, math.pi)
+    return count + 1
+
+
+@routine
+def find_stretches(record: Record, force: Force, stretches: Stretches) -> int:
+    """Find the stretches of a force's directions over the panels of a lane, from its values at the positions.
+
+    Where the force starts or ceases to count, also between two positions, or turns sharply, it may turn back and forth
+    there: the adjacent positions then become separate stretches too, with a margin of π. A force that counts only
+    between two positions is a stretch.
+
+    Returns
+    -------
+    int
+        Number of stretches; one more than there is room for if there are too many.
+    """
+    lane, least, ends, places, count = force.lane, force.least, stretches.ends, stretches.places, 0
+    margins, low, high = stretches.margins, 0.0, 0.0
+    for step in range(record.steps[0]):
+        if record.panels[step].half[lane] == 0.0:
+            continue
+        of_x, of_y = record.values[step * record.curves + force.x], record.values[step * record.curves + force.y]
+        loaded, angle = False, 0.0
+        x_before = y_before = square_before = 0.0
+        for j in range(record.degree + 1):
+            fx, fy = of_x[j, lane], of_y[j, lane]
+            square = fx * fx + fy * fy
+            counts, turned = square >= least * least, turn_to(x_before, y_before, fx, fy)
+            continues = counts & loaded & (abs(turned) <= SHARP)
+            if continues and ceases_between(record, force, step, j, min(square, square_before)):
+                continues = False
+            if loaded and not continues:
+                count = add_stretch(angle, math.pi, step, j - 1, count, stretches)
+            angle, x_before, y_before = angle + turned if continues else math.atan2(fy, fx), fx, fy
+            if counts and not continues:
+                count = add_stretch(angle, math.pi, step, j, count, stretches) if j > 0 else count
+                count = add_stretch(angle, 0.0, step, j, count, stretches)
+                low = high = angle
+            if not (counts | loaded) and max(square, square_before) > least * least / NEAR_LEAST**2 and j > 0:
+                count = add_between(record, force, step, j, count, stretches)
+            if count > ends.shape[0]:
+                return count
+            loaded, square_before = counts, square
+            if continues:
+                # Between positions it may turn further by as much as it turns between the adjacent ones.
+                lower, upper = min(angle, angle - turned) - abs(turned), max(angle, angle - turned) + abs(turned)
+                low, high = min(low, lower), max(high, upper)
+            if counts and angle < ends[count - 1, 0]:
+                ends[count - 1, 0], places[count - 1, 0] = angle, j
+            if counts and angle > ends[count - 1, 1]:
+                ends[count - 1, 1], places[count - 1, 1] = angle, j
+            if continues:
+                margins[count - 1, 0], margins[count - 1, 1] = ends[count - 1, 0] - low, high - ends[count - 1, 1]
+    return count
+
+
+@routine
 def extend(record: Record, force: Force, stretches: Stretches, i: int, side: int) -> None:
     """Refine one end of a stretch between the positions, and estimate its error.
 
@@ -251,14 +304,8 @@ def extend(record: Record, force: Force, stretches: Stretches, i: int, side: int
     """
     step, sense = stretches.step[i], 2.0 * side - 1.0
     lane, least, apart = force.lane, force.least, stretches.margins[i, side] == math.pi
-    slot_x, slot_y = known_slot(record, force.x, step), known_slot(record, force.y, step)
-    series = VectorSeries(record.coefficients[slot_x], record.coefficients[slot_y], lane)
-    of_x, of_y = record.values[slot_x], record.values[slot_y]
-    whole_x, whole_y = record.whole[force.x], record.whole[force.y]
-    # Next to a kink inside, the direction may go further by about the remainder of the series.
-    bent = 1.0 + record.panels[step].bent[lane]
-    off = bent * (record.left[slot_x].tail[lane] + record.left[slot_y].tail[lane]) + force.least_error
-    off += ROUNDING * (whole_x.scale[lane] + whole_y.scale[lane]) + whole_x.offset[lane] + whole_y.offset[lane]
+    series, slot = series_of(record, force, step), step * record.curves
+    of_x, of_y = record.values[slot + force.x], record.values[slot + force.y]
     j, stride = stretches.places[i, side], DEGREE // record.degree
     farthest, sensitivity = 0.0, 1.0 / math.sqrt(of_x[j, lane] ** 2 + of_y[j, lane] ** 2)
     for way in (-1, 1):
@@ -266,7 +313,9 @@ def extend(record: Record, force: Force, stretches: Stretches, i: int, side: int
         while 0 <= j + way <= record.degree:
             fx, fy, gx, gy = of_x[j, lane], of_y[j, lane], of_x[j + way, lane], of_y[j + way, lane]
             turned = turn_to(fx, fy, gx, gy)
-            if not apart and not continues(record, force, step, max(j, j + way)):
+            square = min(fx * fx + fy * fy, gx * gx + gy * gy)
+            ends = square < least * least or abs(turned) > SHARP
+            if not apart and (ends or ceases_between(record, force, step, max(j, j + way), square)):
                 break
             # Between positions it may turn further by as much as it turns between the adjacent ones.
             if apart or max(reached, reached + turned * sense) + max(before, abs(turned)) > farthest:
@@ -279,7 +328,8 @@ def extend(record: Record, force: Force, stretches: Stretches, i: int, side: int
                 break
             j, reached, before = j + way, reached + turned * sense, abs(turned)
     stretches.ends[i, side] += sense * farthest
-    stretches.errors[i, side], stretches.known[i, side] = min(off * sensitivity, math.pi), True
+    stretches.errors[i, side] = min(error_of(record, force, step) * sensitivity, math.pi)
+    stretches.known[i, side] = True
 
 
 @routine

@@ -125,6 +125,15 @@ def fading_force(P, lane, q, c, s, tile, i, room):
     tile[i, lane], tile[room + i, lane], tile[2 * room + i, lane] = x, y, size * size
 
 
+@at_positions
+def rising_force(P, lane, q, c, s, tile, i, room):
+    # It points to every direction in turn; at the phase it fades, and rises again in the midst.
+    turned = q - P[4, lane]
+    size = (0.5 * (1.0 - math.cos(turned))) ** 2 + P[2, lane] / (1.0 + (turned / P[3, lane]) ** 2)
+    x, y = size * math.cos(turned), size * math.sin(turned)
+    tile[i, lane], tile[room + i, lane], tile[2 * room + i, lane] = x, y, size * size
+
+
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
 def test_unloaded_arc__of_a_force_that_nearly_vanishes_between_two_positions(tolerance):
     random, count = np.random.default_rng(3), 400
@@ -138,6 +147,26 @@ def test_unloaded_arc__of_a_force_that_nearly_vanishes_between_two_positions(tol
     found = CycleMachine(plan, fading_force()).evaluate(np.array([*ends, shortest, bend, phase])).arcs
     off = LEAST_LOAD * (shortest + 2.0)
     assert within(found, 2.0 * np.arccos(1.0 + shortest - off), share=1.0)
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+def test_unloaded_arc__of_a_force_that_counts_only_between_two_positions(tolerance):
+    random, count = np.random.default_rng(4), 100
+    phase, width, exact = random.uniform(-0.5, 0.5, count), random.uniform(0.02, 0.05, count), np.zeros(count)
+    high = LEAST_LOAD * (1.0 + 10.0 ** random.uniform(-3.0, -1.0, count))
+    plan = planned(ends=(0, 1), curves=3, arcs=((0, 1, 2),), tolerance=tolerance)
+    numbers = [phase - math.pi, phase + math.pi, high, width, phase]
+    found = CycleMachine(plan, rising_force()).evaluate(np.array(numbers)).arcs
+    for k in range(count):
+
+        def over(u, k=k):
+            # The peak is at the ends of the range.
+            least = LEAST_LOAD * (1.0 + high[k] / (1.0 + (math.pi / width[k]) ** 2))
+            return math.sin(0.5 * u) ** 4 + high[k] / (1.0 + (u / width[k]) ** 2) - least
+
+        lowest = minimize_scalar(over, bounds=(0.5 * width[k], 0.4), options={"xatol": 1e-12}, method="bounded").x
+        exact[k] = brentq(over, lowest, 1.0, xtol=1e-15) - brentq(over, 0.0, lowest, xtol=1e-15)
+    assert within(found, exact, share=1.0)
 
 
 def of_a_turn():
