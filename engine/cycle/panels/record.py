@@ -42,7 +42,7 @@ class KeptPanel(NamedTuple):
     middle, half : row
         Middle and half length.
     opened, closed : row
-        Error estimates of the positions of the cuts where it begins and ends.
+        Error estimates of the positions of the cuts or kinks where it begins and ends.
     bent : row
         1 if it has a kink inside, else 0.
     """
@@ -165,8 +165,8 @@ def keep_panels(walk: Walk, panels: KeptPanel) -> None:
     for lane in range(LANES):
         panels.middle[lane] = walk.middle[lane]
         panels.half[lane] = walk.half[lane] if walk.accepted[lane] > 0.0 else 0.0
-        panels.opened[lane] = walk.opened[lane]
-        panels.closed[lane] = walk.next_opened[lane]
+        panels.opened[lane] = larger(walk.opened[lane], walk.before_kink[lane])
+        panels.closed[lane] = larger(walk.next_opened[lane], walk.past_kink[lane])
         panels.bent[lane] = walk.bent[lane]
 
 

@@ -62,6 +62,8 @@ class Walk(NamedTuple):
         First position on [−1, 1] where a kink curve changes sign in the panel, or may touch zero; else infinity.
     bent : row
         1 if a kink curve changes sign in the panel, else 0.
+    before_kink, past_kink : row
+        Distance from the panel's start to a kink next to it inside, and from a kink to the panel's end; 0 without one.
     behind : row
         Number of edges passed.
     """
@@ -88,6 +90,8 @@ class Walk(NamedTuple):
     tried: Row
     sign: Row
     bent: Row
+    before_kink: Row
+    past_kink: Row
     behind: Row
 
 
@@ -221,13 +225,13 @@ def next_panels(edges: Rows, count: int, walk: Walk) -> bool:
         walk.middle[lane] = direction * (0.5 * (begin + end)) if active else middle_before
         walk.half[lane] = direction * (0.5 * (end - begin)) if active else half_before
         walk.excess[lane] = walk.level[lane] = walk.bent[lane] = 0.0
-        walk.sign[lane] = math.inf
+        walk.sign[lane], walk.before_kink[lane], walk.past_kink[lane] = math.inf, 0.0, 0.0
     return any_positive(walk.active)
 
 
 @routine
 def find_kink(curve: Rows, degree: int, walk: Walk) -> None:
-    """Find the first sign change of a kink curve in each lane's panel.
+    """Find the first sign change of a kink curve in each lane's panel, and its distance from an end next to it.
 
     Parameters
     ----------
@@ -252,6 +256,14 @@ def find_kink(curve: Rows, degree: int, walk: Walk) -> None:
             place = place if (place > before) & (place < after) else straight
             walk.sign[lane] = place if (here * there < 0.0) & (place < known) else known
             walk.bent[lane] = 1.0 if here * there < 0.0 else walk.bent[lane]
+    for lane in range(LANES):
+        # By a secant, a distance is known to half.
+        length = 2.0 * abs(walk.half[lane]) * (PLACES[stride] - PLACES[0])
+        first, second, last, end = curve[0, lane], curve[1, lane], curve[degree - 1, lane], curve[degree, lane]
+        begins = length * abs(first / (second - first)) if first * second < 0.0 else 0.0
+        ends = length * abs(end / (end - last)) if last * end < 0.0 else 0.0
+        walk.before_kink[lane] = larger(begins, walk.before_kink[lane])
+        walk.past_kink[lane] = larger(ends, walk.past_kink[lane])
 
 
 @routine

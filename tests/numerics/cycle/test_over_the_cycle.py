@@ -109,6 +109,24 @@ def test_unloaded_arc__is_as_uncertain_as_the_peak_by_which_its_force_ceases_to_
 
 
 @at_positions
+def bent_curve(P, lane, q, c, s, tile, i, room):
+    # It has kinks where the other curve is zero, and its top at the kink in P[2].
+    other = math.sin(q - P[2, lane]) + P[3, lane] * math.sin(2.0 * (q - P[2, lane]))
+    tile[i, lane], tile[room + i, lane] = other, 0.5 * math.cos(q - P[2, lane] - 0.3) - abs(other)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
+def test_top_at_a_kink__is_as_uncertain_as_the_place_of_the_kink(tolerance):
+    random, count = np.random.default_rng(6), 400
+    at, share = random.uniform(-3.0, 3.0, count), random.uniform(0.1, 0.3, count)
+    machine = CycleMachine(planned(ends=(0, 1), curves=2, kinks=(0,), extremes=[1], tolerance=tolerance), bent_curve())
+    found = machine.evaluate(np.array([np.full(count, -math.pi), np.full(count, math.pi), at, share])).extremes
+    assert within(found.greatest[0], 0.5 * math.cos(0.3), share=1.0)
+    assert within(found.greatest_at[0], at, share=1.0)
+    assert np.median(found.greatest_at.error[0]) < tolerance
+
+
+@at_positions
 def dipping_force(P, lane, q, c, s, tile, i, room):
     # It nearly vanishes at the phase, where it turns by almost π, and turns back on either side.
     turned = math.sin(q - P[4, lane])
