@@ -58,13 +58,14 @@ def _add_total(whole: Row, half: Row, sums: WorkSums) -> None:
 
 
 @routine
-def _from_first(integrals: Rows, degree: int, half: Row, sums: WorkSums) -> None:
+def _from_first(integrals: Rows, degree: int, half: Row, scale: Row, sums: WorkSums) -> None:
     """Turn integrals over [−1, x] of a panel into running integrals of the curve minus its mean."""
     for j in range(degree + 1):
         share = 1.0 + PLACES[DEGREE // degree * j]
         for lane in range(LANES):
             work = half[lane] * (integrals[j, lane] - sums.mean[lane] * share)
             integrals[j, lane] = sums.reached[lane] + (work if half[lane] != 0.0 else 0.0)
+            scale[lane] = larger(abs(integrals[j, lane]), scale[lane])
     for lane in range(LANES):
         sums.reached[lane] = integrals[degree, lane]
 
@@ -117,7 +118,8 @@ def add_work(record: Record, moment: int, about_mean: int, work: int, sums: Work
         mean = sums.total[lane] / sums.length[lane]
         sums.mean[lane] = mean if about_mean == 1 else -first[lane]
     for step in range(record.steps[0]):
-        _from_first(record.values[step * record.curves + work], record.degree, record.panels[step].half, sums)
+        integrals, half = record.values[step * record.curves + work], record.panels[step].half
+        _from_first(integrals, record.degree, half, record.whole[work].scale, sums)
         _errors(record, step, moment, work, sums)
     for lane in range(LANES):
         offset[lane] += sums.within[lane]

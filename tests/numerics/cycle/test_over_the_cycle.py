@@ -55,6 +55,16 @@ def test_change_of_a_curve__is_the_integral_of_its_rate():
     assert within(rate.least[0], -math.sqrt(2.0) * swing + offset)
 
 
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7])
+def test_averages_of_a_running_integral__are_covered(tolerance):
+    swing, phase = drawn()
+    numbers = np.vstack([force_numbers(swing, phase), np.ones(swing.size)])
+    found = forces(averages=[Running((6,), about_mean=False)], tolerance=tolerance).evaluate(numbers)
+    # R = a (sin x + sin phase).
+    assert within(found.averages[0], swing * np.sin(phase))
+    assert within(found.squares[0], swing**2 * (0.5 + np.sin(phase) ** 2))
+
+
 def test_least_magnitude__of_curves_that_keep_their_sign():
     e, phase = np.random.default_rng(3).uniform(0.01, 0.9, 300), np.linspace(0.0, 6.0, 300)
     found = smooth(extremes=[(0, 4), (2, 1)], tolerance=1e-10).evaluate(smooth_numbers(e, phase))
