@@ -156,9 +156,8 @@ def texts_of(file: h5py.File) -> dict[str, object]:
     """Text attributes of a file and its columns by name, including the layout."""
     # Views of h5py, `items` and `values`, hold its lock until they end, which an error may keep from other threads.
     columns = {name: column for name in file if isinstance(column := file.get(name), h5py.Dataset)}
-    told = {
-        f"{name}/{key}": column.attrs[key] for name, column in columns.items() for key in _TOLD if key in column.attrs
-    }
+    attributes = {name: column.attrs for name, column in columns.items()}
+    told = {f"{name}/{key}": own[key] for name, own in attributes.items() for key in _TOLD if key in own}
     codes = {name: " ".join(map(str, found.ravel())) for name, found in told.items() if isinstance(found, np.ndarray)}
     return {**file.attrs, "progress/layout": file["progress"].attrs["layout"], **told, **codes}
 

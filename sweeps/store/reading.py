@@ -99,8 +99,11 @@ class MappedResult:
             with self.path.open("rb") as raw:
                 # Mapped as a whole, so that all pages can be released together.
                 self._pages = mmap.mmap(raw.fileno(), 0, access=mmap.ACCESS_READ)
-            self.columns = {name: _mapped(self._pages, file[name]) for name in names}
-            self._refuse_other_shapes(file, record)
+            # Opened once each, which is slow.
+            datasets = {name: file[name] for name in names}
+            self.columns = {name: _mapped(self._pages, dataset) for name, dataset in datasets.items()}
+            datasets |= {f"progress/{name}": progress[name] for name in progress}
+            self._refuse_other_shapes(datasets, record)
             if not self._is_numbered():
                 self.edited.append("variant")
             for axis in axes:
@@ -109,7 +112,7 @@ class MappedResult:
                     self.edited.append(axis["name"])
         self._known: dict[tuple[str, int], bool] = {}
 
-    def _refuse_other_shapes(self, file: h5py.File, record: Mapping[str, Any]) -> None:
+    def _refuse_other_shapes(self, datasets: Mapping[str, h5py.Dataset], record: Mapping[str, Any]) -> None:
         """Raise a `DamagedError` if a column has the wrong length or type."""
         position = record["position"]
         sizes = {"variant": self.variants} | {axis["name"]: int(axis["count"]) for axis in record.get("axes", ())}
@@ -118,9 +121,9 @@ class MappedResult:
         made |= {name: ([name], "float64") for name in sizes if name not in ("variant", "position")}
         blocks = -(-self.variants // max(self.block, 1))
         shapes = {name: (tuple(sizes[dim] for dim in dims), kind) for name, (dims, kind) in made.items()}
-        shapes |= {f"progress/{name}": ((blocks,), file["progress"][name].dtype) for name in file["progress"]}
+        shapes |= {name: ((blocks,), found.dtype) for name, found in datasets.items() if name.startswith("progress/")}
         for name, (shape, kind) in shapes.items():
-            dataset, made_as = file[name], h5py.h5t.py_create(np.dtype(kind), logical=True)
+            dataset, made_as = datasets[name], h5py.h5t.py_create(np.dtype(kind), logical=True)
             if dataset.shape != shape or dataset.id.get_type() != made_as:
                 words = f"{name.removeprefix('progress/')} has the wrong length or type"
                 raise DamagedError(f"{self.path} is damaged: {words}. {_AGAIN}")

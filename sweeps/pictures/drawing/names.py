@@ -67,12 +67,12 @@ def _sliding_arrow(centre: complex, way: complex, r: float) -> list[Primitive]:
 def outline_points(drawn: Iterable[Primitive], step: float) -> np.ndarray:
     """Points along all outlines, at most a step apart."""
     outlines = [p.outline() for p in drawn]
-    pieces = np.concatenate([np.stack([outline[:-1], outline[1:]], axis=1) for outline in outlines])
-    pieces = pieces[np.isfinite(pieces).all(axis=1)]
-    along = pieces[:, 1] - pieces[:, 0]
+    starts, ends = (np.concatenate([line[part] for line in outlines]) for part in (slice(-1), slice(1, None)))
+    whole = np.isfinite(starts) & np.isfinite(ends)
+    starts, along = starts[whole], (ends - starts)[whole]
     counts = np.minimum(np.ceil(np.abs(along) / step).astype(int) + 1, 400)
     number = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-    return np.repeat(pieces[:, 0], counts) + number * np.repeat(along / np.maximum(counts - 1, 1), counts)
+    return np.repeat(starts, counts) + number * np.repeat(along / np.maximum(counts - 1, 1), counts)
 
 
 def names_of_points(

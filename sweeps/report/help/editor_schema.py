@@ -60,7 +60,7 @@ class _Generator(GenerateJsonSchema):
         given = made.get("properties", {})
         for name, field in model.model_fields.items():
             key = field.alias or name
-            given[key]["description"] = key_line(Key((key,), "", model, field))
+            given[key]["description"] = key_line(Key((key,), "", model, field, ((key,),)))
             if (model, name) in _BY_PATH:
                 given[key]["steps"] = [name, sorted(_BY_PATH[model, name])]
         if model is Scene:

@@ -47,12 +47,15 @@ class Key(NamedTuple):
     model : type of BaseModel
         Model of its table.
     field : FieldInfo
+    places : tuple of tuple of str
+        Its path, and those of its named tables.
     """
 
     path: tuple[str, ...]
     kind: str
     model: type[BaseModel]
     field: FieldInfo
+    places: tuple[tuple[str, ...], ...]
 
     @property
     def is_type(self) -> bool:
@@ -86,7 +89,7 @@ def key_text(asked: str) -> str:
     """
     parts = tuple(part for part in asked.strip("[] ").split(".") if part)
     searches = (
-        lambda key: any(_matches(path, parts) for path in _paths(key)),
+        lambda key: any(_matches(path, parts) for path in key.places),
         lambda key: parts == (key.kind,) and key.is_type,
         lambda key: _ends_with(key.path, parts),
     )
@@ -167,8 +170,9 @@ def _walk(model: type[BaseModel], path: tuple[str, ...], kind: str) -> Iterator[
     """Keys of a model and its tables."""
     for name, field in model.model_fields.items():
         here = (*path, field.alias or name)
-        yield Key(here, kind, model, field)
-        for arm, places in tables_in(field.annotation, here):
+        tables = [*tables_in(field.annotation, here)]
+        yield Key(here, kind, model, field, (here, *(places for _, places in tables)))
+        for arm, places in tables:
             if len(places) < 9:
                 yield from _walk(arm, places, _type_of(arm) or "")
 
@@ -193,12 +197,6 @@ def _type_of(model: type[BaseModel]) -> str | None:
     field = model.model_fields.get("type")
     values = get_args(field.annotation) if field and get_origin(field.annotation) is Literal else ()
     return values[0] if len(values) == 1 else None
-
-
-def _paths(key: Key) -> Iterator[tuple[str, ...]]:
-    """The path of a key, and those of its named tables."""
-    yield key.path
-    yield from (path for _, path in tables_in(key.field.annotation, key.path))
 
 
 def _matches(path: tuple[str, ...], parts: Sequence[str]) -> bool:

@@ -323,7 +323,7 @@ def test_load_too_great_for_a_soft_shaft__turns_back():
 
 def test_shafts_too_soft__turn_back_also_where_the_search_ends_in_singular_equations():
     # Searches that diverge reach 1e100, where rows of equations are equal to rounding.
-    status, _, _ = asked(yoke(SOFT), elements__d__stiffness=np.linspace(50.0, 500.0, 64))
+    status, _, _ = asked(yoke(SOFT), elements__d__stiffness=np.linspace(50.0, 500.0, 16))
     assert set(status) == {Verdict.TURNS_BACK}
 
 

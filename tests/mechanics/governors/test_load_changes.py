@@ -25,7 +25,7 @@ CASES = {
     # So stiff that implicit steps follow; the third has settled to rounding after half of its time.
     "thick oil": PORTER | {"friction": 6.0, "damping": 2e4, "engine": FOLLOWED},
     "thick oil, valve": PORTER | {"damping": 1e4, "engine": FOLLOWED | {"throttle": SWITCHED, "self_regulation": 4.0}},
-    "thick oil, settled": PORTER | {"damping": 2e4, "engine": FOLLOWED | {"self_regulation": 4.0, "duration": 200.0}},
+    "thick oil, settled": PORTER | {"damping": 2e4, "engine": FOLLOWED | {"self_regulation": 4.0, "duration": 120.0}},
     "stops": PORTER | {"friction": 2.0, "damping": 50.0, "engine": FOLLOWED | {"inertia": 5.0}},
     "stops, no friction": PORTER | {"damping": 50.0, "engine": FOLLOWED | {"inertia": 5.0}},
     "more load": PORTER | {"friction": 3.0, "damping": 500.0, "engine": FOLLOWED | {"load": 100.0, "new_load": 330.0}},

@@ -176,12 +176,12 @@ def test_regime_after_one_that_ends_only_with_some_steps__is_that_of_the_variant
     scene, path = rotor(regimes, dc={"no_load_speed": 10.0}), "moments.rub.moment"
     frictions = 20.0 - 20.0 * np.array([3.5e-11, 1e-8, 1e-3])
     every = ask(scene, "go.angle", varied={path: frictions})
-    assert {Verdict.OK, Verdict.NO_END} == set(every.status)
-    for k in range(frictions.size):
+    assert every.status == [Verdict.NO_END, Verdict.OK, Verdict.OK]
+    for k in (1, 2):
         alone = ask(scene, "go.angle", varied={path: frictions[k : k + 1]})
-        assert alone.status[0] == every.status[k]
-        for mine, others in ((alone.values, every.values), (alone.errors, every.errors)):
-            assert np.array_equal(mine["go.angle"], others["go.angle"][k : k + 1], equal_nan=True)
+        assert alone.status == [Verdict.OK]
+        assert alone["go.angle"] == every.values["go.angle"][k]
+        assert alone.figure("go.angle") == every.errors["go.angle"][k]
 
 
 @pytest.mark.parametrize("load", [-25.0, -200.0])
@@ -236,20 +236,21 @@ def test_resistance_over_a_hundredth_of_a_radian__stops_a_pendulum_there_in_the_
     found.covers("go.angle", 1.0 + exact)
 
 
-@pytest.mark.parametrize("friction", [1.5, 0.3])
-def test_jump_that_turns_a_machine_back_from_both_sides__holds_it_after_endlessly_many_swings(friction):
+def test_jump_that_turns_a_machine_back_from_both_sides__holds_it_after_endlessly_many_swings():
     """4 N·m as far as the jump at 1 rad, −7 N·m beyond: the swings and their durations form geometric series."""
-    push, wall, jump = 4.0, 7.0, 1.0
+    push, wall, jump, friction = 4.0, 7.0, 1.0, np.array([1.5, 0.8])
     places, moments = [0.0, jump, jump, 5.0, 5.0, 2 * math.pi], [push, push, -wall, -wall, push, push]
     table = {"over_angle": places, "moment": moments}
     regimes = {"go": run("by_angle rub", rest=True), "waits": run("by_angle rub", from_angle=0.0, time=100.0)}
-    scene = rotor(regimes, by_angle=table, rub={"moment": friction})
-    found = ask(scene, "go.time go.angle go.harmful_work go.speed_max waits.angle waits.harmful_work")
+    scene = rotor(regimes, by_angle=table)
+    names = "go.time go.angle go.harmful_work go.speed_max waits.angle waits.harmful_work"
+    found = ask(scene, names, varied={"moments.rub.moment": friction})
+    assert found.status == [Verdict.OK] * 2
     on, off = (push - friction) / INERTIA, (push + friction) / INERTIA
     out, home = (wall + friction) / INERTIA, (wall - friction) / INERTIA
-    fastest = math.sqrt(2.0 * on * jump)
-    back = fastest * math.sqrt(home / out)
-    again = back * math.sqrt(on / off)
+    fastest = np.sqrt(2.0 * on * jump)
+    back = fastest * np.sqrt(home / out)
+    again = back * np.sqrt(on / off)
     first_swing = fastest / out + back / home + back / off + again / on
     exact = {
         "go.time": fastest / on + first_swing / (1.0 - again / fastest),
@@ -260,8 +261,8 @@ def test_jump_that_turns_a_machine_back_from_both_sides__holds_it_after_endlessl
         "waits.harmful_work": push * jump,
     }
     for name, value in exact.items():
-        assert found[name] == pytest.approx(value, rel=1e-6), name
-        found.covers(name, value)
+        off = np.abs(found.values[name] - value)
+        assert (off <= np.minimum(1e-6 * value, found.errors[name])).all(), name
 
 
 @pytest.mark.parametrize("direction", [1.0, -1.0])

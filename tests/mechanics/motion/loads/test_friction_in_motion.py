@@ -77,9 +77,9 @@ def covered(found: Found, name: str, value: float) -> None:
 # A rotor in its journal: closed forms
 
 
-@pytest.mark.parametrize("speed", [10.0, -10.0])
-def test_rotor_under_its_weight__comes_to_rest_evenly(speed):
-    found = turned("gravity", speed=speed, from_speed=10.0, rest=True)
+def test_rotor_under_its_weight__comes_to_rest_evenly():
+    """Clockwise; the other rotors turn counter-clockwise."""
+    found = turned("gravity", speed=-10.0, from_speed=10.0, rest=True)
     rise = HELD / INERTIA
     covered(found, "go.time", 10.0 / rise)
     covered(found, "go.angle", 10.0**2 / (2.0 * rise))
@@ -180,10 +180,10 @@ def missed_by_runs(regime: dict, rough: float) -> tuple[np.ndarray, np.ndarray]:
     varied = random_pairs(rough)
     names = of("go", "time angle final_speed motor_work harmful_work energy_change")
     scene, found = rubbing({"go": regime}, flywheel=0.0), {}
-    for accuracy in (1e-10, 1e-3, 1e-4):
+    for accuracy in (1e-8, 1e-3, 1e-4):
         found[accuracy] = ask(scene, names, varied=varied, accuracy=accuracy)
         assert set(found[accuracy].status) == {Verdict.OK}
-    exact, beyond, relative = found.pop(1e-10), [], []
+    exact, beyond, relative = found.pop(1e-8), [], []
     for one in found.values():
         for name, value in one.values.items():
             off = np.abs(value - exact.values[name])
@@ -245,6 +245,8 @@ def test_steady_motion__is_in_balance_at_every_instant_and_without_friction_what
 
 def test_stop_from_the_start_of_a_steady_cycle__may_be_next_to_it():
     scene = rubbing({"on": steady("dc gravity"), "stop": run("brake", from_angle=2.0, rest=True)})
+    # So strong that it stops the machine within a few turns.
+    scene["moments"]["brake"] |= {"force": 2000.0}
     found = ask(scene, "stop.time", varied={"regimes.stop.from_angle": [0.0, 1e-20]})
     assert found.status == [Verdict.OK] * 2
     assert np.ptp(found.values["stop.time"]) <= found.errors["stop.time"].sum()

@@ -97,11 +97,11 @@ def test_pendulum_let_go__bears_its_weight_and_twice_the_energy_of_its_fall():
 # Against Newton and Euler, at the instants of a history
 
 
-@pytest.mark.parametrize("speed", [10.0, -10.0])
-def test_start_and_stop__newton_euler_at_every_instant(speed):
+def test_start_and_stop__newton_euler_at_every_instant():
+    # Clockwise; the clutch below turns either way.
     # No load is at work but weight: resistances change their sign with the motion, which the oracle isn't told.
     regimes = {"go": run("dc gravity", speed=40.0), "on": steady("dc gravity"), "stop": run("brake gravity", rest=True)}
-    loads_are_in_equilibrium(slider_crank(regimes, speed, flywheel=0.2), COLUMNS)
+    loads_are_in_equilibrium(slider_crank(regimes, -10.0, flywheel=0.2), COLUMNS)
 
 
 @pytest.mark.parametrize("speed", [10.0, -10.0])
