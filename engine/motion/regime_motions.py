@@ -148,6 +148,7 @@ class RegimeMotion(ABC):
                 found |= {f"{key}_work": 0.0 - by_channel[key] for key in ("useful", "harmful")}
                 found["brake_heat"] = 0.0 - by_channel["braking"]
                 useful, supplied = found["useful_work"], works[0] + by_channel["driving"]
-                # Undefined where the useful load drives, or nothing is supplied.
-                found["efficiency"] = np.where((useful >= 0.0) & (supplied > 0.0), useful / supplied, np.nan)
+                # Undefined where the useful load drives, or nothing is supplied but for rounding.
+                defined = (useful >= 0.0) & (supplied > ROUNDING * converted)
+                found["efficiency"] = np.where(defined, useful / supplied, np.nan)
         return found

@@ -190,6 +190,9 @@ class RegimesInOrder(AskedRegimes):
             growth = growth * motion.dynamics.rounding_of_brakes(driven[motion.dynamics.off].numbers)
             scales = {key: growth * np.abs(answers.scales.get(key, v)) for key, v in asked.items()}
             scales["energy_change"] = growth * found.energy
+            # Works, of which parts may cancel, round as the energies do.
+            works = [key for key in asked if key.endswith(("_work", "_heat"))]
+            scales |= {key: np.maximum(scales[key], found.energy) for key in works}
             if name in self.instants:
                 scales |= {key: growth * _greatest(np.abs(rows)) for key, rows in answers.rows.items()}
             for table, own in zip(every, answers._replace(values=asked, scales=scales), strict=True):

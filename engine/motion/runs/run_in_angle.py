@@ -22,6 +22,8 @@ LEAST, FARTHER = 1e-14, 2.0
 CLOSELY = 0.5
 # Cycles before the first test whether a run still approaches a speed; the number doubles each time.
 FIRST_CYCLES = 8
+# Relative difference of speeds that are equal but for rounding.
+SAME = 1e-14
 ENERGY, TIME = range(2)
 
 
@@ -124,8 +126,13 @@ def _take(runs: OneSpeedRuns, who: np.ndarray, before: np.ndarray, gone: Walks) 
         mine[..., who] = changed
     runs.carried[:, who] = gone.carried_errors
     slower, faster = gone.slowest < runs.slowest[who], gone.fastest > runs.fastest[who]
-    runs.changed.slowest[who] = np.where(slower, gone.slow_off, runs.changed.slowest[who])
-    runs.changed.fastest[who] = np.where(faster, gone.fast_off, runs.changed.fastest[who])
+    # An extreme at the end shifts with the end.
+    slow_off, fast_off = (
+        np.where(np.abs(extreme - omega) <= SAME * omega, np.maximum(off, speed_off), off)
+        for extreme, off in ((gone.slowest, gone.slow_off), (gone.fastest, gone.fast_off))
+    )
+    runs.changed.slowest[who] = np.where(slower, slow_off, runs.changed.slowest[who])
+    runs.changed.fastest[who] = np.where(faster, fast_off, runs.changed.fastest[who])
     runs.slowest[who] = np.fmin(runs.slowest[who], gone.slowest)
     runs.fastest[who] = np.fmax(runs.fastest[who], gone.fastest)
     runs.put(who, State(turned, omega, state.time + gone.states[TIME], state.works + works, state.squares + squares))

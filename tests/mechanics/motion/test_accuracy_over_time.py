@@ -83,6 +83,15 @@ def test_stop_after_steady_running__is_covered_though_most_of_it_is_walked_over_
         assert not (off > figures).any(), (name, np.nanmax(off / figures))
 
 
+@pytest.mark.parametrize("accuracy", [1e-2, 1e-3, 1e-4])
+def test_top_of_the_speed_at_the_end__is_as_uncertain_as_the_final_speed(accuracy):
+    scene, names = slider_crank({"go": run("dc", time=0.16)}), "go.speed_max go.final_speed"
+    varied = {"flywheel.inertia": np.geomspace(0.01, 2.0, 24), "moments.dc.stall_moment": np.geomspace(60.0, 10.0, 24)}
+    found, exact = (ask(scene, names, varied=varied, accuracy=given) for given in (accuracy, 1e-12))
+    for name, value in found.values.items():
+        assert (np.abs(value - exact.values[name]) <= found.errors[name] + exact.errors[name]).all(), name
+
+
 def shaper(asked: dict[str, list[str]], regime: dict) -> list[Outcome]:
     """Answers of 64 shapers in a regime, at an accuracy near rounding first."""
     scene = read_scene(Path(__file__).parents[3] / "results" / "motion" / "shaper.toml")

@@ -108,6 +108,20 @@ def test_motor_however_flat__settles_where_its_moment_meets_the_loads(no_load):
     assert found["on.mean_speed"] == pytest.approx(speed, rel=1e-9)
 
 
+def test_work_that_cancels_over_the_cycle__rounds_as_the_energy_does():
+    scene = slider_crank({"on": steady("push rub gravity induction")})
+    varied = {"flywheel.inertia": np.geomspace(0.02, 2.0, 48), "moments.rub.moment": np.linspace(0.1, 0.8, 48)}
+    found = ask(scene, "on.other_work", varied=varied)
+    # Gravity returns its work.
+    assert (np.abs(found.values["on.other_work"]) <= found.errors["on.other_work"]).all()
+
+
+def test_efficiency__is_undefined_where_nothing_is_supplied_but_for_rounding():
+    scene = slider_crank({"on": steady("induction")})
+    found = ask(scene, "on.efficiency", varied={"flywheel.inertia": np.geomspace(0.02, 2.0, 48)})
+    assert np.isnan(found.values["on.efficiency"]).all()
+
+
 # The flywheel in true motion
 
 
