@@ -180,10 +180,12 @@ def choose(edges: int, instants: int, most_steps: int, task: WalkTask, room: Roo
         own.aim[lane] = math.inf
         # A distance of too many steps isn't divided.
         parts = math.ceil(rest / most * NEARLY_ALL) if rest < MOST_PARTS * most else 0
+        # All walks might divide the distance from a common start into as many equal parts, and make the same steps.
+        apart = task.longer == LONGEST and own.alone[lane] > 0.0 and not task.fixed
         if parts == 1:
             own.length[lane] = first_part(rest, lane, task, room)
         else:
-            own.length[lane] = most if parts == 0 else rest / parts
+            own.length[lane] = most if parts == 0 or apart else rest / parts
         if not own.length[lane] > 0.0:
             # No step starts from a NaN or infinite state.
             own.length[lane], own.why[lane] = 0.0, LOST

@@ -17,6 +17,7 @@ from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, SHAFT_TUR
 from engine.motion.fields.recorded_motion import Observer
 from engine.motion.moments.breaks import JUMP
 from engine.motion.runs.run_progress import CoupledStanding, Ends, MachineRuns, Standing, Stepping
+from engine.motion.runs.settled_runs import SHARES
 from engine.stepping.methods import EIGHT, NINE
 from engine.stepping.recorded import EXCEEDS, RECORDED, made_steps, tops_in_steps, weighted, weights_at
 from engine.stepping.records import on_arrays, put, some
@@ -478,6 +479,9 @@ class CoupledRuns(MachineRuns):
             if not self.ends.lock_up:
                 endless = endless[np.any([self._turns_on(endless, share) for share in NOT_FASTER], axis=0)]
             self.give_up(endless)
+        to_speed = who[tested & np.isfinite(self.ends.speed[who])]
+        if to_speed.size:
+            self.give_up(to_speed[np.any([self._held_back(to_speed, share) for share in SHARES], axis=0)])
 
     # While a clutch slips at a constant torque, each side moves on its own; while it holds, both move as one. Speeds of
     # two motions of a machine over the crank angle never cross.
@@ -499,14 +503,25 @@ class CoupledRuns(MachineRuns):
         alike = np.where(holds, other.slip_time == 0.0, other.slip_time >= other.time * (1.0 - NEARLY))
         return (other.verdict == Verdict.OK) & alike & (other.omega >= share * crank)
 
+    def _held_back(self, who: np.ndarray, share: float) -> np.ndarray:
+        """Whether machines never reach their speed: if a motion ahead of both sides misses it, and both fall back."""
+        (crank, shaft), above, below = self._speeds(who), self.above[who], np.maximum(self.below[who], 0.0)
+        rises = np.isfinite(above)
+        to_end = np.where(rises, above / self.highs[0, who], below / np.where(below > 0.0, self.lows[0, who], 1.0))
+        ahead, sense = 1.0 + share * (to_end - 1.0), np.where(rises, 1.0, -1.0)
+        other = self._beside(who, ahead * crank, ahead * shaft, some(self.ends, who))
+        whole = (other.verdict == Verdict.OK) & (other.turned >= self.cycle * (1.0 - NEARLY))
+        speeds = (other.omega, ahead * crank), (other.shaft_omega, ahead * shaft)
+        return whole & np.all([sense * (after - before) <= 0.0 for after, before in speeds], axis=0)
+
     def _speeds(self, who: np.ndarray) -> np.ndarray:
         """Speeds of the crank and the shaft."""
         return self.state[[CRANK_SPEED, SHAFT_SPEED]][:, who]
 
-    def _beside(self, who: np.ndarray, crank: np.ndarray, shaft: np.ndarray) -> "CoupledRuns":
-        """Runs over a cycle from other speeds than now."""
+    def _beside(self, who: np.ndarray, crank: np.ndarray, shaft: np.ndarray, ends: Ends | None = None) -> "CoupledRuns":
+        """Runs over a cycle from other speeds than now, which may end before."""
         coupled = CoupledStanding(shaft, self.joined.engaged[who] + self.time[who])
-        return self.beside(who, Ends.never(who.size), crank, coupled)
+        return self.beside(who, Ends.never(who.size) if ends is None else ends, crank, coupled)
 
     def _others(self, who: np.ndarray, *given: Standing | Ends | Stepping) -> "CoupledRuns":
         return CoupledRuns(self.sides.some(who), *given, ())

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from motion_scenes import (
     CLUTCH,
+    FLUID,
     INERTIA,
     RATIO,
     SWUNG_INERTIA,
@@ -17,6 +18,7 @@ from motion_scenes import (
     rotor,
     run,
     slider_crank,
+    steady,
 )
 from scipy.integrate import quad
 
@@ -220,3 +222,13 @@ def test_crank_that_slips_to_rest_beside_a_standing_shaft__rests(end, verdict):
     load = np.random.default_rng(3).uniform(0.01, 0.3, 24)
     machine = Machine(Scene.model_validate(scene), ["go.time"], (), ["moments.rub.moment"])
     assert (machine.evaluate({"moments.rub.moment": load}).status == verdict).all()
+
+
+@pytest.mark.parametrize("coupling", [FLUID, CLUTCH | {"capacity": 40.0}], ids=["fluid coupling", "clutch"])
+def test_run_to_a_speed_behind_a_coupling__ends_below_the_top_of_steady_running_only(coupling):
+    motor, acts = {"stall_moment": 20.0 / RATIO, "no_load_speed": 100.0 * RATIO}, "dc by_angle gravity fan"
+    regimes = {"on": steady(acts), "go": run(acts, from_speed=5.0, from_angle=0.0, speed=10.0)}
+    scene = behind(slider_crank(regimes, flywheel=0.2, dc=motor), 0.02, coupling=coupling)
+    top = ask(scene, "on.speed_max")["on.speed_max"]
+    found = ask(scene, "go.time", varied={"regimes.go.speed": top * np.array([0.5, 0.97, 1.03, 2.0])})
+    assert found.status == [Verdict.OK] * 2 + [Verdict.NO_END] * 2
