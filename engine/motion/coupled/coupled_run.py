@@ -284,7 +284,9 @@ class CoupledRuns(MachineRuns):
         goals = {"goal": longest, "other_goal": goal, "floor": floor}
         lanes = self.lanes(who, faced[0], farthest=self.farthest_step, **step, **goals)
         state[CRANK_SPEED], state[SHAFT_SPEED] = np.abs(state[[CRANK_SPEED, SHAFT_SPEED]])
-        task = system.task(self.cycle, method, longer=self.longer)
+        # A speed may be reached within a step and left again.
+        extremes = bool(np.isfinite(self.ends.speed).any())
+        task = system.task(self.cycle, method, extremes=extremes, longer=self.longer)
         edges = self.edges(who, self.start[who])
         return system.run(task, Start(numbers, lanes, state, edges, recorded=RECORDED))
 

@@ -92,6 +92,21 @@ def test_top_of_the_speed_at_the_end__is_as_uncertain_as_the_final_speed(accurac
         assert (np.abs(value - exact.values[name]) <= found.errors[name] + exact.errors[name]).all(), name
 
 
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-5])
+def test_speed_reached_within_a_step_and_left_again__ends_the_run_behind_a_coupling(accuracy):
+    motor, regime = (
+        {"stall_moment": 8.0 / RATIO, "no_load_speed": 100.0 * RATIO},
+        run("dc fan cut", from_speed=28.0, speed=40.0),
+    )
+    scene = behind(slider_crank({"go": regime}, flywheel=0.2, dc=motor), 0.02, coupling=CLUTCH | {"capacity": 40.0})
+    # A target that is reached near a top of the speed, or only in the next cycle.
+    varied = {"regimes.go.speed": np.linspace(29.0, 36.0, 192)}
+    found, exact = (ask(scene, "go.angle", varied=varied, accuracy=given) for given in (accuracy, 1e-9))
+    assert (np.array(found.status) == Verdict.OK).any()
+    off = np.abs(found.values["go.angle"] - exact.values["go.angle"])
+    assert not (off > found.errors["go.angle"] + exact.errors["go.angle"]).any(), off.max()
+
+
 def shaper(asked: dict[str, list[str]], regime: dict) -> list[Outcome]:
     """Answers of 64 shapers in a regime, at an accuracy near rounding first."""
     scene = read_scene(Path(__file__).parents[3] / "results" / "motion" / "shaper.toml")
