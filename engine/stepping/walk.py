@@ -273,9 +273,12 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
     for lane in range(LANES):
         if own.taken[lane] == 0.0:
             continue
-        above, below = own.settled[lane] - own.fastest[lane], own.slowest[lane] - own.settled[lane]
-        own.fast_off[lane] = above if above > own.fast_off[lane] else own.fast_off[lane]
-        own.slow_off[lane] = below if below > own.slow_off[lane] else own.slow_off[lane]
+        # A step from before an extreme to beyond it may have its more extreme speed at its start.
+        missed = watched[task.watched + SPEED, lane] + math.copysign(own.top_off[lane], watched[SLOPE, lane])
+        for speed in (own.settled[lane], missed):
+            above, below = speed - own.fastest[lane], own.slowest[lane] - speed
+            own.fast_off[lane] = above if above > own.fast_off[lane] else own.fast_off[lane]
+            own.slow_off[lane] = below if below > own.slow_off[lane] else own.slow_off[lane]
         at, edge = own.at[lane] + own.length[lane], edge_ahead(lane, room)
         if task.along_time:
             at_edge = own.ended[lane] == EDGE
