@@ -24,7 +24,7 @@ METHODS = (ORDER_EIGHT, ORDER_FOUR, ORDER_NINE, ORDER_EIGHT_IN_TIME)
 def _weighted(weights: np.ndarray) -> str:
     """Weighted sum of the rates of row q over the stages, as code."""
     terms = [f"{float(w)!r} * rates[{k} * width + q, l]" for k, w in enumerate(weights) if w != 0.0]
-    return " + ".join(terms)
+    return " + ".join(terms) or "0.0"
 
 
 def _squares(formulas: np.ndarray) -> str:

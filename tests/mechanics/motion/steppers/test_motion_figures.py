@@ -79,12 +79,14 @@ def test_figures_of_runs_that_forget__cover_what_their_last_steps_miss():
     }
     scene = slider_crank({"go": run("induction cut gravity", from_speed=25.0, cycles=1.6)}, flywheel=0.0)
     # With the default accuracy only rounding would be missed.
-    exact, found = (ask(scene, "go.final_speed", varied=machines, accuracy=accuracy) for accuracy in (1e-9, 1e-7))
-    assert set(found.status) == {Verdict.OK}
-    missed = abs(found.values["go.final_speed"] - exact.values["go.final_speed"])
-    figure = found.errors["go.final_speed"]
-    assert (missed <= figure + exact.errors["go.final_speed"]).mean() >= 0.994
-    assert (figure <= 1e-6 * exact.values["go.final_speed"]).all()
+    exact = ask(scene, "go.final_speed", varied=machines, accuracy=1e-9)
+    for accuracy in (1e-2, 1e-3, 1e-4, 1e-5, 1e-7):
+        found = ask(scene, "go.final_speed", varied=machines, accuracy=accuracy)
+        assert set(found.status) == {Verdict.OK}
+        missed = abs(found.values["go.final_speed"] - exact.values["go.final_speed"])
+        figure = found.errors["go.final_speed"]
+        assert (missed <= figure + exact.errors["go.final_speed"]).all(), accuracy
+        assert (figure <= max(0.1 * accuracy, 1e-6) * exact.values["go.final_speed"]).all(), accuracy
 
 
 def test_extremes_of_speed_with_steep_motors__are_covered_where_a_step_passes_them():
