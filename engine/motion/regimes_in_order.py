@@ -42,10 +42,11 @@ STEPS_OF_ROUNDING = 32
 def share_of_change(name: str) -> float:
     """Factor from the change with coarser steps to the error estimate of a result."""
     last = name.rpartition(".")[2]
-    # Means over time, extremes and their positions converge without an order if a steep motor recovers from a jump
-    # within a step.
+    # Means over time, extremes and their positions, and the heat of a coupling, converge without an order if a steep
+    # motor or coupling recovers from a jump within a step.
     positions = ("min_at", "max_at", "min_time", "max_time")
-    return 2.0 if last in ("mean", "rms", "mean_speed", "speed_min", "speed_max", *positions) else 1.0
+    without_order = ("mean", "rms", "mean_speed", "speed_min", "speed_max", "coupling_heat", *positions)
+    return 2.0 if last in without_order else 1.0
 
 
 class RegimeAnswers(NamedTuple):
