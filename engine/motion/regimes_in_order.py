@@ -45,8 +45,10 @@ def share_of_change(name: str) -> float:
     # Means over time, extremes and their positions, and the heat of a coupling, converge without an order if a steep
     # motor or coupling recovers from a jump within a step.
     positions = ("min_at", "max_at", "min_time", "max_time")
-    without_order = ("mean", "rms", "mean_speed", "speed_min", "speed_max", "coupling_heat", *positions)
-    return 2.0 if last in without_order else 1.0
+    without_order = ("mean", "rms", "mean_speed", "speed_min", "speed_max", *positions)
+    # A coupling has any name.
+    of_coupling = last.endswith("_heat") and last != "brake_heat"
+    return 2.0 if of_coupling or last in without_order else 1.0
 
 
 class RegimeAnswers(NamedTuple):

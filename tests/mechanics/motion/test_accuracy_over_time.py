@@ -70,6 +70,13 @@ def test_accuracy__is_what_steps_are_made_for(found):
     assert (np.median(found[1e-11][1], axis=1) < 0.1 * np.median(found[1e-5][1], axis=1)).all()
 
 
+def test_heat_of_a_coupling__has_the_same_figure_by_any_name():
+    scene = coupled(STIFF, COUPLED)
+    renamed = scene | {"couplings": {"hub": scene["couplings"]["coupling"]}}
+    found = ask(scene, "go.coupling_heat", accuracy=1e-4), ask(renamed, "go.hub_heat", accuracy=1e-4)
+    assert found[0].errors["go.coupling_heat"] == found[1].errors["go.hub_heat"]
+
+
 @pytest.mark.parametrize("accuracy", [1e-4, 1e-5, 1e-6])
 def test_stop_after_steady_running__is_covered_though_most_of_it_is_walked_over_the_angle(accuracy):
     scene, random = read_scene(bundled_templates()["press_with_motor"]), np.random.default_rng(5)
