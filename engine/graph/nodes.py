@@ -572,19 +572,11 @@ class Graph:
         """Declare the condition on which nodes return to their initial values at the end of a cycle."""
         self._returns |= {node: condition for node in nodes if node.stage == Stage.POSITION}
 
-    def returns_behind(self, nodes: Iterable[Node], known: set[Node] | None = None) -> list[Return]:
-        """Conditions, without duplicates, on which nodes return to their initial values at the end of a cycle.
-
-        Parameters
-        ----------
-        nodes : iterable of Node
-        known : set of Node, optional
-            Nodes that aren't followed, as their conditions are known; those found are added.
-        """
-        pending, found, known = list(nodes), {}, set() if known is None else known
+    def returns_behind(self, nodes: Iterable[Node]) -> list[Return]:
+        """Conditions, without duplicates, on which nodes return to their initial values at the end of a cycle."""
+        pending, found, known = list(nodes), {}, set()
         while pending:
-            every = reached(pending, lambda node: node in known or self._is_periodic(node))
-            behind = [node for node in every if node not in known]
+            behind = [node for node in reached(pending, self._is_periodic) if node not in known]
             known.update(behind)
             found |= {self._returns[node]: None for node in behind if node in self._returns}
             pending = [curve for node in behind if isinstance(node, Found) for curve in (node.curve, node.rate)]

@@ -64,8 +64,6 @@ class Mechanics:
 
     def __init__(self, scene: Scene, varied: frozenset[str] = frozenset()) -> None:
         self.scene, self.varied = scene, varied
-        # Nodes that no load over time keeps from repeating, as far as they are known.
-        self._repeating: set[Node] = set()
         self.structure: Structure = order(scene)
         self.graph = Graph()
         self.kinematics = Kinematics(scene, self.structure, self.graph, varied)
@@ -141,13 +139,9 @@ class Mechanics:
         ----------
         nodes : iterable of Node
         """
-        behind = set(self._repeating)
-        timed = [condition for condition in self.graph.returns_behind(nodes, behind) if condition.of == TIME]
+        timed = [condition for condition in self.graph.returns_behind(nodes) if condition.of == TIME]
         fixed = [c for c in timed if isinstance(c.turns, Constant) or not self.varied]
-        depends = any(not _holds(condition, value_of(condition.turns, self._as_is)) for condition in fixed)
-        if not depends:
-            self._repeating = behind
-        return depends
+        return any(not _holds(condition, value_of(condition.turns, self._as_is)) for condition in fixed)
 
     @property
     def _as_is(self) -> dict[str, float]:

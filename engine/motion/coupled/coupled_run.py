@@ -16,8 +16,7 @@ from engine.motion.coupled.two_sides import APART, BACKWARDS, FORWARDS, TOGETHER
 from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, SHAFT_TURNED, TURNED, Ending
 from engine.motion.fields.recorded_motion import Observer
 from engine.motion.moments.breaks import JUMP
-from engine.motion.runs.run_progress import CoupledStanding, Ends, MachineRuns, Standing, Stepping
-from engine.motion.runs.settled_runs import SHARES
+from engine.motion.runs.run_progress import NEARLY, CoupledStanding, Ends, MachineRuns, Standing, Stepping
 from engine.stepping.methods import EIGHT, NINE
 from engine.stepping.recorded import EXCEEDS, RECORDED, made_steps, tops_in_steps, weighted, weights_at
 from engine.stepping.records import on_arrays, put, some
@@ -38,8 +37,6 @@ SAME_PEAK = 1e-12
 BETWEEN = (0.3, 0.7), (0.1, 0.2), (0.8, 0.9), (0.45, 0.55)
 # Speeds of the motion itself and of slower ones, as fractions of the present speed.
 NOT_FASTER = 1.0, 0.5, 0.1
-# Angles this close to the end of a cycle, as a fraction of it, count as its end.
-NEARLY = 1e-9
 # Steps of a standing machine to the next change.
 WAITS = 4
 
@@ -142,6 +139,7 @@ class CoupledRuns(MachineRuns):
         clock, engaged = standing.clock, standing.coupled.engaged
         self.joined = Joined(np.zeros(count, int), zero.copy(), zero.copy(), clock, engaged, np.ones(count))
         self.lows, self.highs = (np.array([self.omega, self.shaft_omega]) for _ in range(2))
+        self.slowest, self.fastest = self.lows[0], self.highs[0]
         self.peak, self.peak_at, self.slip_time = np.zeros(count), np.zeros(count), np.zeros(count)
         self.stops, self.closings = np.zeros(count), np.zeros(count)
         self.growing = np.full(count, np.nan)
@@ -284,9 +282,7 @@ class CoupledRuns(MachineRuns):
         goals = {"goal": longest, "other_goal": goal, "floor": floor}
         lanes = self.lanes(who, faced[0], farthest=self.farthest_step, **step, **goals)
         state[CRANK_SPEED], state[SHAFT_SPEED] = np.abs(state[[CRANK_SPEED, SHAFT_SPEED]])
-        # A speed may be reached within a step and left again.
-        extremes = bool(np.isfinite(self.ends.speed).any())
-        task = system.task(self.cycle, method, extremes=extremes, longer=self.longer)
+        task = system.task(self.cycle, method, extremes=self.seeks_speed, longer=self.longer)
         edges = self.edges(who, self.start[who])
         return system.run(task, Start(numbers, lanes, state, edges, recorded=RECORDED))
 
@@ -454,7 +450,7 @@ class CoupledRuns(MachineRuns):
         """Compare variants with their last marks, give up those that never end, and set their marks."""
         before, mode, moves = some(self.marks, who), self.joined.mode[who], self.joined.crank_direction[who] != 0.0
         turned, times = (self.turned[who], self.state[SHAFT_TURNED, who]), (self.time[who], self.slip_time[who])
-        now = RunMark(self._speeds(who), *turned, moves, mode, *times)
+        now = RunMark(self.speeds(who), *turned, moves, mode, *times)
         cycles = now.turned / self.cycle
         whole = np.isclose(cycles, np.round(cycles), rtol=0.0, atol=NEARLY)
         change, since = now.speeds - before.speeds, np.fmax(np.abs(now.turned - before.turned) / self.cycle, 1.0)
@@ -483,16 +479,16 @@ class CoupledRuns(MachineRuns):
             self.give_up(endless)
         to_speed = who[tested & np.isfinite(self.ends.speed[who])]
         if to_speed.size:
-            self.give_up(to_speed[np.any([self._held_back(to_speed, share) for share in SHARES], axis=0)])
+            self.give_up(to_speed[self.held_back(to_speed, np.isfinite(self.above[to_speed]))])
 
     # While a clutch slips at a constant torque, each side moves on its own; while it holds, both move as one. Speeds of
     # two motions of a machine over the crank angle never cross.
 
     def _parts(self, who: np.ndarray, near: float, far: float) -> np.ndarray:
         """Whether clutches slip for ever: if another motion, with speeds between, slips for a cycle and parts."""
-        direction, (crank, shaft) = np.sign(self.joined.mode[who]), self._speeds(who)
-        begin = crank + near * (shaft - crank), crank + far * (shaft - crank)
-        other = self._beside(who, *begin)
+        direction, (crank, shaft) = np.sign(self.joined.mode[who]), self.speeds(who)
+        begin = np.array([crank + near * (shaft - crank), crank + far * (shaft - crank)])
+        other = self.beside(who, Ends.never(who.size), begin)
         leave = (direction * (other.omega - begin[0]) <= 0.0) & (direction * (other.shaft_omega - begin[1]) >= 0.0)
         apart = np.where(direction > 0.0, other.highs[0] < other.lows[1], other.lows[0] > other.highs[1])
         slips = other.slip_time >= other.time * (1.0 - NEARLY)
@@ -500,30 +496,18 @@ class CoupledRuns(MachineRuns):
 
     def _turns_on(self, who: np.ndarray, share: float) -> np.ndarray:
         """Whether machines never stop: if their motion, slowed down to a fraction, isn't slower after a cycle."""
-        (crank, shaft), holds = self._speeds(who), self.joined.mode[who] == TOGETHER
-        other = self._beside(who, share * crank, np.where(holds, share, 1.0) * shaft)
+        (crank, shaft), holds = self.speeds(who), self.joined.mode[who] == TOGETHER
+        begin = np.array([share * crank, np.where(holds, share, 1.0) * shaft])
+        other = self.beside(who, Ends.never(who.size), begin)
         alike = np.where(holds, other.slip_time == 0.0, other.slip_time >= other.time * (1.0 - NEARLY))
         return (other.verdict == Verdict.OK) & alike & (other.omega >= share * crank)
 
-    def _held_back(self, who: np.ndarray, share: float) -> np.ndarray:
-        """Whether machines never reach their speed: if a motion ahead of both sides misses it, and both fall back."""
-        (crank, shaft), above, below = self._speeds(who), self.above[who], np.maximum(self.below[who], 0.0)
-        rises = np.isfinite(above)
-        to_end = np.where(rises, above / self.highs[0, who], below / np.where(below > 0.0, self.lows[0, who], 1.0))
-        ahead, sense = 1.0 + share * (to_end - 1.0), np.where(rises, 1.0, -1.0)
-        other = self._beside(who, ahead * crank, ahead * shaft, some(self.ends, who))
-        whole = (other.verdict == Verdict.OK) & (other.turned >= self.cycle * (1.0 - NEARLY))
-        speeds = (other.omega, ahead * crank), (other.shaft_omega, ahead * shaft)
-        return whole & np.all([sense * (after - before) <= 0.0 for after, before in speeds], axis=0)
-
-    def _speeds(self, who: np.ndarray) -> np.ndarray:
+    def speeds(self, who: np.ndarray) -> np.ndarray:
         """Speeds of the crank and the shaft."""
         return self.state[[CRANK_SPEED, SHAFT_SPEED]][:, who]
 
-    def _beside(self, who: np.ndarray, crank: np.ndarray, shaft: np.ndarray, ends: Ends | None = None) -> "CoupledRuns":
-        """Runs over a cycle from other speeds than now, which may end before."""
-        coupled = CoupledStanding(shaft, self.joined.engaged[who] + self.time[who])
-        return self.beside(who, Ends.never(who.size) if ends is None else ends, crank, coupled)
+    def _shaft_beside(self, who: np.ndarray, speeds: np.ndarray) -> CoupledStanding:
+        return CoupledStanding(speeds[1], self.joined.engaged[who] + self.time[who])
 
     def _others(self, who: np.ndarray, *given: Standing | Ends | Stepping) -> "CoupledRuns":
         return CoupledRuns(self.sides.some(who), *given, ())

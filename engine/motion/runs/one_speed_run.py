@@ -109,8 +109,8 @@ class OneSpeedRuns(MachineRuns):
 
     @property
     def finds_extremes(self) -> bool:
-        """Whether steps end at the extremes of the speed: a speed may be reached within a step and left again."""
-        return (self.stepping.extremes and not self.observers) or bool(np.isfinite(self.ends.speed).any())
+        """Whether steps end at the extremes of the speed."""
+        return (self.stepping.extremes and not self.observers) or self.seeks_speed
 
     def ahead(self, who: np.ndarray, facing: np.ndarray | None = None) -> np.ndarray:
         """Distance of variants to the end of the input's range in a direction, by default the one they face."""

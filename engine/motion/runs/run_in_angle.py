@@ -9,7 +9,7 @@ from engine.motion.runs.run_progress import AT_SPEED, State
 from engine.motion.runs.settled_runs import pass_mark
 from engine.stepping.methods import EIGHT, FOUR, NINE
 from engine.stepping.recorded import RECORDED, made_steps
-from engine.stepping.records import on_arrays, put, variant_columns
+from engine.stepping.records import put, some, variant_columns
 from engine.stepping.system import RECORDED_AT, Start, Walks
 from engine.stepping.walk_task import LONGER, WALKS, Why
 
@@ -71,8 +71,7 @@ def stretch_over_angle(runs: OneSpeedRuns, who: np.ndarray) -> None:
 
 def _add_errors(runs: OneSpeedRuns, who: np.ndarray) -> None:
     """Add the error estimates at the end of a stretch to its state."""
-    off = State(*(getattr(runs.changed, name)[..., who] for name in State._fields))
-    put(runs.state, who, on_arrays(np.add, runs.part(who), off))
+    put(runs.state, who, some(runs.changed, who).added_to(runs.part(who)))
 
 
 def _walk(

@@ -11,6 +11,7 @@ from engine.motion.fields.recorded_motion import Observer, RecordedMotion
 from engine.motion.moments.breaks import edges_of
 from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.one_speed import Sizes, TimeEnd
+from engine.stepping.records import some
 from engine.stepping.runs import WalkedRuns
 from engine.stepping.walk_task import Why
 from engine.words.verdicts import Verdict
@@ -19,6 +20,11 @@ from engine.words.verdicts import Verdict
 TOLERANCE, OVER_ANGLE, FARTHEST_STEP = 1e-10, 3e-12, 0.25 * np.pi
 # Reasons for the end of a walk at a target speed, the first guards of each system.
 AT_SPEED = (TimeEnd.ABOVE, TimeEnd.BELOW)
+# Starting speeds of other motions, as fractions of the distance to the target speed: the first detects early if there
+# is no other steady motion between, the second if there is a speed from which the machine would stall.
+SHARES = (0.9, 0.1)
+# Angles this close to the end of a cycle, as a fraction of it, count as its end.
+NEARLY = 1e-9
 # Swings that differ by less are equal within the error of the steps [rad].
 SAME_SWING = 1e-6
 
@@ -99,6 +105,10 @@ class Changed(NamedTuple):
     slowest: np.ndarray
     fastest: np.ndarray
 
+    def added_to(self, state: State) -> State:
+        """A state changed by them."""
+        return State(*(mine + getattr(self, name) for name, mine in zip(State._fields, state, strict=True)))
+
 
 class RunOutcome(NamedTuple):
     """Outcome of runs; arrays (variants,) unless stated.
@@ -145,10 +155,9 @@ class RunOutcome(NamedTuple):
 
     def shifted(self, by: Changed) -> "RunOutcome":
         """The same with its final values changed."""
-        state = {name: getattr(self.state, name) + getattr(by, name) for name in State._fields}
         speeds = self.slowest - by.slowest, self.fastest + by.fastest
         ended = self.ended + by.energy
-        return self._replace(state=State(**state), ended=ended, slowest=speeds[0], fastest=speeds[1])
+        return self._replace(state=by.added_to(self.state), ended=ended, slowest=speeds[0], fastest=speeds[1])
 
 
 class Stepping(NamedTuple):
@@ -217,6 +226,8 @@ class MachineRuns(WalkedRuns):
     turned: np.ndarray
     omega: np.ndarray
     time: np.ndarray
+    slowest: np.ndarray
+    fastest: np.ndarray
 
     def __init__(
         self,
@@ -321,19 +332,47 @@ class MachineRuns(WalkedRuns):
         """Whether nothing depends on time any more, and no time ends the run; a formula may change at any time."""
         return self.past_tables(who) & np.isinf(self.ends.time[who]) & (not self.dynamics.changing)
 
-    def beside(
-        self, who: np.ndarray, ends: Ends, omega: np.ndarray, coupled: CoupledStanding | None = None
-    ) -> "MachineRuns":
+    @property
+    def seeks_speed(self) -> bool:
+        """Whether a speed ends any of the runs: it may be reached within a step and left again."""
+        return bool(np.isfinite(self.ends.speed).any())
+
+    def speeds(self, who: np.ndarray) -> np.ndarray:
+        """All speeds of variants [rad/s], (speeds, variants)."""
+        return self.omega[None, who]
+
+    def held_back(self, who: np.ndarray, rises: np.ndarray) -> np.ndarray:
+        """Which variants, accelerating or decelerating, never reach their target speed: others ahead fall back."""
+        return np.any([self._held_back(who, rises, share) for share in SHARES], axis=0)
+
+    def _held_back(self, who: np.ndarray, rises: np.ndarray, share: float) -> np.ndarray:
+        """The same by one other motion, ahead by a share of the way to the end."""
+        # Speeds of neighbouring motions stay roughly proportional.
+        below = np.maximum(self.below[who], 0.0)
+        falls_to = below / np.where(below > 0.0, self.slowest[who], 1.0)
+        to_end = np.where(rises, self.above[who] / self.fastest[who], falls_to)
+        begin = self.speeds(who) * (1.0 + share * (to_end - 1.0))
+        ahead = self.beside(who, some(self.ends, who), begin)
+        whole = (ahead.verdict == Verdict.OK) & (ahead.turned >= self.dynamics.cycle * (1.0 - NEARLY))
+        gained = np.where(rises, 1.0, -1.0) * (ahead.speeds(np.arange(who.size)) - begin)
+        return whole & (gained <= 0.0).all(axis=0)
+
+    def beside(self, who: np.ndarray, ends: Ends, speeds: np.ndarray) -> "MachineRuns":
         """Runs over a cycle with other speeds from where some variants are now; `ends` may end them before.
 
         Runs at two speeds start whole cycles before that.
         """
         place = self.start[who] + self.variants.direction[who] * self.turned[who]
-        begin = Standing(place, omega, self.clock[who] + self.time[who], np.zeros(who.size, np.uint8), coupled)
+        shaft, sound = self._shaft_beside(who, speeds), np.zeros(who.size, np.uint8)
+        begin = Standing(place, speeds[0], self.clock[who] + self.time[who], sound, shaft)
         ends = ends._replace(turned=np.full(who.size, self.dynamics.cycle), most_turned=np.full(who.size, np.inf))
         others = self._others(who, begin, ends, self.stepping._replace(extremes=True, peaks=False))
         others.go_to_end()
         return others
+
+    def _shaft_beside(self, who: np.ndarray, speeds: np.ndarray) -> CoupledStanding | None:
+        """State of a shaft behind a coupling at the beginning of other runs; None if it turns with the crank."""
+        return None
 
     def _others(self, who: np.ndarray, standing: Standing, ends: Ends, stepping: Stepping) -> "MachineRuns":
         """Runs of some variants from other states, without observers."""

@@ -67,16 +67,20 @@ def test_error_figures__hold_for_nearly_all_random_machines(monkeypatch):
     assert all(1 <= ratio <= 1e5 for ratio in ratios.values()), ratios
 
 
+def steep_motors(count: int, seed: int, least: float, most: float) -> dict[str, np.ndarray]:
+    """Numbers of random machines with motors of breakdown slips between limits."""
+    random = np.random.default_rng(seed)
+    return {
+        "moments.induction.breakdown_slip": np.exp(random.uniform(np.log(least), np.log(most), count)),
+        "moments.induction.breakdown_moment": random.uniform(5.0, 15.0, count),
+        "groups.drive.first.length": random.uniform(0.15, 0.6, count),
+    }
+
+
 def test_figures_of_runs_that_forget__cover_what_their_last_steps_miss():
     # Motors so steep on a bare crank that nothing of a cycle's begin is left at its end; steps are implicit. Few of
     # many end where the last step of the run for comparison is nearly as short.
-    random, count = np.random.default_rng(5), 192
-    machines = {
-        "moments.induction.breakdown_slip": np.exp(random.uniform(np.log(0.005), np.log(0.06), count)),
-        "moments.induction.breakdown_moment": random.uniform(5.0, 15.0, count),
-        "regimes.go.cycles": random.uniform(1.2, 2.2, count),
-        "groups.drive.first.length": random.uniform(0.15, 0.6, count),
-    }
+    machines = steep_motors(192, 5, 0.005, 0.06) | {"regimes.go.cycles": np.linspace(1.2, 2.2, 192)}
     scene = slider_crank({"go": run("induction cut gravity", from_speed=25.0, cycles=1.6)}, flywheel=0.0)
     # With the default accuracy only rounding would be missed.
     exact = ask(scene, "go.final_speed", varied=machines, accuracy=1e-9)
@@ -91,12 +95,7 @@ def test_figures_of_runs_that_forget__cover_what_their_last_steps_miss():
 
 def test_extremes_of_speed_with_steep_motors__are_covered_where_a_step_passes_them():
     # A step from before a top to beyond it may end below its start, which is then the fastest speed found.
-    random, count = np.random.default_rng(2), 96
-    machines = {
-        "moments.induction.breakdown_slip": np.exp(random.uniform(np.log(0.001), np.log(0.05), count)),
-        "moments.induction.breakdown_moment": random.uniform(5.0, 15.0, count),
-        "groups.drive.first.length": random.uniform(0.15, 0.6, count),
-    }
+    machines = steep_motors(96, 2, 0.001, 0.05)
     scene, names = slider_crank({"on": steady("induction cut gravity")}), ("on.speed_min", "on.speed_max")
     exact, found = (ask(scene, " ".join(names), varied=machines, accuracy=accuracy) for accuracy in (1e-9, 1e-4))
     assert set(found.status) == {Verdict.OK}
