@@ -116,6 +116,20 @@ def test_speed_reached_within_a_step_and_left_again__ends_the_run_behind_a_coupl
     assert not (off > found.errors["go.angle"] + exact.errors["go.angle"]).any(), off.max()
 
 
+def test_walks_that_divide_a_time_into_as_many_steps__make_different_ones():
+    motor = {"stall_moment": 1.75, "no_load_speed": 100.0 * RATIO}
+    scene = slider_crank({"go": run("dc fan", speed=7.084)}, flywheel=0.8, dc=motor)
+    scene = behind(scene, 0.00123, coupling=CLUTCH | {"capacity": 13.06, "engagement": 0.4386})
+    random = np.random.default_rng(3)
+    varied = {"flywheel.inertia": 0.8 * 10 ** random.uniform(-0.5, 0.5, 256)}
+    varied |= {"moments.dc.stall_moment": 1.75 * 10 ** random.uniform(-0.3, 0.5, 256)}
+    exact, found = (ask(scene, "go.angle", varied=varied, accuracy=accuracy) for accuracy in (1e-11, 1e-3))
+    off = np.abs(found.values["go.angle"] - exact.values["go.angle"])
+    beyond = off / (found.errors["go.angle"] + exact.errors["go.angle"])
+    # The range of three walks of few steps may be a few times smaller than the error by chance; of equal ones, it is 0.
+    assert (beyond < 4.0).all(), beyond.max()
+
+
 def shaper(asked: dict[str, list[str]], regime: dict) -> list[Outcome]:
     """Answers of 64 shapers in a regime, at an accuracy near rounding first."""
     scene = read_scene(Path(__file__).parents[3] / "results" / "motion" / "shaper.toml")
