@@ -20,8 +20,8 @@ from engine.words.verdicts import Verdict
 TOLERANCE, OVER_ANGLE, FARTHEST_STEP = 1e-10, 3e-12, 0.25 * np.pi
 # Reasons for the end of a walk at a target speed, the first guards of each system.
 AT_SPEED = (TimeEnd.ABOVE, TimeEnd.BELOW)
-# Starting speeds of other motions, as fractions of the distance to the target speed: the first detects early if there
-# is no other steady motion between, the second if there is a speed from which the machine would stall.
+# Starting speeds of other motions, as fractions of the distance to the target speed: the first detects early
+# without another steady motion between, the second with a speed from which the machine would stall.
 SHARES = (0.9, 0.1)
 # Angles this close to the end of a cycle, as a fraction of it, count as its end.
 NEARLY = 1e-9
@@ -346,7 +346,7 @@ class MachineRuns(WalkedRuns):
         return np.any([self._held_back(who, rises, share) for share in SHARES], axis=0)
 
     def _held_back(self, who: np.ndarray, rises: np.ndarray, share: float) -> np.ndarray:
-        """The same by one other motion, ahead by a share of the way to the end."""
+        """The same by one other motion, ahead by a share of the distance to the end."""
         # Speeds of neighbouring motions stay roughly proportional.
         below = np.maximum(self.below[who], 0.0)
         falls_to = below / np.where(below > 0.0, self.slowest[who], 1.0)
