@@ -2,7 +2,7 @@
 
 `nnan` and `ninf` are omitted because a NaN must survive from a position that can't be assembled to the variant's
 status. `reassoc` is for laws only: it lets the compiler move terms that are equal at all positions out of a loop. Sums
-over positions are added in the order written, so results don't depend on the width of the processor's vectors.
+over positions are added in the order written, whatever the width of the processor's vectors.
 
 Laws stay Python functions, and Numba is imported with the first function that is compiled: a single machine needs
 neither Numba nor compilation.

@@ -12,6 +12,7 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import cpu_target
 from numba.core.typing import Signature
 
+from engine.compiling import compilers  # noqa: F401  (settings for Numba)
 from engine.compiling.blocks import Row
 from engine.compiling.decorators import Law
 from engine.compiling.kept_code import compiling, kept_files

@@ -37,6 +37,8 @@ HERE = Path(__file__).parent
 # The number of variants that `sweeps run` evaluates at once.
 VARIANTS, POSITIONS, ROUNDS = 16_384, 720, 9
 COMPILER = ["g++", "-std=c++17", "-O3", "-march=native", "-ffast-math", "-fopenmp", "-shared", "-fPIC"]
+# GCC too prefers half the width on Intel's processors with AVX-512.
+WIDE = "-mprefer-vector-width=512"
 FIELDS = ["reduced_inertia", "reduced_inertia_phi", "reduced_moment"]
 STROKES = {"press": "ram.stroke", "four_bar": "rocker.swing", "six_bar": "lever.swing"}
 SUMMARIES = ["required_drive_moment", "required_power", "excess_work"]
@@ -56,23 +58,25 @@ def asked(name: str) -> list[str]:
 
 
 class Contest(NamedTuple):
-    """Times of two sides in µs per variant, one of each per round."""
+    """Times in µs per variant (sides, rounds): of the engine, of the C++ as usual and with vectors of 512 bits."""
 
     case: str
-    engine: np.ndarray
-    rival: np.ndarray
+    times: np.ndarray
 
     def row(self) -> str:
         """Line of the table."""
-        ratios = self.engine / self.rival
-        times = f"{np.median(self.engine):.2f} | {np.median(self.rival):.2f}"
-        return f"| {self.case} | {times} | {np.median(ratios):.2f} | {ratios.min():.2f} – {ratios.max():.2f} |"
+        engine, *rivals = self.times
+        cells = [f"{np.median(engine):.2f}"]
+        for rival in rivals:
+            ratios = engine / rival
+            spread = f"({ratios.min():.2f} – {ratios.max():.2f})"
+            cells += [f"{np.median(rival):.2f}", f"{np.median(ratios):.2f} {spread}"]
+        return f"| {self.case} | {' | '.join(cells)} |"
 
 
-def contest(case: str, engine: Callable, rival: Callable) -> Contest:
-    """Processor times of two sides in turns."""
-    times = alternating_times((engine, rival), ROUNDS)
-    found = Contest(case, *(times * 1e6 / VARIANTS))
+def contest(case: str, engine: Callable, *rivals: Callable) -> Contest:
+    """Processor times of all sides in turns."""
+    found = Contest(case, alternating_times((engine, *rivals), ROUNDS) * 1e6 / VARIANTS)
     print(found.row(), flush=True)
     return found
 
@@ -86,20 +90,22 @@ def require_agreement(case: str, found: np.ndarray, expected: np.ndarray, scale:
 
 # The C++ baseline
 
+Builds = list[ctypes.CDLL]
 
-def build_baseline(folder: str) -> ctypes.CDLL:
+
+def build_baseline(folder: str, *options: str) -> ctypes.CDLL:
     """Compile the baseline."""
-    library = Path(folder) / "baseline.so"
-    subprocess.run([*COMPILER, "-o", library, HERE / "baseline.cpp"], check=True)
+    library = Path(folder) / f"baseline{''.join(options)}.so"
+    subprocess.run([*COMPILER, *options, "-o", library, HERE / "baseline.cpp"], check=True)
     baseline = ctypes.CDLL(str(library))
     baseline.use_threads(1)
     return baseline
 
 
-def call(function: Callable, *arguments: object) -> Callable[[], None]:
-    """Call of a C++ function with its arguments converted in advance."""
+def calls(builds: Builds, function: str, *arguments: object) -> list[Callable[[], None]]:
+    """Calls of a C++ function in each build, with its arguments converted in advance."""
     converted = {np.ndarray: lambda a: a.ctypes, float: ctypes.c_double, int: ctypes.c_int}
-    return partial(function, *(converted[type(a)](a) for a in arguments))
+    return [partial(getattr(build, function), *(converted[type(a)](a) for a in arguments)) for build in builds]
 
 
 def baseline_inputs(name: str, varied: dict[str, np.ndarray]) -> tuple:
@@ -122,15 +128,15 @@ class Errors(NamedTuple):
         return f"{medians.max():.1e} | {self.errors.max():.1e} | {100 * self.covered.mean():.2f} %"
 
 
-def race_summaries(name: str, baseline: ctypes.CDLL) -> tuple[Contest, Errors, Errors]:
+def race_summaries(name: str, builds: Builds) -> tuple[Contest, Errors, Errors]:
     """Summaries of a flywheel study, and the errors of both sides."""
     varied, scene, names = sample(CASES[name], VARIANTS), CASES[name].scene, asked(name)
     machine = Machine(scene, names, varied=varied)
     values, figures = np.zeros((2, VARIANTS, len(names)))
     constants = (float(h), scene.input.speed, scene.flywheel.speed_fluctuation)
-    rival = call(getattr(baseline, f"{name}_summaries"), *baseline_inputs(name, varied), *constants, values, figures)
+    rivals = calls(builds, f"{name}_summaries", *baseline_inputs(name, varied), *constants, values, figures)
     outcome = machine.evaluate(varied)
-    rival()
+    rivals[0]()
     truth = Machine(scene, names, varied=varied, accuracy=TRUE_ACCURACY).evaluate(varied)
     own, own_figures, true, uncertainty = (
         np.stack([side[s] for s in names], axis=1)
@@ -140,7 +146,7 @@ def race_summaries(name: str, baseline: ctypes.CDLL) -> tuple[Contest, Errors, E
     scale = np.maximum(np.abs(true), true[:, 2:3] * np.array([s in SUMMARIES[:2] for s in names]))
     if name != "press":
         require_agreement(f"{name}, mean moment", own[:, 0], values[:, 0], scale[:, 0])
-    found = contest(title(name), lambda: machine.evaluate(varied), rival)
+    found = contest(title(name), lambda: machine.evaluate(varied), *rivals)
     sides = []
     for side, side_figures in ((own, own_figures), (values, figures)):
         wrong = np.abs(side - true)
@@ -148,19 +154,20 @@ def race_summaries(name: str, baseline: ctypes.CDLL) -> tuple[Contest, Errors, E
     return found, *sides
 
 
-def race_fields(words: str, name: str, fields: list[str], function: Callable, *constants: float) -> Contest:
+def race_fields(words: str, name: str, fields: list[str], builds: Builds, *constants: float) -> Contest:
     """Fields of a machine kept at 720 positions."""
     varied = sample(CASES[name], VARIANTS)
     machine = Machine(CASES[name].scene, fields=fields, varied=varied, positions=POSITIONS)
     buffer, rows = machine.new_buffer(VARIANTS), np.zeros((len(fields), VARIANTS, POSITIONS))
     buffer.fill(0)
-    rival = call(function, *baseline_inputs(name, varied), *constants, rows)
+    function = f"{name}_{'reactions' if fields == REACTIONS else 'fields'}"
+    rivals = calls(builds, function, *baseline_inputs(name, varied), *constants, rows)
     machine.evaluate(varied, buffer=buffer)
-    rival()
+    rivals[0]()
     # Reactions of one pair may be small compared with those of another.
     over = (0, 2) if fields == REACTIONS else 2
     require_agreement(f"{words}, {name}", buffer, rows, np.abs(rows).max(axis=over, keepdims=True))
-    return contest(f"{words}: {title(name)}", partial(machine.evaluate, varied, buffer=buffer), rival)
+    return contest(f"{words}: {title(name)}", partial(machine.evaluate, varied, buffer=buffer), *rivals)
 
 
 def cycle_time(name: str) -> float:
@@ -193,7 +200,8 @@ pairs, with minimum and maximum. {variants} variants with varied lengths, masses
 each has a different motion. The machine is shared with others (load {load:.1f} on {cores} cores at the start).
 
 {processor}; {system}; {versions}.
-C++: `{compiler}`. Made by `python results/performance/benchmark.py`.
+C++: `{compiler}`, as usual, and with `{wide}`, as the engine's own code where the processor
+has such vectors at full clock. Made by `python results/performance/benchmark.py`.
 
 Ratios depend on the processor: on an AMD EPYC, at commit 799b45ca, the engine took 0.90, 0.79 and 0.85 of the
 C++ time for the summaries, and 1.83, 1.25 and 1.14 of it for I, dI/dφ and M.
@@ -212,12 +220,12 @@ def report() -> str:
     """All tables."""
     load = os.getloadavg()[0]
     with tempfile.TemporaryDirectory() as folder:
-        baseline = build_baseline(folder)
-        summaries = [race_summaries(name, baseline) for name in CASES]
-        fields = [race_fields("I, dI/dφ, M", n, FIELDS, getattr(baseline, f"{n}_fields")) for n in CASES]
+        builds = [build_baseline(folder), build_baseline(folder, WIDE)]
+        summaries = [race_summaries(name, builds) for name in CASES]
+        fields = [race_fields("I, dI/dφ, M", name, FIELDS, builds) for name in CASES]
         speed = CASES["six_bar"].scene.input.speed
         words = "reactions of all pairs"
-        fields.append(race_fields(words, "six_bar", REACTIONS, baseline.six_bar_reactions, speed))
+        fields.append(race_fields(words, "six_bar", REACTIONS, builds, speed))
         cycles = ", ".join(f"{cycle_time(name):.2f} µs ({title(name)})" for name in CASES)
     words = TEXT.format(
         rounds=ROUNDS,
@@ -228,17 +236,18 @@ def report() -> str:
         system=platform.system(),
         versions=versions(),
         compiler=" ".join(COMPILER[:6]),
+        wide=WIDE,
         names=", ".join(f"`{name}`" for name in [*SUMMARIES, "input_moment.peak"]) + " and a stroke or swing",
         positions=POSITIONS,
         accuracy=TRUE_ACCURACY,
     )
-    head = "engine [µs] | C++ [µs] | ratio | minimum – maximum |"
-    lines = [words, f"| machine | {head}", "|---|---|---|---|---|", *(race.row() for race, _, _ in summaries), ""]
+    head = "engine [µs] | C++ [µs] | ratio | C++ of 512 bits [µs] | ratio |"
+    lines = [words, f"| machine | {head}", "|---|---|---|---|---|---|", *(race.row() for race, _, _ in summaries), ""]
     lines += ["| machine | side | median error | maximum error | covered |", "|---|---|---|---|---|"]
     for race, ours, theirs in summaries:
         lines += [f"| {race.case} | engine | {ours.cells()} |", f"| | C++ | {theirs.cells()} |"]
     lines += ["", "## Kept fields", "", f"At {POSITIONS} positions; both sides agree to {AGREEMENT:g} of their scale."]
-    lines += ["", f"| fields | {head}", "|---|---|---|---|---|", *(race.row() for race in fields), ""]
+    lines += ["", f"| fields | {head}", "|---|---|---|---|---|---|", *(race.row() for race in fields), ""]
     lines += ["The engine's times include the evaluation of each variant's cycle, which gives its verdict:", cycles]
     lines += ["for I, dI/dφ and M. The C++ computes no verdicts and makes no checks.", ""]
     return "\n".join(lines)

@@ -5,12 +5,17 @@ of one's own, and no promise that arrays don't overlap.
 """
 
 import importlib
+import os
 
+import llvmlite.binding as llvm
 import numba
 import numpy as np
 import pytest
 from llvmlite import ir
 from numba import types
+from numba.core.registry import cpu_target
+
+from engine.compiling.compilers import SLOWED
 
 # Module, class or function, its attributes: those overridden and those called.
 PARTS = {
@@ -32,6 +37,8 @@ PARTS = {
     enable_object_caching add_linking_library finalize serialize_using_object_code get_pointer_to_function""",
     "libraries (printed_functions)": "numba.core.codegen JITCPUCodegen create_library unserialize_library magic_tuple",
     "processor (printed_functions)": "numba.core.registry cpu_target target_context",
+    "width of vectors (compilers)": "numba.core config CPU_FEATURES",
+    "features of the processor (compilers)": "numba.core.codegen get_host_cpu_features",
     "one compiles at a time (printed_functions)": "numba.core.compiler_lock global_compiler_lock",
     "signatures (printed_functions)": "numba.core.typing Signature",
     "loading from the cache (kept_code)": "numba.core.caching FunctionCache load_overload _load_overload",
@@ -62,6 +69,24 @@ def test_arrays_of_others__still_find_blas():
 
     a = np.arange(6.0).reshape(2, 3)
     np.testing.assert_array_equal(product(a, a.T.copy()), a @ a.T)
+
+
+def test_machine_code__has_vectors_of_512_bits():
+    """LLVM prefers half the width on Intel's processors, at which the same results take longer."""
+    features = cpu_target.target_context.codegen().magic_tuple()[2]
+    if "+avx512f" not in features.split(",") or llvm.get_host_cpu_name() in SLOWED:
+        pytest.skip("a processor without them, or one that slows down for them")
+    if "NUMBA_CPU_FEATURES" in os.environ:
+        pytest.skip("the user's own setting is kept")
+
+    @numba.njit(error_model="numpy")
+    def add_squares(a, b):
+        for k in range(64):
+            b[k] += a[k] * a[k]
+
+    add_squares.compile((types.float64[::1], types.float64[::1]))
+    (code,) = add_squares.inspect_asm().values()
+    assert "zmm" in code
 
 
 def test_dispatcher__keeps_what_is_read():
