@@ -12,6 +12,7 @@ import math
 import numpy as np
 
 from engine.compiling.decorators import scalar
+from engine.laws.elementary import direction_of
 
 Motion = tuple[float, float, float, float]
 
@@ -55,16 +56,16 @@ def parabolic_motion(u: float, held: float) -> Motion:
 @scalar
 def harmonic_motion(u: float) -> Motion:
     """Simple harmonic motion over half its period."""
-    c, s = math.cos(math.pi * u), math.sin(math.pi * u)
     # The half angle avoids cancellation in 1 − cos πu near the start.
-    return math.sin(0.5 * math.pi * u) ** 2, math.pi / 2 * s, math.pi**2 / 2 * c, -(math.pi**3) / 2 * s
+    c, s = direction_of(0.5 * math.pi * u)
+    return s * s, math.pi * s * c, math.pi**2 / 2 * (c * c - s * s), -(math.pi**3) * s * c
 
 
 @scalar
 def cycloidal_motion(u: float) -> Motion:
     """Acceleration by a full sine wave."""
     a = math.tau * u
-    c, s = math.cos(a), math.sin(a)
+    c, s = direction_of(a)
     return u - s / math.tau, 1.0 - c, math.tau * s, 4.0 * math.pi**2 * c
 
 
@@ -101,7 +102,7 @@ def modified_sine(u: float, held: float) -> Motion:
     if held < 0.125:
         return _short_wave(u)
     a = 4.0 * math.pi / 3.0 * u + math.pi / 3.0
-    c, s = math.cos(a), math.sin(a)
+    c, s = direction_of(a)
     k = 1.0 / (4.0 + math.pi)
     return (
         k * (2.0 + math.pi * u - 2.25 * s),
@@ -115,7 +116,7 @@ def modified_sine(u: float, held: float) -> Motion:
 def _short_wave(u: float) -> Motion:
     """First eighth of the modified sine."""
     a = 4.0 * math.pi * u
-    c, s = math.cos(a), math.sin(a)
+    c, s = direction_of(a)
     k = math.pi / (4.0 + math.pi)
     return k * (u - s / (4.0 * math.pi)), k * (1.0 - c), k * 4.0 * math.pi * s, k * 16.0 * math.pi**2 * c
 
@@ -134,7 +135,7 @@ def _half_trapezoid(u: float, held: float) -> Motion:
     peak = 8.0 * math.pi / (2.0 + math.pi)
     w = 4.0 * math.pi
     if held < 0.125:
-        c, s = math.cos(w * u), math.sin(w * u)
+        c, s = direction_of(w * u)
         return peak / w * (u - s / w), peak / w * (1.0 - c), peak * s, peak * w * c
     v = u - 0.125
     reached = peak / w * (0.125 - 1.0 / w)
@@ -142,7 +143,7 @@ def _half_trapezoid(u: float, held: float) -> Motion:
         return reached + peak * v * (1.0 / w + 0.5 * v), peak * (1.0 / w + v), peak, 0.0
     reached += 0.25 * peak * (1.0 / w + 0.125)
     v = u - 0.375
-    c, s = math.cos(w * v), math.sin(w * v)
+    c, s = direction_of(w * v)
     return (
         reached + peak * (v * (1.0 / w + 0.25) + (1.0 - c) / w**2),
         peak * (1.0 / w + 0.25 + s / w),

@@ -11,6 +11,7 @@ Source: the envelope of the follower's positions in the axes of the cam.
 import math
 
 from engine.compiling.decorators import scalar
+from engine.laws.elementary import direction_of
 
 Place = tuple[float, float, float, float, float, float]
 
@@ -41,7 +42,7 @@ def translating_place(offset: float, y: float, s1: float, s2: float) -> Place:
 @scalar
 def oscillating_place(arm: float, distance: float, psi: float, s1: float, s2: float) -> Place:
     """Centre of an oscillating follower's roller and its first two derivatives, x and y of each."""
-    c, s = math.cos(psi), math.sin(psi)
+    c, s = direction_of(psi)
     return (
         distance - arm * c,
         arm * s,
@@ -84,7 +85,7 @@ def flat_face_support(distance: float, psi: float, s1: float, s2: float, sense: 
     place : float
         Distance of the contact from the pivot.
     """
-    c, s = math.cos(psi), math.sin(psi)
+    c, s = direction_of(psi)
     turn, turned = 1.0 + sense * s1, sense * s2
     p1, p2 = distance * c * s1, distance * (c * s2 - s * s1 * s1)
     return distance * s + (p2 * turn - p1 * turned) / turn**3, distance * c / turn
@@ -132,7 +133,8 @@ def swinging_roller(
 
     The ratio of the components is tan α.
     """
-    along, across = arm * (1.0 + sense * s1) - distance * math.cos(psi), distance * math.sin(psi)
+    c, s = direction_of(psi)
+    along, across = arm * (1.0 + sense * s1) - distance * c, distance * s
     return along, across, pitch_curvature(oscillating_place(arm, distance, psi, s1, s2), sense)
 
 
@@ -145,7 +147,8 @@ def sliding_face_transmission(height: float) -> float:
 @scalar
 def swinging_face_transmission(psi: float, s1: float, sense: float) -> float:
     """Measure of force transmission by a flat face through its pivot: 0 for contact at the pivot or at infinity."""
-    return math.cos(psi) * (1.0 + sense * s1)
+    cosine, _ = direction_of(psi)
+    return cosine * (1.0 + sense * s1)
 
 
 @scalar
@@ -213,7 +216,7 @@ def curvature_room(
         f, its derivative by ψ, and a bound of its second derivative for all ψ.
     """
     w = 1.0 + sense * s1
-    c, s = math.cos(psi), math.sin(psi)
+    c, s = direction_of(psi)
     both, reach = w + w * w, 2.0 * arm * distance * w
     square = (arm * w - distance * c) ** 2 + (distance * s) ** 2
     rate = math.sqrt(square)
@@ -233,6 +236,6 @@ def face_room(
     """
     turn = 1.0 + sense * s1
     straight, bent = 1.0 - (s1 / turn) ** 2, s2 / turn**3
-    c, s = math.cos(psi), math.sin(psi)
+    c, s = direction_of(psi)
     bound = distance * (abs(straight) + abs(bent))
     return distance * (straight * s + bent * c) - radius, distance * (straight * c - bent * s), bound

@@ -4,6 +4,7 @@ import math
 from typing import TypeVar
 
 from engine.compiling.decorators import scalar
+from engine.laws.elementary import angle_of, direction_of
 
 Value = TypeVar("Value")
 
@@ -50,7 +51,7 @@ def geared_turn(cosine: float, sine: float, ratio: float, around: float) -> tupl
     clear : float
         1 for an integer ratio; otherwise near 1 up to a swing of a quarter turn, and zero 5 deg before half a turn.
     """
-    c, s = math.cos(around), math.sin(around)
+    c, s = direction_of(around)
     along, across = cosine * c + sine * s, sine * c - cosine * s
     clear = 1.0 if ratio == math.floor(ratio) else 1.0 - ((1.0 - along) / _WIDEST) ** 8
-    return ratio * (around + math.atan2(across, along)), clear
+    return ratio * (around + angle_of(along, across)), clear
