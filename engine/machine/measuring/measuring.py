@@ -45,6 +45,8 @@ from engine.words.verdicts import Verdict
 
 # Truncation error allowed for each curve's series, relative to the curve's peak, if no accuracy is requested.
 CLOSELY = 1e-9
+# The same as a fraction of a requested accuracy: what is computed from the curves may have a larger error than they.
+OF_ACCURACY = 0.03
 # The transmission index is computed to FINER times the accuracy, limited to FINELY: near a dead centre all measurements
 # depend on how small it is. If only verdicts compare it with 1e-7, CLOSELY suffices.
 FINER, FINELY = 1e3, 1e-12
@@ -214,7 +216,7 @@ class Measuring(RequiredCurves):
             return ANY
         if accuracy is None and any(m.curve is curve and m.verdict == Verdict.JAMS for m in self.margins):
             return LOOSELY
-        asked = CLOSELY if accuracy is None else 1e-2 * accuracy
+        asked = CLOSELY if accuracy is None else OF_ACCURACY * accuracy
         finest = FINELY if self._asked or self._followed else CLOSELY
         return min(asked, max(finest, asked / FINER)) if Vanishing(curve) in self.vanishing else asked
 
