@@ -1,6 +1,5 @@
 """Commands that display: show, plot, orders, animate."""
 
-import gc
 from pathlib import Path
 from shlex import quote
 
@@ -148,8 +147,6 @@ def plot(asked: shared.Options) -> None:
     plans and order sheets with a table. Governors: controlling force. Torsional trains: modes, Campbell diagram,
     torques over speed, Holzer tables. Gear trains: velocity diagrams with a table.
     """
-    # Loaded modules live until exit: exempt them from garbage collection.
-    gc.freeze()
     if needed.is_result(asked.file):
         shared.tell_altered(asked.file)
     is_whole, tables = needed.is_result(asked.file) and asked.variant is None, ""
