@@ -438,7 +438,11 @@ class CoupledRuns(MachineRuns):
         """
         self.compare_swings(rest[self.joined.crank_direction[rest] > 0.0])
         speeds, moves = np.abs(self.state[[CRANK_SPEED, SHAFT_SPEED]]), self.joined.crank_direction != 0.0
-        faded = who[moves[who] & (speeds[0, who] > 0.0) & (speeds[0, who] < FADED * self.highs[0, who])]
+        two = self.sides.two
+        # Neither does a fluid coupling stop a crank, unless something stops the shaft.
+        never_stops = self.ends.standing and two.is_fluid and two.shaft.fades
+        low = (speeds[0, who] < FADED * self.highs[0, who]) | never_stops
+        faded = who[moves[who] & (speeds[0, who] > 0.0) & low]
         self.give_up(faded[~self.done[faded] & self._fades(faded)])
         stands, marked = who[~moves[who]], self.marks.shaft_turned
         passed = np.floor(self.state[SHAFT_TURNED, stands] / self.cycle) != np.floor(marked[stands] / self.cycle)
@@ -458,14 +462,16 @@ class CoupledRuns(MachineRuns):
         slips, slipped, passed = np.abs(mode) == FORWARDS, now.slip_time - before.slip_time, now.time - before.time
         held = np.where(slips, slipped >= passed * (1.0 - NEARLY), slipped == 0.0) & (mode == before.mode)
         # While a clutch holds, slips or is open, a crank that got faster over a cycle gets still faster: it never stops
-        # or turns round. It locks only if the shaft follows it.
-        (crank, shaft), (crank_speed, shaft_speed) = change, now.speeds
+        # or turns round. It locks only if the shaft follows it. A fluid coupling drives it on if the shaft did so, too.
+        (crank, shaft), (crank_speed, shaft_speed), fluid = change, now.speeds, self.sides.two.is_fluid
         parts = self.ends.lock_up | self.ends.standing | (crank_speed < 0.0)
         parts &= (mode * shaft >= -SETTLED * np.abs(shaft_speed)) | (not self.ends.lock_up)
-        parts &= np.isin(mode, (TOGETHER, APART)) | (slips & (mode * crank < 0.0))
+        parts &= np.isin(mode, (TOGETHER, APART)) | (slips & (mode * crank < 0.0)) | (fluid & (crank * shaft >= 0.0))
         parts &= held & (crank * crank_speed > 0.0)
+        # A crank that needs no coupling to stand isn't moved by a shaft that slows down behind a fluid coupling.
+        idle = ~moves & fluid & (shaft * shaft_speed < 0.0) & self._here(who).stays()
         put(self.marks, who, on_arrays(partial(np.where, whole | ~moves), now, before))
-        self.give_up(who[(whole | ~moves) & (moves == before.moves) & (same | parts)])
+        self.give_up(who[(whole | ~moves) & (moves == before.moves) & (same | parts | idle)])
         count = np.round(np.abs(cycles)).astype(int)
         tested = whole & (count & (count - 1) == 0) & (crank_speed > 0.0) & held & ~self.done[who]
         if tested.any() and (self.ends.lock_up | self.ends.standing):
@@ -473,7 +479,7 @@ class CoupledRuns(MachineRuns):
             parted = np.zeros(slipping.size, bool)
             if slipping.size:
                 parted = np.any([self._parts(slipping, *between) for between in BETWEEN], axis=0)
-            endless = np.concatenate([slipping[parted], who[tested & (mode == TOGETHER)]])
+            endless = np.concatenate([slipping[parted], who[tested & ((mode == TOGETHER) | fluid)]])
             if not self.ends.lock_up:
                 endless = endless[np.any([self._turns_on(endless, share) for share in NOT_FASTER], axis=0)]
             self.give_up(endless)
@@ -496,11 +502,13 @@ class CoupledRuns(MachineRuns):
 
     def _turns_on(self, who: np.ndarray, share: float) -> np.ndarray:
         """Whether machines never stop: if their motion, slowed down to a fraction, isn't slower after a cycle."""
-        (crank, shaft), holds = self.speeds(who), self.joined.mode[who] == TOGETHER
-        begin = np.array([share * crank, np.where(holds, share, 1.0) * shaft])
-        other = self.beside(who, Ends.never(who.size), begin)
-        alike = np.where(holds, other.slip_time == 0.0, other.slip_time >= other.time * (1.0 - NEARLY))
-        return (other.verdict == Verdict.OK) & alike & (other.omega >= share * crank)
+        slips, begin = np.abs(self.joined.mode[who]) == FORWARDS, share * self.speeds(who)
+        # A shaft that slips behind a clutch doesn't follow the crank.
+        begin[1] = np.where(slips, self.shaft_omega[who], begin[1])
+        other = self.beside(who, Ends.never(who.size)._replace(reversal=True), begin)
+        alike = np.where(slips, other.slip_time >= other.time * (1.0 - NEARLY), other.slip_time == 0.0)
+        gained = other.speeds(np.arange(who.size)) >= begin
+        return (other.verdict == Verdict.OK) & alike & gained[0] & (gained[1] | slips)
 
     def speeds(self, who: np.ndarray) -> np.ndarray:
         """Speeds of the crank and the shaft."""

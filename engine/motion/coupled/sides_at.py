@@ -101,6 +101,10 @@ class SidesAt(NamedTuple):
         pulls = [self.pull(moves=False, crank_direction=one, shaft_direction=one) for one in (forth, -forth)]
         return np.array([pull.crank.total for pull in pulls]), np.array([pull.shaft.total for pull in pulls])
 
+    def stays(self) -> np.ndarray:
+        """Whether a standing crank stays at rest without the coupling."""
+        return _set_off(self.starting()[0]) == 0.0
+
     def joining(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """How the sides are joined, and the direction of each: of its motion, or of its start from rest."""
         directions, (on_crank, on_shaft) = np.sign(self.moving[[CRANK_SPEED, SHAFT_SPEED]]), self.starting()

@@ -20,6 +20,9 @@ ROUNDED = 4.0 * EPS
 # A step error below NOISE is rounding (of torques in balance, say) if a shorter step leaves at least the fraction FALLS
 # of it. It then counts as the fraction FORGIVEN of the tolerance, so that steps grow again.
 NOISE, FALLS, FORGIVEN = 1e-11, 0.5, 0.05
+# Number of states with the speeds of two sides, states 1 and 3. Below this fraction of the other's speed, a side is
+# practically at rest: its errors are judged as at that speed.
+SIDES, NEARLY_AT_REST = 4, 1e-9
 # A step along time is rejected if it turns by more than this multiple of the largest permitted angle.
 TOO_FAR = 2.0
 # Steps below this fraction of the distance covered fail; at the start along time, of LEAST_TIME [s].
@@ -71,6 +74,11 @@ def judge_steps(task: WalkTask, room: Room) -> None:
                 own.size[lane] = (
                     own.size[lane] if own.size[lane] > own.floor[lane] or not task.signed else own.floor[lane]
                 )
+            for lane in range(LANES if task.states == SIDES and not task.signed else 0):
+                # The torques that start a side from balance are as small as their rounding.
+                slow = NEARLY_AT_REST * abs(begin[SIDES - (q | 1), lane])
+                slow *= 1.0 if q % 2 == 1 else own.length[lane]
+                own.size[lane] = slow if slow > own.size[lane] else own.size[lane]
             for s in range(task.stages):
                 for lane in range(LANES):
                     made = abs(own.length[lane] * k[s * width + q, lane])

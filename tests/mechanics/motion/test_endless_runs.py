@@ -232,3 +232,34 @@ def test_run_to_a_speed_behind_a_coupling__ends_below_the_top_of_steady_running_
     top = ask(scene, "on.speed_max")["on.speed_max"]
     found = ask(scene, "go.time", varied={"regimes.go.speed": top * np.array([0.5, 0.97, 1.03, 2.0])})
     assert found.status == [Verdict.OK] * 2 + [Verdict.NO_END] * 2
+
+
+@pytest.mark.parametrize(
+    ("only", "begin", "verdict"),
+    [
+        ("dc oil", {"from_speed": 5.0, "rest": True}, Verdict.NO_END),
+        ("dc oil rub", {"from_speed": 20.0, "rest": True}, Verdict.NO_END),
+        ("load rub", {"from_speed": 0.0, "rest": True}, Verdict.NO_END),
+        ("oil", {"from_speed": 5.0, "rest": True}, Verdict.NO_END),
+        ("brake rub", {"from_speed": 5.0, "cycles": 50.0}, Verdict.STALLS),
+    ],
+    ids=["speeds up", "slows down", "runs backwards", "fades", "stands"],
+)
+def test_slow_approach_behind_a_fluid_coupling__is_known_within_cycles(only, begin, verdict):
+    """Its torque vanishes with the slip: a flywheel on the motor's shaft approaches the crank's speed ever more slowly.
+
+    Followed until nothing changes any more, these runs took up to a minute, or didn't end.
+    """
+    motor = {"stall_moment": 20.0 / RATIO, "no_load_speed": 100.0 * RATIO}
+    scene = slider_crank({"go": run(only, **begin)}, flywheel=0.1, dc=motor, load={"moment": -5.0})
+    scene = behind(scene, 0.1, fluid=FLUID)
+    assert ask(scene, "go.time").status == [verdict]
+    assert abs(history(Scene.model_validate(scene)).angle[-1]) < 12.0 * TURN
+
+
+@pytest.mark.parametrize(("load", "verdict"), [(-1.0, Verdict.STALLS), (-2.0, Verdict.NO_END)])
+def test_crank_held_against_its_load_by_a_shaft_that_slows_down__is_driven_back_by_it_later(load, verdict):
+    """The friction alone, 1.5 N·m, holds the smaller load. The shaft's torque, at first 2.5 N·m, falls."""
+    begin = {"from_speed": 0.0, "from_shaft_speed": 35.0, "cycles": 3.0}
+    scene = rotor({"go": run("load rub", **begin)}, load={"moment": load}, rub={"moment": 1.5})
+    assert ask(behind(scene, 0.05, fluid=FLUID), "go.time").status == [verdict]
