@@ -120,9 +120,10 @@ class Followed(OverCycle):
 
 @dataclass(frozen=True)
 class Angle(Followed):
-    """A direction as an angle, continuous over the range."""
+    """Angle of a vector, continuous over the range; `vanishes`: the vector may come near zero, as a force does."""
 
     direction: Vector
+    vanishes: bool = False
 
 
 @dataclass(frozen=True)

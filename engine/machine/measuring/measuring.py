@@ -108,7 +108,7 @@ class Measuring(RequiredCurves):
         turns = getattr(self.mechanics.scene.input, "revolutions", 1)
         share = 0.0 if accuracy is None else accuracy
         # The direction of a force that nearly vanishes turns over within a panel; few positions don't show it.
-        turning = of[UnloadedArc] or any(isinstance(c, Angle) for c in self._followed)
+        turning = of[UnloadedArc] or any(isinstance(c, Angle) and c.vanishes for c in self._followed)
         coarsely = share >= VERY_COARSELY and (f.crossings or self._kinks) and not turning
         rooted = [
             *(a.square for a in of[RootIntegral]),

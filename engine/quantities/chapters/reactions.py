@@ -80,7 +80,9 @@ def _fields_of(m: Mechanics, pair: Pair) -> Declared:
         return
     yield _variable(m, f"{pair.name}.reaction", force, "N", "R", asked)
     words = f"direction of the {force}, continuous over the range"
-    yield Field(f"{pair.name}.reaction_direction", words, "rad", lambda: Angle(m.reactions.force_in(pair.name)))
+    yield Field(
+        f"{pair.name}.reaction_direction", words, "rad", lambda: Angle(m.reactions.force_in(pair.name), vanishes=True)
+    )
     yield _detail(m, f"{pair.name}.reaction_along", f"component of the {force} along link {pair.link}", "N")
     words = f"component of the {force} across link {pair.link}, positive to its left"
     yield _detail(m, f"{pair.name}.reaction_across", words, "N")
