@@ -505,10 +505,16 @@ class CoupledRuns(MachineRuns):
         slips, begin = np.abs(self.joined.mode[who]) == FORWARDS, share * self.speeds(who)
         # A shaft that slips behind a clutch doesn't follow the crank.
         begin[1] = np.where(slips, self.shaft_omega[who], begin[1])
-        other = self.beside(who, Ends.never(who.size)._replace(reversal=True), begin)
-        alike = np.where(slips, other.slip_time >= other.time * (1.0 - NEARLY), other.slip_time == 0.0)
-        gained = other.speeds(np.arange(who.size)) >= begin
-        return (other.verdict == Verdict.OK) & alike & gained[0] & (gained[1] | slips)
+        sound = np.ones(who.size, bool)
+        # Behind a fluid coupling, the crank loses speed until the slip drives it: ask the second cycle.
+        for _ in range(2 if self.sides.two.is_fluid else 1):
+            other = self.beside(who, Ends.never(who.size)._replace(reversal=True), begin)
+            alike = np.where(slips, other.slip_time >= other.time * (1.0 - NEARLY), other.slip_time == 0.0)
+            whole = other.turned >= self.cycle * (1.0 - NEARLY)
+            sound &= (other.verdict == Verdict.OK) & alike & whole
+            after = other.speeds(np.arange(who.size))
+            gained, begin = after >= begin, np.minimum(after, self.speeds(who))
+        return sound & gained[0] & (gained[1] | slips)
 
     def speeds(self, who: np.ndarray) -> np.ndarray:
         """Speeds of the crank and the shaft."""

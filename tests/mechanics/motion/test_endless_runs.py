@@ -238,7 +238,7 @@ def test_run_to_a_speed_behind_a_coupling__ends_below_the_top_of_steady_running_
     ("only", "begin", "verdict"),
     [
         ("dc oil", {"from_speed": 5.0, "rest": True}, Verdict.NO_END),
-        ("dc oil rub", {"from_speed": 20.0, "rest": True}, Verdict.NO_END),
+        ("dc oil", {"from_speed": 300.0, "from_shaft_speed": 300.0 * RATIO, "rest": True}, Verdict.NO_END),
         ("load rub", {"from_speed": 0.0, "rest": True}, Verdict.NO_END),
         ("oil", {"from_speed": 5.0, "rest": True}, Verdict.NO_END),
         ("brake rub", {"from_speed": 5.0, "cycles": 50.0}, Verdict.STALLS),
@@ -252,9 +252,9 @@ def test_slow_approach_behind_a_fluid_coupling__is_known_within_cycles(only, beg
     """
     motor = {"stall_moment": 20.0 / RATIO, "no_load_speed": 100.0 * RATIO}
     scene = slider_crank({"go": run(only, **begin)}, flywheel=0.1, dc=motor, load={"moment": -5.0})
-    scene = behind(scene, 0.1, fluid=FLUID)
+    scene = behind(scene, 1.0, fluid=FLUID)
     assert ask(scene, "go.time").status == [verdict]
-    assert abs(history(Scene.model_validate(scene)).angle[-1]) < 12.0 * TURN
+    assert abs(history(Scene.model_validate(scene)).angle[-1]) < 30.0 * TURN
 
 
 @pytest.mark.parametrize(("load", "verdict"), [(-1.0, Verdict.STALLS), (-2.0, Verdict.NO_END)])
