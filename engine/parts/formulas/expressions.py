@@ -195,9 +195,10 @@ def joined_by_and(text: str) -> list[str]:
 def pointed_out(text: str, column: int) -> str:
     """The expression's text, or an excerpt of a long one, with a caret below a column."""
     first = max(0, column - 60)
-    shown = _one_line(text)[first : column + 40]
-    shown = "".join(character if character.isprintable() else "?" for character in shown)
-    return f"    {shown}\n    {' ' * (column - first)}^"
+    line = _one_line(text)
+    shown = "".join(character if character.isprintable() else "?" for character in line[first : column + 40])
+    before, after = "…" * (first > 0), "…" * (column + 40 < len(line))
+    return f"    {before}{shown}{after}\n    {' ' * (len(before) + column - first)}^"
 
 
 def _one_line(text: str) -> str:

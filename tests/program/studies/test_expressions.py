@@ -248,6 +248,16 @@ def test_refused_construct__is_shown_with_its_place(text, place, reason):
     assert "parentheses" in allowed
 
 
+@each("before, after", [(3, 3), (60, 39), (61, 40), (200, 200)])
+def test_excerpt_of_a_long_expression__shows_where_it_is_cut(before, after):
+    with pytest.raises(ExpressionError) as caught:
+        parse("a + " * (before // 4) + " " * (before % 4) + "@" + "b" * after)
+    _, shown, caret, _ = str(caught.value).split("\n")
+    assert shown[caret.index("^")] == "@"
+    assert shown.startswith("    …") == (before > 60)
+    assert shown.endswith("…") == (after > 39)
+
+
 def test_too_long__is_refused():
     parse("a" * LONGEST)
     with pytest.raises(ExpressionError, match="longer than 2000"):
