@@ -145,7 +145,7 @@ def _texts(scene: Scene) -> Iterator[tuple[str, Any]]:
 
 def _shown(value: object) -> str:
     value = ", ".join(map(str, value)) if isinstance(value, list) else value
-    return shortened(str(value) if value not in ("", None) else "nothing")
+    return shortened(str(value) if value not in ("", None) else "not given")
 
 
 def _common(one: SweepResult, other: SweepResult) -> Iterator[tuple[np.ndarray, np.ndarray]]:

@@ -81,11 +81,12 @@ def test_best_against_best__says_what_changed_by_how_many_per_cent(press_result)
     # In line, the stroke is twice the crank: 120 mm and 132 mm, ten per cent more.
     study = STUDY.replace('"40 mm", "60 mm", "250 mm", "50 mm"', '"40 mm", "66 mm"').replace("minimise", "maximise")
     Path("one.toml").write_text(study.replace("66 mm", "60 mm"))
-    Path("two.toml").write_text(study)
+    Path("two.toml").write_text("accuracy = 1e-6\n" + study)
     for name in ("one", "two"):
         done("run", f"{name}.toml", "--no-plots")
     answer = said("compare", "results/one.h5", "results/two.h5").stdout
     assert answer.startswith("Which crank does the least work?\nBest against best, variant ")
+    assert "accuracy: not given and 1e-06\n" in answer
     best = answer[: answer.index("Scene and study")]
     assert row(best, "ram.stroke") == ["ram.stroke", "120", "mm", "132", "mm", "+10", "%"]
     assert row(best, "input.length") == ["input.length", "60", "mm", "66", "mm", "+10", "%"]
