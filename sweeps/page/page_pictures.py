@@ -17,7 +17,7 @@ from PIL import Image
 from engine import SceneError, common_units, scene_numbers
 from sweeps.page.digest import Digest
 from sweeps.page.machine_motion import BRIEF, looks, motion_data
-from sweeps.page.page_text import SHORT
+from sweeps.page.page_text import SHORT, markup
 from sweeps.pictures.drawing import DrawnMotion
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.picture_files import machine_pictures
@@ -101,13 +101,11 @@ def inline_svg(path: Path, prefix: str) -> "Markup":
     prefix : str
         Prefix of its ids.
     """
-    from markupsafe import Markup
-
     text = path.read_text("utf8")
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.S)
     text = re.sub(r"(?<=data:image/png;base64,)[^\"]*", _of_few_colours, text)
-    return Markup(re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", text))
+    return markup(re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", text))
 
 
 def _of_few_colours(found: re.Match) -> str:

@@ -11,6 +11,9 @@ from sweeps.text.visible import visible
 
 if TYPE_CHECKING:
     from jinja2 import Template
+    from markupsafe import Markup
+
+_EXTRA = partial(extra, "report", "a page", partial(InputError.of, "report"))
 
 # Separators of JSON without blanks.
 SHORT = (",", ":")
@@ -29,20 +32,37 @@ def page_text(parts: Mapping[str, object]) -> str:
     InputError
         Jinja2 isn't installed.
     """
-    with extra("report", "a page", partial(InputError.of, "report")):
-        from markupsafe import Markup
-
-        template = _template()
+    template = _template()
     here = files("sweeps.page")
     names = ("page.js", "player.js", "variants.js", *(("watch.js",) if "version" in parts else ()))
-    scripts = [Markup((here / name).read_text("utf8")) for name in names]
-    return template.render(parts, css=Markup((here / "page.css").read_text("utf8")), scripts=scripts)
+    scripts = [markup((here / name).read_text("utf8")) for name in names]
+    return template.render(parts, css=markup((here / "page.css").read_text("utf8")), scripts=scripts)
+
+
+def markup(text: str) -> "Markup":
+    """A text that the template embeds as it is.
+
+    Parameters
+    ----------
+    text : str
+        HTML, SVG, a script or a style sheet.
+
+    Raises
+    ------
+    InputError
+        Jinja2 isn't installed.
+    """
+    with _EXTRA():
+        from markupsafe import Markup
+
+    return Markup(text)
 
 
 @cache
 def _template() -> "Template":
     """The template, compiled once: a watched page is made again whenever its file is saved."""
-    import jinja2
+    with _EXTRA():
+        import jinja2
 
     environment = jinja2.Environment(autoescape=True, finalize=_shown)
     environment.policies["json.dumps_kwargs"] = {"separators": SHORT, "allow_nan": False}

@@ -7,6 +7,7 @@ import re
 import shlex
 import shutil
 import subprocess
+import sys
 import tomllib
 import tracemalloc
 from io import BytesIO
@@ -23,6 +24,7 @@ from searches import TWO, searched
 from engine import Verdict
 from sweeps.optimising.optimum import front
 from sweeps.page import digest as digest_module
+from sweeps.page import page_text
 from sweeps.page.digest import Digest
 from sweeps.pictures.style import new_figure, save
 from sweeps.report.recorded import result_file
@@ -51,6 +53,14 @@ def result(tmp_path_factory):
 def page(result):
     done("report", str(result))
     return result.with_suffix(".html")
+
+
+@pytest.mark.parametrize("library", ["markupsafe", "jinja2"])
+def test_missing_extra__is_named_with_its_remedy(result, library, monkeypatch):
+    page_text._template.cache_clear()
+    monkeypatch.setitem(sys.modules, library, None)
+    message = f"report: a page needs {library}: pip install 'machine-sweeps[report]'"
+    assert message in refused("report", str(result), "--out", "unmade.html")
 
 
 # What is found in the file
